@@ -1,0 +1,389 @@
+//! From trees to a model: declarations, then definitions, rules, properties and the initial state.
+
+use crate::declare::{Declared, declare};
+use crate::error::HirError;
+use crate::load::Loaded;
+use crate::model::{
+    Body, DomainKind, FunctionId, FunctionKind, Invariant, Logic, Meaning, Model, Program,
+    Reserved, Rule, TemporalProperty, Term, Variable,
+};
+use crate::scope::similar;
+use crate::term::Resolver;
+use crate::types::{Type, TypeId};
+use source::{Report, Sources, Span};
+use std::sync::Arc;
+use syntax::ast;
+use value::RuleId;
+
+/// Resolves and types everything that was loaded. Without a model, the report has errors.
+pub fn analyse(loaded: &Loaded, sources: &Sources) -> (Option<Model>, Report) {
+    let Some(main) = loaded.units.last() else {
+        return (None, Report::new());
+    };
+    let mut analysis = Analysis {
+        declared: declare(&loaded.units),
+        invariants: Vec::new(),
+        properties: Vec::new(),
+        programs: Vec::new(),
+        sources,
+    };
+    for (index, unit) in loaded.units.iter().enumerate() {
+        analysis.definitions(index, &unit.tree);
+        analysis.rules(index, &unit.tree);
+        analysis.properties(index, &unit.tree, unit.library);
+    }
+    let last = loaded.units.len() - 1;
+    analysis.initial_state(last, &main.tree);
+    let main_rule = analysis.main_rule(main);
+    analysis.undefined_domains();
+    let report = std::mem::take(&mut analysis.declared.report);
+    if report.has_errors() || loaded.report.has_errors() {
+        return (None, report);
+    }
+    let name = main.tree.name.as_ref().map_or_else(|| Arc::from(""), |name| name.text.clone());
+    (Some(analysis.finish(name, main_rule)), report)
+}
+
+struct Analysis<'a> {
+    declared: Declared,
+    invariants: Vec<Invariant>,
+    properties: Vec<TemporalProperty>,
+    programs: Vec<Program>,
+    sources: &'a Sources,
+}
+
+impl Analysis<'_> {
+    fn resolver(&mut self, unit: usize) -> Resolver<'_> {
+        Resolver::new(&mut self.declared, unit)
+    }
+
+    /// Resolves a closed term against the type wanted of it.
+    fn expression(&mut self, unit: usize, term: &ast::Term, wanted: Option<(TypeId, &str, Option<Span>)>) -> Body<Term> {
+        let mut resolver = self.resolver(unit);
+        let root = resolver.term(term);
+        if let Some((wanted, what, declared)) = wanted {
+            resolver.expect(&root, wanted, what, declared);
+        }
+        resolver.body(0, root)
+    }
+
+    fn condition(&mut self, unit: usize, term: &ast::Term, what: &str) -> Body<Term> {
+        let boolean = self.declared.types.id(Type::Boolean);
+        self.expression(unit, term, Some((boolean, what, None)))
+    }
+
+    fn definitions(&mut self, unit: usize, tree: &ast::File) {
+        for definition in &tree.domain_definitions {
+            self.domain_definition(unit, definition);
+        }
+        for definition in &tree.function_definitions {
+            if let Some((id, body)) = self.function_definition(unit, definition, Purpose::Definition) {
+                self.declared.functions[id.0 as usize].meaning = Meaning::Defined(body);
+            }
+        }
+    }
+
+    fn domain_definition(&mut self, unit: usize, definition: &ast::DomainDefinition) {
+        let name = &definition.name;
+        let Some(&id) = self.declared.scopes[unit].domains.get(&name.text) else {
+            let similar = self.declared.scopes[unit].similar_domain(&name.text);
+            let error = HirError::UnknownDomain { name: name.text.clone(), at: name.span, similar };
+            return self.declared.report.push(error.diagnostic());
+        };
+        let declared = self.declared.domains[id.0 as usize].span;
+        let DomainKind::Concrete { base } = self.declared.domains[id.0 as usize].kind else {
+            let error = HirError::DefinesWrongKind {
+                name: name.text.clone(),
+                kind: "not a subset of another domain",
+                why: "only a `subsetof` domain is defined by its elements",
+                at: name.span,
+                declared,
+            };
+            return self.declared.report.push(error.diagnostic());
+        };
+        let wanted = self.declared.types.id(Type::Powerset(base));
+        let what = name.text.to_string();
+        let body = self.expression(unit, &definition.body, Some((wanted, &what, Some(declared))));
+        self.declared.domains[id.0 as usize].definition = Some(body);
+    }
+
+    /// Resolves `function f($x in D) = term`; the parameters pick the overload.
+    fn function_definition(
+        &mut self,
+        unit: usize,
+        definition: &ast::FunctionDefinition,
+        purpose: Purpose,
+    ) -> Option<(FunctionId, Body<Term>)> {
+        let name = &definition.name;
+        let parameters: Vec<TypeId> = definition
+            .parameters
+            .iter()
+            .map(|parameter| self.declared.resolve_type(unit, &parameter.domain))
+            .collect();
+        let id = self.defined_function(unit, name, &parameters)?;
+        let function = &self.declared.functions[id.0 as usize];
+        let (codomain, declared, kind) = (function.codomain, function.span, function.kind);
+        if let Some(why) = purpose.forbids(kind) {
+            let error = HirError::DefinesWrongKind {
+                name: name.text.clone(),
+                kind: kind_name(kind),
+                why,
+                at: name.span,
+                declared,
+            };
+            self.declared.report.push(error.diagnostic());
+            return None;
+        }
+        let mut resolver = self.resolver(unit);
+        for (parameter, &ty) in definition.parameters.iter().zip(&parameters) {
+            resolver.bind(&parameter.name, ty);
+        }
+        let root = resolver.term(&definition.body);
+        resolver.expect(&root, codomain, &name.text, Some(declared));
+        let count = definition.parameters.len();
+        let body = resolver.body(count, root);
+        Some((id, body))
+    }
+
+    fn defined_function(&mut self, unit: usize, name: &ast::Name, parameters: &[TypeId]) -> Option<FunctionId> {
+        if let Some(id) = self.declared.overload(unit, &name.text, parameters) {
+            return Some(id);
+        }
+        let candidates = self.declared.scopes[unit].functions.get(&name.text).cloned().unwrap_or_default();
+        let fitting: Vec<FunctionId> = candidates
+            .iter()
+            .copied()
+            .filter(|id| {
+                let wanted = &self.declared.functions[id.0 as usize].parameters;
+                let fits = |(&a, &b): (&TypeId, &TypeId)| {
+                    self.declared.types.compatible(a, b, &self.declared.domains)
+                };
+                wanted.len() == parameters.len() && wanted.iter().zip(parameters).all(fits)
+            })
+            .collect();
+        if let Some(&id) = fitting.first() {
+            return Some(id);
+        }
+        let Some(&first) = candidates.first() else {
+            let similar = similar(&name.text, self.declared.scopes[unit].functions.keys())
+                .map(|found| (found.clone(), self.first_span(unit, &found)));
+            let error = HirError::DefinesUndeclared { name: name.text.clone(), at: name.span, similar };
+            self.declared.report.push(error.diagnostic());
+            return None;
+        };
+        let wanted = &self.declared.functions[first.0 as usize];
+        let error = HirError::Arity {
+            name: name.text.clone(),
+            wanted: wanted.parameters.len(),
+            actual: parameters.len(),
+            at: name.span,
+            declared: wanted.span,
+        };
+        self.declared.report.push(error.diagnostic());
+        None
+    }
+
+    fn first_span(&self, unit: usize, name: &str) -> Span {
+        let known = self.declared.scopes[unit].functions.get(name);
+        known
+            .and_then(|ids| ids.first())
+            .map_or_else(Span::default, |id| self.declared.functions[id.0 as usize].span)
+    }
+
+    fn rules(&mut self, unit: usize, tree: &ast::File) {
+        for rule in tree.rules.iter().chain(&tree.main) {
+            let Some(id) = self.rule_at(rule.name.span) else { continue };
+            let parameters = self.declared.rules[id.0 as usize].parameters.clone();
+            let result = self.declared.rules[id.0 as usize].result;
+            let mut resolver = self.resolver(unit);
+            match rule.turbo {
+                true => resolver.enter_turbo(result),
+                false => resolver.enter_macro(rule.parameters.len()),
+            }
+            for (parameter, ty) in rule.parameters.iter().zip(parameters) {
+                resolver.bind(&parameter.name, ty);
+            }
+            let root = resolver.rule(&rule.body);
+            let body = resolver.body(rule.parameters.len(), root);
+            self.declared.rules[id.0 as usize].body = Some(body);
+        }
+    }
+
+    /// The rule whose name stands here.
+    fn rule_at(&self, span: Span) -> Option<RuleId> {
+        let at = self.declared.rules.iter().position(|rule: &Rule| rule.span == span)?;
+        Some(RuleId(at as u32))
+    }
+
+    fn properties(&mut self, unit: usize, tree: &ast::File, library: bool) {
+        if library {
+            return;
+        }
+        for property in &tree.properties {
+            let (logic, formulas) = match &property.kind {
+                ast::PropertyKind::Invariant { body, .. } => {
+                    let condition = self.condition(unit, body, "invariant");
+                    let name = match &property.name {
+                        Some(name) => name.text.clone(),
+                        None => Arc::from(self.sources.snippet(body.span)),
+                    };
+                    self.invariants.push(Invariant { name, condition, span: property.span });
+                    continue;
+                }
+                ast::PropertyKind::Constraint(body) => (Logic::Constraint, vec![body]),
+                ast::PropertyKind::Justice(body) => (Logic::Justice, vec![body]),
+                ast::PropertyKind::Compassion(p, q) => (Logic::Compassion, vec![p, q]),
+                ast::PropertyKind::Ctl(body) => (Logic::Ctl, vec![body]),
+                ast::PropertyKind::Ltl(body) => (Logic::Ltl, vec![body]),
+            };
+            let formulas = formulas.into_iter().map(|body| self.condition(unit, body, "property")).collect();
+            let name = property.name.as_ref().map(|name| name.text.clone());
+            self.properties.push(TemporalProperty { name, logic, formulas, span: property.span });
+        }
+    }
+
+    fn initial_state(&mut self, unit: usize, tree: &ast::File) {
+        let default = tree.inits.iter().find(|init| init.default);
+        if let (None, Some(first)) = (default, tree.inits.first()) {
+            self.declared.report.push(HirError::NoDefaultInit { at: first.name.span }.diagnostic());
+        }
+        // The others are checked all the same.
+        for init in &tree.inits {
+            for definition in &init.domains {
+                if init.default {
+                    self.domain_definition(unit, definition);
+                }
+            }
+            for definition in &init.functions {
+                let resolved = self.function_definition(unit, definition, Purpose::Initial);
+                if let (Some((id, body)), true) = (resolved, init.default) {
+                    self.declared.functions[id.0 as usize].initial = Some(body);
+                }
+            }
+            for agent in &init.agents {
+                if let (Some(program), true) = (self.program(unit, agent), init.default) {
+                    self.programs.push(program);
+                }
+            }
+        }
+    }
+
+    fn program(&mut self, unit: usize, agent: &ast::AgentInit) -> Option<Program> {
+        let name = &agent.domain;
+        let Some(&domain) = self.declared.scopes[unit].domains.get(&name.text) else {
+            let similar = self.declared.scopes[unit].similar_domain(&name.text);
+            let error = HirError::UnknownDomain { name: name.text.clone(), at: name.span, similar };
+            self.declared.report.push(error.diagnostic());
+            return None;
+        };
+        let mut resolver = self.resolver(unit);
+        let arguments: Vec<Term> = agent.arguments.iter().map(|term| resolver.term(term)).collect();
+        let rule = resolver.callee(&agent.rule, &arguments)?;
+        let variables: Vec<Variable> = resolver.variables();
+        let arguments = arguments
+            .into_iter()
+            .map(|root| Body { parameters: 0, variables: variables.clone(), root })
+            .collect();
+        Some(Program { domain, rule, arguments })
+    }
+
+    fn main_rule(&mut self, main: &crate::load::Unit) -> Option<RuleId> {
+        let tree = &main.tree;
+        if let Some(name) = &tree.name {
+            let stem = std::path::Path::new(&main.path).file_stem().unwrap_or_default().to_string_lossy();
+            if *stem != *name.text && !stem.is_empty() && !main.path.starts_with('<') {
+                let error = HirError::FileName { name: name.text.clone(), stem: stem.into_owned(), at: name.span };
+                self.declared.report.push(error.diagnostic());
+            }
+        }
+        let Some(rule) = &tree.main else {
+            if let (Some(name), false) = (&tree.name, tree.module) {
+                let error = HirError::NoMain { name: name.text.clone(), at: name.span };
+                self.declared.report.push(error.diagnostic());
+            }
+            return None;
+        };
+        if !rule.parameters.is_empty() {
+            self.declared.report.push(HirError::MainParameters { at: rule.name.span }.diagnostic());
+        }
+        self.rule_at(rule.name.span)
+    }
+
+    fn undefined_domains(&mut self) {
+        for domain in &self.declared.domains {
+            let DomainKind::Concrete { base } = domain.kind else { continue };
+            let root = self.declared.types.root(base, &self.declared.domains);
+            let needs_definition = match self.declared.types.get(root) {
+                Type::Domain(root) => {
+                    !matches!(self.declared.domains[root.0 as usize].kind, DomainKind::Abstract)
+                }
+                _ => true,
+            };
+            if needs_definition && domain.definition.is_none() && !domain.dynamic {
+                let error = HirError::EmptyDomain { domain: domain.name.clone(), at: domain.span };
+                self.declared.report.push(error.diagnostic());
+            }
+        }
+    }
+
+    fn finish(self, name: Arc<str>, main: Option<RuleId>) -> Model {
+        let functions = &self.declared.functions;
+        let reserved = |name: &str| {
+            let at = functions
+                .iter()
+                .position(|function| &*function.name == name && matches!(function.meaning, Meaning::Machine));
+            at.map(|index| FunctionId(index as u32))
+        };
+        let reserved = Reserved {
+            self_: reserved("self"),
+            program: reserved("program"),
+            result: reserved("result"),
+        };
+        Model {
+            name,
+            types: self.declared.types,
+            domains: self.declared.domains,
+            functions: self.declared.functions,
+            rules: self.declared.rules,
+            atoms: self.declared.atoms,
+            main,
+            programs: self.programs,
+            invariants: self.invariants,
+            properties: self.properties,
+            reserved,
+        }
+    }
+}
+
+/// What a `function f(…) = …` is for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Purpose {
+    /// Under `definitions:`.
+    Definition,
+    /// In an initial state.
+    Initial,
+}
+
+impl Purpose {
+    fn forbids(self, kind: FunctionKind) -> Option<&'static str> {
+        let fixed = matches!(kind, FunctionKind::Static | FunctionKind::Derived);
+        match self {
+            Self::Definition if !fixed => Some("its values come from rules or the environment, not from a definition"),
+            Self::Initial if fixed => Some("it has a definition instead of an initial value"),
+            Self::Definition | Self::Initial => None,
+        }
+    }
+}
+
+/// The word for a kind of function.
+pub(crate) fn kind_name(kind: FunctionKind) -> &'static str {
+    match kind {
+        FunctionKind::Static => "static",
+        FunctionKind::Derived => "derived",
+        FunctionKind::Monitored => "monitored",
+        FunctionKind::Controlled => "controlled",
+        FunctionKind::Shared => "shared",
+        FunctionKind::Out => "out",
+        FunctionKind::Local => "local",
+    }
+}

@@ -1,0 +1,436 @@
+//! Signatures: domains, functions and rule heads get their ids, every file its scope.
+
+use crate::error::HirError;
+use crate::load::Unit;
+use crate::model::{
+    AtomInfo, Domain, DomainId, DomainKind, Function, FunctionId, FunctionKind, Meaning, Rule,
+};
+use crate::scope::Scope;
+use crate::types::{Type, TypeId, Types};
+use source::{Report, Span};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+use syntax::ast;
+use value::{Atom, RuleId};
+
+/// What is known so far, of all files.
+pub(crate) struct Declared {
+    pub types: Types,
+    pub domains: Vec<Domain>,
+    pub functions: Vec<Function>,
+    pub rules: Vec<Rule>,
+    pub atoms: Vec<AtomInfo>,
+    /// By unit.
+    pub scopes: Vec<Scope>,
+    pub report: Report,
+}
+
+/// What a unit lets others see, decided by its `export` clause.
+struct Exports<'a> {
+    names: Option<BTreeSet<&'a str>>,
+    all: bool,
+}
+
+impl Exports<'_> {
+    fn of(tree: &ast::File) -> Exports<'_> {
+        match &tree.export {
+            None => Exports { names: None, all: false },
+            Some(ast::Export { names: None, .. }) => Exports { names: None, all: true },
+            Some(ast::Export { names: Some(names), .. }) => {
+                Exports { names: Some(names.iter().map(|name| &*name.text).collect()), all: false }
+            }
+        }
+    }
+
+    fn has(&self, name: &str) -> bool {
+        self.all || self.names.as_ref().is_some_and(|names| names.contains(name))
+    }
+
+    fn is_empty(&self) -> bool {
+        !self.all && self.names.as_ref().is_none_or(BTreeSet::is_empty)
+    }
+}
+
+/// Declares everything in all units.
+pub(crate) fn declare(units: &[Unit]) -> Declared {
+    let mut declared = Declared {
+        types: Types::default(),
+        domains: Vec::new(),
+        functions: Vec::new(),
+        rules: Vec::new(),
+        atoms: Vec::new(),
+        scopes: Vec::new(),
+        report: Report::new(),
+    };
+    let mut functions = Vec::new();
+    for (index, unit) in units.iter().enumerate() {
+        declared.scopes.push(Scope::default());
+        declared.imports(units, index);
+        declared.unit_domains(index, &unit.tree);
+    }
+    // Literals first: they stand side by side, one domain after the other.
+    for (index, unit) in units.iter().enumerate() {
+        declared.literals(index, &unit.tree);
+        declared.imported_literals(units, index);
+    }
+    for (index, unit) in units.iter().enumerate() {
+        declared.imported_functions(units, index);
+        functions.extend(declared.unit_functions(index, unit));
+    }
+    declared.constants(&functions);
+    for (index, unit) in units.iter().enumerate() {
+        declared.imported_rules(units, index);
+        declared.unit_rules(index, unit);
+    }
+    declared
+}
+
+impl Declared {
+    /// Takes over the imported domains; checks the names an import asks for.
+    fn imports(&mut self, units: &[Unit], index: usize) {
+        let unit = &units[index];
+        for &(import, from) in &unit.imports {
+            let import = &unit.tree.imports[import];
+            let exports = Exports::of(&units[from].tree);
+            if exports.is_empty() && units[from].tree.module {
+                let module = import.path.text.clone();
+                self.report.push(HirError::ImportsNothing { module, at: import.path.span }.diagnostic());
+            }
+            let other = self.scopes[from].clone();
+            self.scopes[index].import(&other, |name| exports.has(name) && asked(import, name), |_| false);
+        }
+    }
+
+    fn imported_literals(&mut self, units: &[Unit], index: usize) {
+        for &(import, from) in &units[index].imports {
+            let import = &units[index].tree.imports[import];
+            let exports = Exports::of(&units[from].tree);
+            let other = self.scopes[from].clone();
+            let (domains, atoms) = (&self.domains, &self.atoms);
+            let domain_of = |atom: Atom| &*domains[atoms[atom.0 as usize].domain.0 as usize].name;
+            let wanted = |atom| exports.has(domain_of(atom)) && asked(import, domain_of(atom));
+            self.scopes[index].import(&other, |_| false, wanted);
+        }
+    }
+
+    fn imported_functions(&mut self, units: &[Unit], index: usize) {
+        self.imported_names(units, index, |into, from| into.functions = from.functions.clone());
+    }
+
+    fn imported_rules(&mut self, units: &[Unit], index: usize) {
+        self.imported_names(units, index, |into, from| into.rules = from.rules.clone());
+        let unit = &units[index];
+        for &(import, from) in &unit.imports {
+            let import = &unit.tree.imports[import];
+            let exports = Exports::of(&units[from].tree);
+            for name in import.names.iter().flatten() {
+                let other = &self.scopes[from];
+                let known = other.domains.contains_key(&name.text)
+                    || other.functions.contains_key(&name.text)
+                    || (other.rules.contains_key(&name.text) || declares_rule(&units[from].tree, &name.text));
+                if !known || !exports.has(&name.text) {
+                    let module = import.path.text.clone();
+                    let error = HirError::NotExported { module, name: name.text.clone(), at: name.span };
+                    self.report.push(error.diagnostic());
+                }
+            }
+        }
+    }
+
+    fn imported_names(&mut self, units: &[Unit], index: usize, part: impl Fn(&mut Scope, &Scope)) {
+        for &(import, from) in &units[index].imports {
+            let import = &units[index].tree.imports[import];
+            let exports = Exports::of(&units[from].tree);
+            let mut other = Scope::default();
+            part(&mut other, &self.scopes[from]);
+            self.scopes[index].import(&other, |name| exports.has(name) && asked(import, name), |_| false);
+        }
+    }
+
+    fn unit_domains(&mut self, index: usize, tree: &ast::File) {
+        let mut concrete = Vec::new();
+        for domain in &tree.domains {
+            if matches!(domain.kind, ast::DomainKind::Structured(_)) {
+                continue;
+            }
+            let name = &domain.name;
+            if let Some(&first) = self.scopes[index].domains.get(&name.text) {
+                // Old models declare again what a library brings; the same thing twice does no harm.
+                let same_basic = matches!(domain.kind, ast::DomainKind::Basic | ast::DomainKind::Any)
+                    || (&*name.text == "Agent" || &*name.text == "Reserve");
+                if !same_basic {
+                    let first = self.domains[first.0 as usize].span;
+                    let error = HirError::Duplicate { name: name.text.clone(), at: name.span, first };
+                    self.report.push(error.diagnostic());
+                }
+                continue;
+            }
+            let id = DomainId(self.domains.len() as u32);
+            let kind = match &domain.kind {
+                ast::DomainKind::Any => DomainKind::Any,
+                ast::DomainKind::Basic => DomainKind::Basic,
+                ast::DomainKind::Abstract | ast::DomainKind::Structured(_) => DomainKind::Abstract,
+                ast::DomainKind::Enum(_) => DomainKind::Enum { first: Atom(0), count: 0 },
+                ast::DomainKind::Concrete(base) => {
+                    concrete.push((id, base));
+                    DomainKind::Concrete { base: self.types.id(Type::Invalid) }
+                }
+            };
+            self.domains.push(Domain {
+                name: name.text.clone(),
+                kind,
+                dynamic: domain.dynamic,
+                definition: None,
+                span: name.span,
+            });
+            self.scopes[index].domains.insert(name.text.clone(), id);
+        }
+        for (id, base) in concrete {
+            let base = self.resolve_type(index, base);
+            self.domains[id.0 as usize].kind = DomainKind::Concrete { base };
+        }
+    }
+
+    fn literals(&mut self, index: usize, tree: &ast::File) {
+        for domain in &tree.domains {
+            let ast::DomainKind::Enum(literals) = &domain.kind else { continue };
+            let Some(&id) = self.scopes[index].domains.get(&domain.name.text) else { continue };
+            if self.domains[id.0 as usize].span != domain.name.span {
+                continue;
+            }
+            let first = Atom(self.atoms.len() as u32);
+            for literal in literals {
+                let atom = Atom(self.atoms.len() as u32);
+                let twice = self.scopes[index].literals.get(&literal.text).and_then(|known| known.first());
+                if let Some(&twice) = twice {
+                    let first = self.atoms[twice.0 as usize].span;
+                    let name = literal.text.clone();
+                    self.report.push(HirError::Duplicate { name, at: literal.span, first }.diagnostic());
+                }
+                self.atoms.push(AtomInfo { name: literal.text.clone(), domain: id, span: literal.span });
+                self.scopes[index].literals.entry(literal.text.clone()).or_default().push(atom);
+            }
+            let count = self.atoms.len() as u32 - first.0;
+            self.domains[id.0 as usize].kind = DomainKind::Enum { first, count };
+        }
+    }
+
+    /// Declares the functions of a unit; returns those without definition that may be constants.
+    fn unit_functions(&mut self, index: usize, unit: &Unit) -> Vec<FunctionId> {
+        let defined: BTreeSet<&str> =
+            unit.tree.function_definitions.iter().map(|definition| &*definition.name.text).collect();
+        let mut undefined = Vec::new();
+        for function in &unit.tree.functions {
+            let codomain = self.resolve_type(index, &function.codomain);
+            let parameters = match &function.domain {
+                None => Vec::new(),
+                Some(domain) => self.parameters(index, domain),
+            };
+            let name = &function.name;
+            let twice = self.overload(index, &name.text, &parameters);
+            if let Some(first) = twice {
+                let library = self.functions[first.0 as usize].library;
+                if !library || unit.library {
+                    let first = self.functions[first.0 as usize].span;
+                    let error = HirError::Duplicate { name: name.text.clone(), at: name.span, first };
+                    self.report.push(error.diagnostic());
+                    continue;
+                }
+                // A model may declare a library's function anew; its own then counts in its file.
+                if let Some(known) = self.scopes[index].functions.get_mut(&name.text) {
+                    known.retain(|&id| id != first);
+                }
+            }
+            let id = FunctionId(self.functions.len() as u32);
+            let is_defined = defined.contains(&*name.text);
+            let meaning = self.meaning(function.kind, &name.text, &parameters, unit.library, is_defined);
+            if matches!(meaning, Meaning::Missing) && parameters.is_empty() {
+                undefined.push(id);
+            }
+            self.functions.push(Function {
+                name: name.text.clone(),
+                kind: function.kind,
+                parameters,
+                codomain,
+                meaning,
+                initial: None,
+                span: name.span,
+                library: unit.library,
+            });
+            self.scopes[index].functions.entry(name.text.clone()).or_default().push(id);
+        }
+        undefined
+    }
+
+    fn meaning(
+        &self,
+        kind: FunctionKind,
+        name: &str,
+        parameters: &[TypeId],
+        library: bool,
+        defined: bool,
+    ) -> Meaning {
+        match kind {
+            FunctionKind::Static | FunctionKind::Derived => {
+                if library && stdlib::RESERVED.contains(&name) {
+                    return Meaning::Machine;
+                }
+                if defined {
+                    return Meaning::Missing;
+                }
+                let domain: Vec<String> = parameters.iter().map(|&ty| self.types.show(ty, &self.domains)).collect();
+                let domain = match domain.as_slice() {
+                    [] => String::new(),
+                    [one] => one.clone(),
+                    several => format!("Prod({})", several.join(",")),
+                };
+                stdlib::builtin(name, &domain).map_or(Meaning::Missing, Meaning::Builtin)
+            }
+            FunctionKind::Controlled if library && stdlib::RESERVED.contains(&name) => Meaning::Machine,
+            FunctionKind::Monitored
+            | FunctionKind::Controlled
+            | FunctionKind::Shared
+            | FunctionKind::Out
+            | FunctionKind::Local => Meaning::State,
+        }
+    }
+
+    /// Static functions without arguments or definition and with an abstract codomain are elements
+    /// of that domain. Elements get their atoms domain by domain, a domain's own before those of the
+    /// domains it contains, so that the elements of every domain stand side by side.
+    fn constants(&mut self, undefined: &[FunctionId]) {
+        let mut by_domain: BTreeMap<DomainId, Vec<FunctionId>> = BTreeMap::new();
+        for &id in undefined {
+            let codomain = self.functions[id.0 as usize].codomain;
+            let root = self.types.root(codomain, &self.domains);
+            let (Type::Domain(domain), Type::Domain(root)) = (self.types.get(codomain), self.types.get(root)) else {
+                continue;
+            };
+            if self.domains[root.0 as usize].kind == DomainKind::Abstract {
+                by_domain.entry(*domain).or_default().push(id);
+            }
+        }
+        let roots: Vec<DomainId> = (0..self.domains.len() as u32)
+            .map(DomainId)
+            .filter(|id| self.domains[id.0 as usize].kind == DomainKind::Abstract)
+            .collect();
+        let mut order = Vec::new();
+        let mut open: Vec<DomainId> = roots.into_iter().rev().collect();
+        while let Some(domain) = open.pop() {
+            order.push(domain);
+            let contained = (0..self.domains.len() as u32).rev().map(DomainId).filter(|id| {
+                match self.domains[id.0 as usize].kind {
+                    DomainKind::Concrete { base } => *self.types.get(base) == Type::Domain(domain),
+                    _ => false,
+                }
+            });
+            open.extend(contained);
+        }
+        for domain in order {
+            for &id in by_domain.get(&domain).into_iter().flatten() {
+                let function = &mut self.functions[id.0 as usize];
+                let atom = Atom(self.atoms.len() as u32);
+                function.meaning = Meaning::Constant(atom);
+                self.atoms.push(AtomInfo { name: function.name.clone(), domain, span: function.span });
+            }
+        }
+    }
+
+    fn unit_rules(&mut self, index: usize, unit: &Unit) {
+        for rule in unit.tree.rules.iter().chain(&unit.tree.main) {
+            let parameters: Vec<TypeId> =
+                rule.parameters.iter().map(|parameter| self.resolve_type(index, &parameter.domain)).collect();
+            let result = rule.result.as_ref().map(|ty| self.resolve_type(index, ty));
+            let name = &rule.name;
+            let known = self.scopes[index].rules.get(&name.text).into_iter().flatten();
+            let twice = known.copied().find(|id| self.rules[id.0 as usize].parameters == parameters);
+            if let Some(twice) = twice {
+                let first = self.rules[twice.0 as usize].span;
+                if self.rules[twice.0 as usize].library && !unit.library {
+                    if let Some(known) = self.scopes[index].rules.get_mut(&name.text) {
+                        known.retain(|&id| id != twice);
+                    }
+                } else {
+                    let error = HirError::Duplicate { name: name.text.clone(), at: name.span, first };
+                    self.report.push(error.diagnostic());
+                }
+            }
+            let id = RuleId(self.rules.len() as u32);
+            self.rules.push(Rule {
+                name: name.text.clone(),
+                turbo: rule.turbo,
+                parameters,
+                result,
+                body: None,
+                span: name.span,
+                library: unit.library,
+            });
+            self.scopes[index].rules.entry(name.text.clone()).or_default().push(id);
+        }
+    }
+
+    /// The function of this name with exactly these parameters, if the unit sees one.
+    pub fn overload(&self, unit: usize, name: &str, parameters: &[TypeId]) -> Option<FunctionId> {
+        let known = self.scopes[unit].functions.get(name)?;
+        known.iter().copied().find(|id| self.functions[id.0 as usize].parameters == parameters)
+    }
+
+    /// The argument domains of a function: the components of a product, or the one domain.
+    pub fn parameters(&mut self, unit: usize, domain: &ast::Type) -> Vec<TypeId> {
+        match &domain.kind {
+            ast::TypeKind::Prod(items) => items.iter().map(|item| self.resolve_type(unit, item)).collect(),
+            _ => vec![self.resolve_type(unit, domain)],
+        }
+    }
+
+    /// The type a domain in the text stands for.
+    pub fn resolve_type(&mut self, unit: usize, ty: &ast::Type) -> TypeId {
+        let resolved = match &ty.kind {
+            ast::TypeKind::Named(name) => return self.named_type(unit, name, ty.span),
+            ast::TypeKind::Rule(_) => Type::Rule,
+            ast::TypeKind::Prod(items) => {
+                Type::Prod(items.iter().map(|item| self.resolve_type(unit, item)).collect())
+            }
+            ast::TypeKind::Seq(item) => Type::Seq(self.resolve_type(unit, item)),
+            ast::TypeKind::Powerset(item) => Type::Powerset(self.resolve_type(unit, item)),
+            ast::TypeKind::Bag(item) => Type::Bag(self.resolve_type(unit, item)),
+            ast::TypeKind::Map(key, item) => {
+                let key = self.resolve_type(unit, key);
+                Type::Map(key, self.resolve_type(unit, item))
+            }
+        };
+        self.types.id(resolved)
+    }
+
+    fn named_type(&mut self, unit: usize, name: &Arc<str>, at: Span) -> TypeId {
+        let Some(&domain) = self.scopes[unit].domains.get(name) else {
+            let similar = self.scopes[unit].similar_domain(name);
+            self.report.push(HirError::UnknownDomain { name: name.clone(), at, similar }.diagnostic());
+            return self.types.id(Type::Invalid);
+        };
+        let ty = match self.domains[domain.0 as usize].kind {
+            DomainKind::Basic => match &**name {
+                "Boolean" => Type::Boolean,
+                "Integer" => Type::Integer,
+                "Natural" => Type::Natural,
+                "Real" => Type::Real,
+                "Complex" => Type::Complex,
+                "Char" => Type::Char,
+                "String" => Type::String,
+                "Rule" => Type::Rule,
+                _ => Type::Undef,
+            },
+            _ => Type::Domain(domain),
+        };
+        self.types.id(ty)
+    }
+}
+
+/// Whether an import asks for this name.
+fn asked(import: &ast::Import, name: &str) -> bool {
+    import.names.as_ref().is_none_or(|names| names.iter().any(|asked| &*asked.text == name))
+}
+
+fn declares_rule(tree: &ast::File, name: &str) -> bool {
+    tree.rules.iter().any(|rule| &*rule.name.text == name)
+}

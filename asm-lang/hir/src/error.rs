@@ -1,0 +1,262 @@
+//! What can be wrong with a tree that was read, and how to say it.
+
+use source::{Diagnostic, LoadError, Span};
+use std::sync::Arc;
+
+type Name = Arc<str>;
+
+/// A finding of the analysis.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum HirError {
+    #[error("unknown function `{name}`")]
+    UnknownFunction { name: Name, at: Span, similar: Option<(Name, Span)> },
+    #[error("unknown variable `{name}`")]
+    UnknownVariable { name: Name, at: Span, similar: Option<Name> },
+    #[error("unknown rule `{name}`")]
+    UnknownRule { name: Name, at: Span, similar: Option<(Name, Span)> },
+    #[error("unknown domain `{name}`")]
+    UnknownDomain { name: Name, at: Span, similar: Option<Name> },
+    #[error("`{name}` is neither an enumeration literal nor a domain")]
+    UnknownConstant { name: Name, at: Span, similar: Option<Name> },
+    #[error("no `{name}` takes {actual}")]
+    NoOverload { name: Name, at: Span, actual: String, candidates: Vec<(String, Span)>, hint: Option<String> },
+    #[error("`{what}` expects {wanted}, this is {actual}")]
+    Mismatch { what: String, wanted: String, actual: String, at: Span, declared: Option<Span> },
+    #[error("`{name}` takes {wanted} argument{}, here are {actual}", if *wanted == 1 { "" } else { "s" })]
+    Arity { name: Name, wanted: usize, actual: usize, at: Span, declared: Span },
+    #[error("`{name}` is declared twice")]
+    Duplicate { name: Name, at: Span, first: Span },
+    #[error("cannot find `{path}`")]
+    ImportNotFound { path: String, at: Span },
+    #[error("`{path}` imports itself")]
+    ImportCycle { path: String, at: Span, chain: Vec<(String, Option<Span>)> },
+    #[error("imports nest deeper than {limit} files")]
+    ImportsTooDeep { at: Span, limit: usize },
+    #[error("{error}")]
+    Unreadable { error: LoadError, at: Option<Span> },
+    #[error("`{module}` exports no `{name}`")]
+    NotExported { module: Name, name: Name, at: Span },
+    #[error("`{function}` is {kind}, so no rule may update it")]
+    WritesFixed { function: Name, kind: &'static str, at: Span, declared: Span },
+    #[error("`{function}` is monitored, so no rule may update it")]
+    WritesMonitored { function: Name, at: Span, declared: Span },
+    #[error("`{name}` cannot be assigned: it is not a location")]
+    WritesVariable { name: Name, at: Span, bound: Span },
+    #[error("`{name}` ranges over {actual}, which is not a collection")]
+    NotACollection { name: Name, actual: String, at: Span },
+    #[error("the branches disagree: {first} and {second}")]
+    Branches { first: String, second: String, first_at: Span, second_at: Span },
+    #[error("`{name}` is defined here, but not declared in the signature")]
+    DefinesUndeclared { name: Name, at: Span, similar: Option<(Name, Span)> },
+    #[error("`{name}` is {kind}; {why}")]
+    DefinesWrongKind { name: Name, kind: &'static str, why: &'static str, at: Span, declared: Span },
+    #[error("`{name}` has no main rule")]
+    NoMain { name: Name, at: Span },
+    #[error("the main rule takes no arguments")]
+    MainParameters { at: Span },
+    #[error("`{name}` returns nothing")]
+    NoResult { name: Name, at: Span, declared: Span },
+    #[error("`{name}` is a {is} rule")]
+    CallForm { name: Name, is: &'static str, want: &'static str, at: Span, declared: Span },
+    #[error("`{domain}` cannot be extended: it is {kind}")]
+    CannotExtend { domain: Name, kind: &'static str, at: Span, declared: Span },
+    #[error("none of the initial states is the default")]
+    NoDefaultInit { at: Span },
+    #[error("this is not a rule: its value is {actual}")]
+    NotARule { actual: String, at: Span },
+    #[error("`not` binds tighter than `{operator}`: this reads `(not …) {operator} …`")]
+    NotBinds { operator: &'static str, at: Span, operand: Span },
+    #[error("the file is called `{stem}`, the specification `{name}`")]
+    FileName { name: Name, stem: String, at: Span },
+    #[error("`{module}` exports nothing, so this import brings no name")]
+    ImportsNothing { module: Name, at: Span },
+    #[error("`{domain}` has no elements: it is not defined")]
+    EmptyDomain { domain: Name, at: Span },
+}
+
+impl HirError {
+    /// The finding for people.
+    pub(crate) fn diagnostic(&self) -> Diagnostic {
+        let error = |code| Diagnostic::error(code, self);
+        let warning = |code| Diagnostic::warning(code, self);
+        match self {
+            Self::UnknownFunction { at, similar, .. } => {
+                let finding = error("A001").label(*at, "not declared in this file or its imports");
+                with_similar(finding, *at, similar)
+                    .help("declare it in the signature, or import the module that declares it")
+            }
+            Self::UnknownVariable { at, similar, .. } => {
+                let finding = error("A002").label(*at, "not bound here");
+                match similar {
+                    Some(name) => finding.fix(format!("did you mean `{name}`?"), *at, name.to_string()),
+                    None => finding
+                        .help("bind it with `let`, `forall`, `choose`, or make it a parameter of the rule"),
+                }
+            }
+            Self::UnknownRule { at, similar, .. } => {
+                let finding = error("A003").label(*at, "no rule has this name");
+                with_similar(finding, *at, similar).help("rules are declared under `definitions:`")
+            }
+            Self::UnknownDomain { at, similar, .. } => {
+                let finding = error("A004").label(*at, "no domain has this name");
+                match similar {
+                    Some(name) => finding.fix(format!("did you mean `{name}`?"), *at, name.to_string()),
+                    None => finding.help(
+                        "declare it in the signature; the basic domains come with `import StandardLibrary`",
+                    ),
+                }
+            }
+            Self::UnknownConstant { at, similar, .. } => {
+                let finding = error("A005").label(*at, "unknown name");
+                match similar {
+                    Some(name) => finding.fix(format!("did you mean `{name}`?"), *at, name.to_string()),
+                    None => finding.help("names that begin with a capital are literals of an `enum domain`, or domains"),
+                }
+            }
+            Self::NoOverload { at, candidates, hint, .. } => {
+                let mut finding = error("A006").label(*at, "applied here");
+                for (signature, declared) in candidates.iter().take(4) {
+                    finding = finding.label(*declared, signature.clone());
+                }
+                match hint {
+                    Some(hint) => finding.help(hint.clone()),
+                    None => finding.help("give arguments of the declared domains, or declare an overload"),
+                }
+            }
+            Self::Mismatch { at, actual, wanted, declared, .. } => {
+                let finding = error("A007").label(*at, format!("this is {actual}"));
+                let finding = match declared {
+                    Some(declared) => finding.label(*declared, format!("declared {wanted} here")),
+                    None => finding,
+                };
+                match conversion(wanted, actual) {
+                    Some(help) => finding.help(help),
+                    None => finding.help(format!("write a term whose value is in {wanted}")),
+                }
+            }
+            Self::Arity { at, declared, .. } => error("A008")
+                .label(*at, "called here")
+                .label(*declared, "declared here")
+                .help("give one argument for each parameter"),
+            Self::Duplicate { at, first, .. } => error("A009")
+                .label(*at, "declared again here")
+                .label(*first, "first declared here")
+                .help("rename one of them; functions may share a name if their domains differ"),
+            Self::ImportNotFound { path, at } => error("A010")
+                .label(*at, "no such file")
+                .note("a path is taken from the folder of the importing file; `.asm` may be left out")
+                .help(format!("check the spelling, or create `{path}.asm`", path = path.trim_end_matches(".asm"))),
+            Self::ImportCycle { at, chain, .. } => {
+                let mut finding = error("A011").label(*at, "this import closes the circle");
+                for (path, import) in chain {
+                    if let Some(import) = import.filter(|import| import != at) {
+                        finding = finding.label(import, format!("`{path}` imports this"));
+                    }
+                }
+                finding.help("move what both files need into a third module and import that")
+            }
+            Self::ImportsTooDeep { at, .. } => error("A012")
+                .label(*at, "one import too many")
+                .help("import the module you need directly"),
+            Self::Unreadable { at, .. } => {
+                let finding = error("A013");
+                let finding = match at {
+                    Some(at) => finding.label(*at, "imported here"),
+                    None => finding,
+                };
+                finding.help("check the path and the permissions; the text must be UTF-8")
+            }
+            Self::NotExported { at, .. } => error("A015")
+                .label(*at, "asked for here")
+                .help("add it to the `export` clause of the module, or drop it here"),
+            Self::WritesFixed { at, declared, kind, .. } => error("A016")
+                .label(*at, "updated here")
+                .label(*declared, format!("declared {kind} here"))
+                .help("declare it `controlled` to let rules write it"),
+            Self::WritesMonitored { at, declared, .. } => error("A014")
+                .label(*at, "updated here")
+                .label(*declared, "declared monitored here")
+                .help("declare it `shared`, or write an `out` function"),
+            Self::WritesVariable { at, bound, .. } => error("A017")
+                .label(*at, "assigned here")
+                .label(*bound, "bound here to a value")
+                .help("update a controlled function; only a macro parameter can stand for a location"),
+            Self::NotACollection { at, .. } => error("A018")
+                .label(*at, "not a set, sequence or bag")
+                .help("range over a domain, a set or a sequence"),
+            Self::Branches { first_at, second_at, first, second } => error("A019")
+                .label(*second_at, format!("this is {second}"))
+                .label(*first_at, format!("this is {first}"))
+                .help("give both branches a value of one domain"),
+            Self::DefinesUndeclared { at, similar, .. } => {
+                let finding = error("A020").label(*at, "defined here");
+                with_similar(finding, *at, similar).help("declare it in the signature first")
+            }
+            Self::DefinesWrongKind { at, declared, .. } => error("A021")
+                .label(*at, "defined here")
+                .label(*declared, "declared here")
+                .help("`definitions:` defines static and derived functions, `default init` gives the others their first value"),
+            Self::NoMain { at, .. } => error("A022")
+                .label(*at, "this `asm` cannot run")
+                .help("add `main rule r_Main = …`, or make it a `module`"),
+            Self::MainParameters { at } => error("A023")
+                .label(*at, "declared with parameters")
+                .help("bind what it needs with `let`, `choose` or `forall` inside the rule"),
+            Self::NoResult { at, declared, .. } => error("A024")
+                .label(*at, "its result is wanted here")
+                .label(*declared, "declared without `in Domain`")
+                .help("declare `turbo rule r_x(…) in D = …` and update `result` in it"),
+            Self::CallForm { at, declared, want, .. } => error("A025")
+                .label(*at, "called in the other form")
+                .label(*declared, "declared here")
+                .help(*want),
+            Self::CannotExtend { at, declared, kind, .. } => error("A026")
+                .label(*at, "extended here")
+                .label(*declared, format!("{kind}, declared here"))
+                .help("only abstract domains, and subsets of them, take new elements"),
+            Self::NoDefaultInit { at } => error("A027")
+                .label(*at, "an initial state")
+                .help("write `default init` for the one to start from"),
+            Self::NotARule { at, .. } => error("A028")
+                .label(*at, "stands where a rule is wanted")
+                .help("an update is written `location := term`, a macro call `r_name[…]`"),
+            Self::NotBinds { at, operand, operator } => warning("W001")
+                .label(*at, format!("applies to the left of `{operator}` alone"))
+                .label(*operand, "not to all of this")
+                .help(format!("write `not (… {operator} …)` to negate the comparison")),
+            Self::FileName { name, at, .. } => warning("W002")
+                .label(*at, "this name")
+                .help(format!("call the file `{name}.asm`: the reference tools insist on it")),
+            Self::ImportsNothing { at, .. } => warning("W003")
+                .label(*at, "imported here")
+                .help("add `export *` to the module"),
+            Self::EmptyDomain { at, domain } => warning("W004")
+                .label(*at, "declared here, defined nowhere")
+                .help(format!("add `domain {domain} = {{…}}` under `definitions:`")),
+        }
+    }
+}
+
+fn with_similar(finding: Diagnostic, at: Span, similar: &Option<(Name, Span)>) -> Diagnostic {
+    match similar {
+        Some((name, declared)) => finding
+            .label(*declared, "a similar name is declared here")
+            .fix(format!("did you mean `{name}`?"), at, name.to_string()),
+        None => finding,
+    }
+}
+
+/// The standard function that leads from one type to the other.
+fn conversion(wanted: &str, actual: &str) -> Option<String> {
+    let function = match (actual, wanted) {
+        ("Integer", "Real") => "itor",
+        ("Integer", "Natural") => "iton",
+        ("Natural", "Real") => "ntor",
+        ("Natural", "Integer") => "ntoi",
+        ("Real", "Integer") => "rtoi",
+        ("Real", "Natural") => "rton",
+        (_, "String") => "toString",
+        _ => return None,
+    };
+    Some(format!("convert it: `{function}(…)`"))
+}

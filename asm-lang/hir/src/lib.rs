@@ -1,0 +1,19 @@
+//! The tree resolved and typed: everything by id, overloads decided.
+//!
+//! [`load`] reads a file and all that it imports; [`analyse`] turns the trees into a [`Model`]. Both
+//! go on after an error and report all of them; a model is built only from files without errors.
+
+mod analyse;
+mod declare;
+mod error;
+mod load;
+mod model;
+mod rule;
+mod scope;
+mod term;
+mod types;
+
+pub use analyse::analyse;
+pub use load::{Loaded, Unit, load};
+pub use model::*;
+pub use types::{Type, TypeId, Types};

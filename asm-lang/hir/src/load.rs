@@ -1,0 +1,116 @@
+//! A file and all that it imports, imported files first.
+
+use crate::error::HirError;
+use source::{FileId, Loader, Report, Sources, Span};
+use std::sync::Arc;
+use syntax::ast;
+
+/// Files may import each other this deep.
+const MAX_IMPORT_DEPTH: usize = 64;
+
+/// One file of a specification.
+#[derive(Debug)]
+pub struct Unit {
+    /// Its path, as the loader resolved it.
+    pub path: String,
+    /// Its text in the sources.
+    pub file: FileId,
+    /// Its tree.
+    pub tree: ast::File,
+    /// Whether it is one of the embedded standard libraries.
+    pub library: bool,
+    /// For each import of the tree that could be loaded: the import's index and the unit.
+    pub imports: Vec<(usize, usize)>,
+}
+
+/// All files of a specification, imported files before those that import them; the main file last.
+#[derive(Debug, Default)]
+pub struct Loaded {
+    /// The files.
+    pub units: Vec<Unit>,
+    /// What was wrong with their texts and imports.
+    pub report: Report,
+}
+
+/// Reads the file at `path` and all that it imports. The standard libraries are embedded: an import
+/// whose last path component names one of them gets ours, wherever the path points.
+pub fn load(path: &str, loader: &dyn Loader, sources: &mut Sources) -> Loaded {
+    let mut loading = Loading { loader, sources, loaded: Loaded::default(), open: Vec::new() };
+    let text = match loader.resolve("", path) {
+        Some(found) => loader.read(&found).map(|text| (found, text)),
+        None => loader.read(path).map(|text| (path.to_owned(), text)),
+    };
+    match text {
+        Ok((found, text)) => {
+            loading.unit(&found, text, false);
+        }
+        Err(error) => loading.loaded.report.push(HirError::Unreadable { error, at: None }.diagnostic()),
+    }
+    loading.loaded
+}
+
+struct Loading<'a> {
+    loader: &'a dyn Loader,
+    sources: &'a mut Sources,
+    loaded: Loaded,
+    /// The files whose imports are being read, outermost first, with the import that led there.
+    open: Vec<(String, Option<Span>)>,
+}
+
+impl Loading<'_> {
+    fn unit(&mut self, path: &str, text: Arc<str>, library: bool) -> usize {
+        let file = self.sources.add(path, text.clone());
+        let parsed = syntax::parse(file, &text);
+        self.loaded.report.extend(parsed.report);
+        self.open.push((path.to_owned(), None));
+        let mut imports = Vec::new();
+        for (index, import) in parsed.file.imports.iter().enumerate() {
+            if let Some(unit) = self.import(path, import) {
+                imports.push((index, unit));
+            }
+        }
+        self.open.pop();
+        self.loaded.units.push(Unit { path: path.to_owned(), file, tree: parsed.file, library, imports });
+        self.loaded.units.len() - 1
+    }
+
+    fn import(&mut self, from: &str, import: &ast::Import) -> Option<usize> {
+        let at = import.path.span;
+        if let Some(frame) = self.open.last_mut() {
+            frame.1 = Some(at);
+        }
+        let last = import.path.text.rsplit(['/', '\\']).next().unwrap_or(&import.path.text);
+        if let Some(library) = stdlib::library(last) {
+            let path = format!("<{}>", library.name);
+            return Some(self.known(&path).unwrap_or_else(|| self.unit(&path, Arc::from(library.text), true)));
+        }
+        let Some(path) = self.loader.resolve(from, &import.path.text) else {
+            let error = HirError::ImportNotFound { path: import.path.text.to_string(), at };
+            self.loaded.report.push(error.diagnostic());
+            return None;
+        };
+        if let Some(start) = self.open.iter().position(|(open, _)| *open == path) {
+            let chain = self.open[start..].iter().map(|(path, at)| (path.clone(), *at)).collect();
+            self.loaded.report.push(HirError::ImportCycle { path, at, chain }.diagnostic());
+            return None;
+        }
+        if let Some(unit) = self.known(&path) {
+            return Some(unit);
+        }
+        if self.open.len() >= MAX_IMPORT_DEPTH {
+            self.loaded.report.push(HirError::ImportsTooDeep { at, limit: MAX_IMPORT_DEPTH }.diagnostic());
+            return None;
+        }
+        match self.loader.read(&path) {
+            Ok(text) => Some(self.unit(&path, text, false)),
+            Err(error) => {
+                self.loaded.report.push(HirError::Unreadable { error, at: Some(at) }.diagnostic());
+                None
+            }
+        }
+    }
+
+    fn known(&self, path: &str) -> Option<usize> {
+        self.loaded.units.iter().position(|unit| unit.path == path)
+    }
+}

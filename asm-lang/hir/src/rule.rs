@@ -1,0 +1,249 @@
+//! Rules resolved.
+
+use crate::analyse::kind_name;
+use crate::error::HirError;
+use crate::model::{DomainKind, FunctionId, FunctionKind, Meaning, RuleKind, RuleTerm, Target, Term, TermKind};
+use crate::term::Resolver;
+use crate::types::{Type, TypeId};
+use source::Span;
+use syntax::ast;
+
+impl Resolver<'_> {
+    /// A rule, resolved.
+    pub fn rule(&mut self, rule: &ast::Rule) -> RuleTerm {
+        stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
+            let kind = self.rule_kind(rule);
+            Self::rule_term(kind, rule.span)
+        })
+    }
+
+    fn rule_kind(&mut self, rule: &ast::Rule) -> RuleKind {
+        match &*rule.kind {
+            ast::RuleKind::Skip => RuleKind::Skip,
+            ast::RuleKind::Update { target, value } => self.update(target, value),
+            ast::RuleKind::Assign { target, rule, arguments } => self.assign(target, rule, arguments),
+            ast::RuleKind::Macro { name, arguments } => self.call(name, arguments, false),
+            ast::RuleKind::Turbo { name, arguments } => self.call(name, arguments, true),
+            ast::RuleKind::Term { term, arguments } => self.run(term, arguments),
+            ast::RuleKind::Par(rules) => RuleKind::Par(self.block(rules)),
+            ast::RuleKind::Seq(rules) => RuleKind::Seq(self.block(rules)),
+            ast::RuleKind::If { guard, then, otherwise } => {
+                let guard = self.boolean(guard, "guard");
+                let then = self.rule(then);
+                RuleKind::If(guard, then, otherwise.as_ref().map(|rule| self.rule(rule)))
+            }
+            ast::RuleKind::Switch(switch) => self.switch_rule(switch),
+            ast::RuleKind::Choose { binders, guard, body, ifnone } => {
+                let chosen = self.scoped(|this| {
+                    let binders = this.binders(binders);
+                    let guard = guard.as_ref().map(|guard| this.boolean(guard, "guard"));
+                    (binders, guard, this.rule(body))
+                });
+                let ifnone = ifnone.as_ref().map(|rule| self.rule(rule));
+                RuleKind::Choose(chosen.0, chosen.1, chosen.2, ifnone)
+            }
+            ast::RuleKind::Forall { binders, guard, body } => self.scoped(|this| {
+                let binders = this.binders(binders);
+                let guard = guard.as_ref().map(|guard| this.boolean(guard, "guard"));
+                RuleKind::Forall(binders, guard, this.rule(body))
+            }),
+            ast::RuleKind::Let { bindings, body } => self.scoped(|this| {
+                let bindings = this.bindings(bindings);
+                RuleKind::Let(bindings, this.rule(body))
+            }),
+            ast::RuleKind::Extend { domain, variables, body } => self.extend(domain, variables, body),
+            ast::RuleKind::While { guard, body } => {
+                let guard = self.boolean(guard, "guard");
+                RuleKind::While(guard, self.rule(body))
+            }
+            ast::RuleKind::WhileRec { .. } => RuleKind::Unsupported("whilerec"),
+            ast::RuleKind::Iterate(_) => RuleKind::Unsupported("iterate"),
+            ast::RuleKind::Local { .. } => RuleKind::Unsupported("local functions of a turbo rule"),
+            ast::RuleKind::Invalid => RuleKind::Invalid,
+        }
+    }
+
+    fn block(&mut self, rules: &[ast::Rule]) -> Vec<RuleTerm> {
+        rules.iter().map(|rule| self.rule(rule)).collect()
+    }
+
+    fn update(&mut self, target: &ast::Assignee, value: &ast::Term) -> RuleKind {
+        let value = self.term(value);
+        match self.target(target) {
+            Some((target, wanted, what, declared)) => {
+                self.expect(&value, wanted, &what, Some(declared));
+                RuleKind::Update(target, value)
+            }
+            None => RuleKind::Invalid,
+        }
+    }
+
+    fn assign(&mut self, target: &ast::Assignee, rule: &ast::Name, arguments: &[ast::Term]) -> RuleKind {
+        let arguments = self.terms(arguments);
+        let target = self.target(target);
+        let Some(callee) = self.callee(rule, &arguments) else {
+            return RuleKind::Invalid;
+        };
+        let declared = self.declared.rules[callee.0 as usize].span;
+        let Some(result) = self.declared.rules[callee.0 as usize].result else {
+            self.error(HirError::NoResult { name: rule.text.clone(), at: rule.span, declared });
+            return RuleKind::Invalid;
+        };
+        let Some((target, wanted, what, location)) = target else {
+            return RuleKind::Invalid;
+        };
+        if !self.compatible(wanted, result) {
+            let (wanted, actual) = (self.show(wanted), self.show(result));
+            let error = HirError::Mismatch { what, wanted, actual, at: rule.span, declared: Some(location) };
+            self.error(error);
+        }
+        RuleKind::Assign(target, callee, arguments)
+    }
+
+    /// What an update writes, with the type it takes, its name and where that is declared.
+    fn target(&mut self, target: &ast::Assignee) -> Option<(Target, TypeId, String, Span)> {
+        match target {
+            ast::Assignee::Variable(name) => {
+                let Some(id) = self.lookup(&name.text) else {
+                    self.error(HirError::UnknownVariable { name: name.text.clone(), at: name.span, similar: None });
+                    return None;
+                };
+                let (ty, bound) = (self.variable(id).ty, self.variable(id).span);
+                if !self.stands_for_location(id) {
+                    self.error(HirError::WritesVariable { name: name.text.clone(), at: name.span, bound });
+                    return None;
+                }
+                Some((Target::Parameter(id), ty, name.text.to_string(), bound))
+            }
+            ast::Assignee::Location { agent, function, arguments, span } => {
+                let mut all = Vec::new();
+                if let Some(agent) = agent {
+                    all.push(self.apply(agent, Vec::new(), agent.span));
+                }
+                all.extend(self.terms(arguments));
+                let applied = self.apply(function, all, *span);
+                self.location(function, applied)
+            }
+        }
+    }
+
+    fn location(&mut self, name: &ast::Name, applied: Term) -> Option<(Target, TypeId, String, Span)> {
+        let (id, arguments) = match *applied.kind {
+            TermKind::Apply(id, arguments) => (id, arguments),
+            TermKind::Spread(id, tuple) => (id, vec![tuple]),
+            TermKind::Value(_) => {
+                let constant = self.declared.scopes[self.unit].functions.get(&name.text);
+                let declared = constant
+                    .and_then(|ids| ids.first())
+                    .map_or(name.span, |id| self.declared.functions[id.0 as usize].span);
+                let function = name.text.clone();
+                self.error(HirError::WritesFixed { function, kind: "static", at: name.span, declared });
+                return None;
+            }
+            _ => return None,
+        };
+        let function = &self.declared.functions[id.0 as usize];
+        let (kind, declared) = (function.kind, function.span);
+        let mut ty = function.codomain;
+        if self.is_result(id) {
+            ty = self.result.unwrap_or(ty);
+        } else if let Some(error) = forbidden(name, kind, declared) {
+            self.error(error);
+            return None;
+        }
+        Some((Target::Location(id, arguments), ty, name.text.to_string(), declared))
+    }
+
+    fn is_result(&self, id: FunctionId) -> bool {
+        let function = &self.declared.functions[id.0 as usize];
+        &*function.name == "result" && matches!(function.meaning, Meaning::Machine)
+    }
+
+    fn call(&mut self, name: &ast::Name, arguments: &[ast::Term], turbo: bool) -> RuleKind {
+        let arguments = self.terms(arguments);
+        let Some(rule) = self.callee(name, &arguments) else {
+            return RuleKind::Invalid;
+        };
+        let declared = &self.declared.rules[rule.0 as usize];
+        if declared.turbo != turbo {
+            let (is, want) = match declared.turbo {
+                true => ("turbo", "turbo rules are called with round brackets: `r_x(…)`"),
+                false => ("macro", "macro rules are called with square brackets: `r_x[…]`"),
+            };
+            let declared = declared.span;
+            self.error(HirError::CallForm { name: name.text.clone(), is, want, at: name.span, declared });
+        }
+        RuleKind::Call(rule, arguments)
+    }
+
+    fn run(&mut self, term: &ast::Term, arguments: &[ast::Term]) -> RuleKind {
+        let term = self.term(term);
+        let arguments = self.terms(arguments);
+        let rule = self.ty(Type::Rule);
+        if !self.compatible(rule, term.ty) {
+            let actual = self.show(term.ty);
+            self.error(HirError::NotARule { actual, at: term.span });
+            return RuleKind::Invalid;
+        }
+        RuleKind::Run(term, arguments)
+    }
+
+    fn switch_rule(&mut self, switch: &ast::SwitchRule) -> RuleKind {
+        let subject = self.term(&switch.subject);
+        let mut cases = Vec::new();
+        for (case, rule) in &switch.cases {
+            let case = self.case(&subject, case);
+            cases.push((case, self.rule(rule)));
+        }
+        let otherwise = switch.otherwise.as_ref().map(|rule| self.rule(rule));
+        RuleKind::Switch(subject, cases, otherwise)
+    }
+
+    fn extend(&mut self, domain: &ast::Name, variables: &[ast::Name], body: &ast::Rule) -> RuleKind {
+        let ty = ast::Type { kind: ast::TypeKind::Named(domain.text.clone()), span: domain.span };
+        let ty = self.declared.resolve_type(self.unit, &ty);
+        let id = match self.declared.types.get(ty) {
+            Type::Domain(id) => Some(*id),
+            _ => None,
+        };
+        let extensible = self.is_extensible(ty);
+        let body = self.scoped(|this| {
+            let variables = variables.iter().map(|name| this.bind(name, ty)).collect();
+            (variables, this.rule(body))
+        });
+        let Some(id) = id else {
+            if *self.declared.types.get(ty) != Type::Invalid {
+                let kind = "a basic domain";
+                let error =
+                    HirError::CannotExtend { domain: domain.text.clone(), kind, at: domain.span, declared: domain.span };
+                self.error(error);
+            }
+            return RuleKind::Invalid;
+        };
+        if !extensible {
+            let kind = match self.declared.domains[id.0 as usize].kind {
+                DomainKind::Enum { .. } => "an enumeration",
+                DomainKind::Any => "an anydomain",
+                DomainKind::Basic => "a basic domain",
+                DomainKind::Concrete { .. } => "a subset of a basic domain",
+                DomainKind::Abstract => "abstract",
+            };
+            let declared = self.declared.domains[id.0 as usize].span;
+            self.error(HirError::CannotExtend { domain: domain.text.clone(), kind, at: domain.span, declared });
+        }
+        RuleKind::Extend(id, body.0, body.1)
+    }
+}
+
+/// Why no rule may write such a function.
+fn forbidden(name: &ast::Name, kind: FunctionKind, declared: Span) -> Option<HirError> {
+    let function = name.text.clone();
+    let at = name.span;
+    match kind {
+        FunctionKind::Controlled | FunctionKind::Out | FunctionKind::Shared | FunctionKind::Local => None,
+        FunctionKind::Monitored => Some(HirError::WritesMonitored { function, at, declared }),
+        FunctionKind::Static | FunctionKind::Derived => {
+            Some(HirError::WritesFixed { function, kind: kind_name(kind), at, declared })
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! Which names a file sees.
+
+use crate::model::{DomainId, FunctionId};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use value::{Atom, RuleId};
+
+/// The names one file sees: its own and those it imports.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scope {
+    pub domains: BTreeMap<Arc<str>, DomainId>,
+    pub functions: BTreeMap<Arc<str>, Vec<FunctionId>>,
+    pub rules: BTreeMap<Arc<str>, Vec<RuleId>>,
+    pub literals: BTreeMap<Arc<str>, Vec<Atom>>,
+}
+
+impl Scope {
+    /// Takes over the names of another file that pass the filter; literals come with their domain,
+    /// which the caller decides.
+    pub fn import(&mut self, other: &Scope, wanted: impl Fn(&str) -> bool, literal: impl Fn(Atom) -> bool) {
+        for (name, &domain) in &other.domains {
+            if wanted(name) {
+                self.domains.entry(name.clone()).or_insert(domain);
+            }
+        }
+        merge(&mut self.functions, &other.functions, |name, _| wanted(name));
+        merge(&mut self.rules, &other.rules, |name, _| wanted(name));
+        merge(&mut self.literals, &other.literals, |_, atom| literal(atom));
+    }
+
+    /// The candidates for "did you mean" among the functions.
+    pub fn similar_function(&self, name: &str) -> Option<Arc<str>> {
+        similar(name, self.functions.keys())
+    }
+
+    /// … among the domains and literals.
+    pub fn similar_constant(&self, name: &str) -> Option<Arc<str>> {
+        similar(name, self.domains.keys().chain(self.literals.keys()))
+    }
+
+    /// … among the domains.
+    pub fn similar_domain(&self, name: &str) -> Option<Arc<str>> {
+        similar(name, self.domains.keys())
+    }
+
+    /// … among the rules.
+    pub fn similar_rule(&self, name: &str) -> Option<Arc<str>> {
+        similar(name, self.rules.keys())
+    }
+}
+
+fn merge<T: Copy + PartialEq>(
+    into: &mut BTreeMap<Arc<str>, Vec<T>>,
+    from: &BTreeMap<Arc<str>, Vec<T>>,
+    wanted: impl Fn(&str, T) -> bool,
+) {
+    for (name, items) in from {
+        for &item in items {
+            if wanted(name, item) {
+                let known = into.entry(name.clone()).or_default();
+                if !known.contains(&item) {
+                    known.push(item);
+                }
+            }
+        }
+    }
+}
+
+/// The known name that is most like `name`, if one is like it at all.
+pub(crate) fn similar<'a>(name: &str, known: impl Iterator<Item = &'a Arc<str>>) -> Option<Arc<str>> {
+    known
+        .map(|candidate| (strsim::normalized_damerau_levenshtein(name, candidate), candidate))
+        .filter(|(likeness, candidate)| {
+            *likeness >= 0.6 || candidate.eq_ignore_ascii_case(name)
+        })
+        .max_by(|(a, x), (b, y)| a.total_cmp(b).then_with(|| y.cmp(x)))
+        .map(|(_, candidate)| candidate.clone())
+}

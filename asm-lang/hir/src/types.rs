@@ -1,0 +1,255 @@
+//! Types: interned, compared by id, compatible as the language wants it.
+
+use crate::model::{Domain, DomainId, DomainKind};
+use std::collections::BTreeMap;
+
+/// A type, interned in [`Types`]: equal ids, equal types.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct TypeId(pub u32);
+
+/// The forms of a type.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Type {
+    /// Unknown after an error; fits everything.
+    Invalid,
+    /// The type of `undef`; fits everything.
+    Undef,
+    /// Boolean
+    Boolean,
+    /// Integer
+    Integer,
+    /// Natural
+    Natural,
+    /// Real
+    Real,
+    /// Complex
+    Complex,
+    /// Char
+    Char,
+    /// String
+    String,
+    /// A rule.
+    Rule,
+    /// A declared domain: abstract, enumeration, concrete, or an anydomain (a type variable).
+    Domain(DomainId),
+    /// Prod(…)
+    Prod(Vec<TypeId>),
+    /// Seq(…)
+    Seq(TypeId),
+    /// Powerset(…)
+    Powerset(TypeId),
+    /// Bag(…)
+    Bag(TypeId),
+    /// Map(…)
+    Map(TypeId, TypeId),
+}
+
+/// The table of types.
+#[derive(Debug, Default)]
+pub struct Types {
+    types: Vec<Type>,
+    ids: BTreeMap<Type, TypeId>,
+}
+
+/// How well an argument fits a parameter; less is better, `None` is not at all.
+pub(crate) type Fit = Option<u32>;
+
+/// What type variables stand for within one application.
+pub(crate) type Bindings = BTreeMap<DomainId, TypeId>;
+
+impl Types {
+    /// The id of a type.
+    pub fn id(&mut self, ty: Type) -> TypeId {
+        if let Some(&id) = self.ids.get(&ty) {
+            return id;
+        }
+        let id = TypeId(self.types.len() as u32);
+        self.types.push(ty.clone());
+        self.ids.insert(ty, id);
+        id
+    }
+
+    /// The type of an id.
+    pub fn get(&self, id: TypeId) -> &Type {
+        &self.types[id.0 as usize]
+    }
+
+    /// The type that a concrete domain is a subset of, in the end; other types are their own root.
+    pub fn root(&self, id: TypeId, domains: &[Domain]) -> TypeId {
+        let mut at = id;
+        // A chain is as long as there are domains, unless a declaration error made it a circle.
+        for _ in 0..=domains.len() {
+            match self.get(at) {
+                Type::Domain(domain) => match domains[domain.0 as usize].kind {
+                    DomainKind::Concrete { base } => at = base,
+                    _ => return at,
+                },
+                _ => return at,
+            }
+        }
+        at
+    }
+
+    fn variable(&self, id: TypeId, domains: &[Domain]) -> Option<DomainId> {
+        match self.get(id) {
+            Type::Domain(domain) if domains[domain.0 as usize].kind == DomainKind::Any => Some(*domain),
+            _ => None,
+        }
+    }
+
+    /// Whether a value of one type may stand where the other is wanted. Symmetric: a concrete domain
+    /// and what it is a subset of fit both ways, membership is checked when a location is written.
+    pub fn compatible(&self, a: TypeId, b: TypeId, domains: &[Domain]) -> bool {
+        self.fit(a, b, domains, &mut Bindings::new()).is_some()
+    }
+
+    /// How well `actual` fits `wanted`, whose type variables are bound in `bindings`.
+    pub(crate) fn fit(
+        &self,
+        wanted: TypeId,
+        actual: TypeId,
+        domains: &[Domain],
+        bindings: &mut Bindings,
+    ) -> Fit {
+        if wanted == actual && self.variable(wanted, domains).is_none() {
+            return Some(0);
+        }
+        if let Some(variable) = self.variable(wanted, domains) {
+            return self.bind(variable, actual, domains, bindings);
+        }
+        if self.variable(actual, domains).is_some() {
+            return Some(2);
+        }
+        let (wanted_root, actual_root) = (self.root(wanted, domains), self.root(actual, domains));
+        if wanted_root != wanted || actual_root != actual {
+            let step = u32::from(wanted_root != wanted) + u32::from(actual_root != actual);
+            return Some(step + self.fit(wanted_root, actual_root, domains, bindings)?);
+        }
+        let mut all = |pairs: &[(TypeId, TypeId)]| {
+            pairs.iter().try_fold(0, |sum, &(a, b)| Some(sum + self.fit(a, b, domains, bindings)?))
+        };
+        match (self.get(wanted), self.get(actual)) {
+            (Type::Invalid | Type::Undef, _) | (_, Type::Invalid | Type::Undef) => Some(0),
+            (Type::Prod(a), Type::Prod(b)) if a.len() == b.len() => {
+                all(&a.iter().copied().zip(b.iter().copied()).collect::<Vec<_>>())
+            }
+            (Type::Seq(a), Type::Seq(b))
+            | (Type::Powerset(a), Type::Powerset(b))
+            | (Type::Bag(a), Type::Bag(b)) => all(&[(*a, *b)]),
+            (Type::Map(a, b), Type::Map(c, d)) => all(&[(*a, *c), (*b, *d)]),
+            _ => None,
+        }
+    }
+
+    /// Binds a type variable, or holds the type against what it is bound to.
+    fn bind(
+        &self,
+        variable: DomainId,
+        actual: TypeId,
+        domains: &[Domain],
+        bindings: &mut Bindings,
+    ) -> Fit {
+        let Some(&bound) = bindings.get(&variable) else {
+            bindings.insert(variable, actual);
+            return Some(3);
+        };
+        if !self.compatible(bound, actual, domains) {
+            return None;
+        }
+        // `including({}, 3)`: the empty set leaves the variable open, the element decides.
+        if self.is_open(bound) {
+            bindings.insert(variable, actual);
+        } else if bound != actual {
+            // two subsets of one domain meet in that domain
+            let root = self.root(bound, domains);
+            if root != bound {
+                bindings.insert(variable, root);
+            }
+        }
+        Some(3)
+    }
+
+    /// Whether `undef` or an empty collection left part of the type unknown.
+    fn is_open(&self, id: TypeId) -> bool {
+        match self.get(id) {
+            Type::Undef => true,
+            Type::Seq(item) | Type::Powerset(item) | Type::Bag(item) => self.is_open(*item),
+            Type::Prod(items) => items.iter().any(|&item| self.is_open(item)),
+            Type::Map(key, value) => self.is_open(*key) || self.is_open(*value),
+            Type::Invalid
+            | Type::Boolean
+            | Type::Integer
+            | Type::Natural
+            | Type::Real
+            | Type::Complex
+            | Type::Char
+            | Type::String
+            | Type::Rule
+            | Type::Domain(_) => false,
+        }
+    }
+
+    /// The type with its variables replaced by what they are bound to.
+    pub(crate) fn substitute(&mut self, id: TypeId, domains: &[Domain], bindings: &Bindings) -> TypeId {
+        if let Some(variable) = self.variable(id, domains) {
+            return bindings.get(&variable).copied().unwrap_or(id);
+        }
+        let ty = match self.get(id).clone() {
+            Type::Prod(items) => {
+                Type::Prod(items.into_iter().map(|item| self.substitute(item, domains, bindings)).collect())
+            }
+            Type::Seq(item) => Type::Seq(self.substitute(item, domains, bindings)),
+            Type::Powerset(item) => Type::Powerset(self.substitute(item, domains, bindings)),
+            Type::Bag(item) => Type::Bag(self.substitute(item, domains, bindings)),
+            Type::Map(key, value) => {
+                let key = self.substitute(key, domains, bindings);
+                Type::Map(key, self.substitute(value, domains, bindings))
+            }
+            other => other,
+        };
+        self.id(ty)
+    }
+
+    /// The type both have in common: that of the branches of an `if`, of listed elements.
+    pub(crate) fn join(&mut self, a: TypeId, b: TypeId, domains: &[Domain]) -> Option<TypeId> {
+        if a == b {
+            return Some(a);
+        }
+        if !self.compatible(a, b, domains) {
+            return None;
+        }
+        if self.is_open(a) {
+            return Some(b);
+        }
+        if self.is_open(b) {
+            return Some(a);
+        }
+        Some(self.root(a, domains))
+    }
+
+    /// The type as text, as in `Prod(Integer,Robot)`.
+    pub fn show(&self, id: TypeId, domains: &[Domain]) -> String {
+        let one = |item: TypeId| self.show(item, domains);
+        match self.get(id) {
+            Type::Invalid => "?".to_owned(),
+            Type::Undef => "Undef".to_owned(),
+            Type::Boolean => "Boolean".to_owned(),
+            Type::Integer => "Integer".to_owned(),
+            Type::Natural => "Natural".to_owned(),
+            Type::Real => "Real".to_owned(),
+            Type::Complex => "Complex".to_owned(),
+            Type::Char => "Char".to_owned(),
+            Type::String => "String".to_owned(),
+            Type::Rule => "Rule".to_owned(),
+            Type::Domain(domain) => domains[domain.0 as usize].name.to_string(),
+            Type::Prod(items) => {
+                let items: Vec<String> = items.iter().map(|&item| one(item)).collect();
+                format!("Prod({})", items.join(","))
+            }
+            Type::Seq(item) => format!("Seq({})", one(*item)),
+            Type::Powerset(item) => format!("Powerset({})", one(*item)),
+            Type::Bag(item) => format!("Bag({})", one(*item)),
+            Type::Map(key, value) => format!("Map({},{})", one(*key), one(*value)),
+        }
+    }
+}

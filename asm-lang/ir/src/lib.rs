@@ -1,0 +1,12 @@
+//! The program a machine executes: slots, no names.
+//!
+//! [`lower`] turns a resolved model into a [`Program`]. Every location of a function over finite
+//! domains is a slot whose number is known or computed by a few multiplications; other locations are
+//! interned when they are first met. Macros are specialised for the arguments that are passed by
+//! name, so that a machine only knows calls by value. This is what a back end compiles.
+
+mod lower;
+mod program;
+
+pub use lower::{Lowered, lower};
+pub use program::*;

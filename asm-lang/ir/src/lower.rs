@@ -1,0 +1,228 @@
+//! From the model to a program.
+
+mod domain;
+mod facts;
+mod layout;
+mod rule;
+mod term;
+
+use crate::program::{
+    Body, BodyId, Elements, FunctionId, Invariant, Origin, Program, RoutineId, Rule, RuleNode,
+    RuleValue, Symbols, Term,
+};
+use facts::Facts;
+use hir::{Meaning, Model};
+use source::{Diagnostic, Report, Span};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use value::RuleId;
+
+/// A program, and where its parts stand in the sources.
+#[derive(Debug)]
+pub struct Lowered {
+    /// The program.
+    pub program: Program,
+    /// The place of each [`Origin`].
+    pub origins: Vec<Span>,
+}
+
+/// Lowers a model.
+///
+/// # Errors
+/// The model uses a form that no machine executes yet, or a macro that cannot be specialised.
+pub fn lower(model: &Model) -> Result<Lowered, Report> {
+    let mut lowering = Lowering::new(model);
+    lowering.layout();
+    lowering.definitions();
+    lowering.initial_state();
+    lowering.invariants();
+    let main = model.main.map(|rule| lowering.routine_by_value(rule));
+    lowering.rule_values();
+    lowering.program.main = main;
+    if lowering.report.has_errors() {
+        return Err(lowering.report.finish());
+    }
+    Ok(Lowered { program: lowering.program, origins: lowering.origins })
+}
+
+/// Work in progress.
+struct Lowering<'a> {
+    model: &'a Model,
+    facts: Facts,
+    program: Program,
+    origins: Vec<Span>,
+    origin_ids: BTreeMap<Span, Origin>,
+    report: Report,
+    /// The body of each defined function.
+    definitions: BTreeMap<hir::FunctionId, BodyId>,
+    /// The cache of each static function without arguments.
+    caches: BTreeMap<hir::FunctionId, u32>,
+    /// The routine of each rule for each way its arguments are passed.
+    routines: BTreeMap<rule::Special, RoutineId>,
+    /// How deep macros are being specialised within each other.
+    depth: usize,
+}
+
+impl<'a> Lowering<'a> {
+    fn new(model: &'a Model) -> Self {
+        let names = |names: &mut dyn Iterator<Item = &Arc<str>>| names.cloned().collect();
+        let symbols = Symbols {
+            atoms: names(&mut model.atoms.iter().map(|atom| &atom.name)),
+            atom_domains: model.atoms.iter().map(|atom| domain::id(atom.domain)).collect(),
+            functions: names(&mut model.functions.iter().map(|function| &function.name)),
+            domains: names(&mut model.domains.iter().map(|domain| &domain.name)),
+            rules: names(&mut model.rules.iter().map(|rule| &rule.name)),
+        };
+        let program = Program {
+            symbols,
+            domains: Vec::new(),
+            functions: Vec::new(),
+            slots: 0,
+            initial_order: Vec::new(),
+            bodies: Vec::new(),
+            routines: Vec::new(),
+            rules: Vec::new(),
+            programs: Vec::new(),
+            main: None,
+            invariants: Vec::new(),
+            caches: 0,
+            result: 0,
+        };
+        Self {
+            model,
+            facts: Facts::of(model),
+            program,
+            origins: Vec::new(),
+            origin_ids: BTreeMap::new(),
+            report: Report::new(),
+            definitions: BTreeMap::new(),
+            caches: BTreeMap::new(),
+            routines: BTreeMap::new(),
+            depth: 0,
+        }
+    }
+
+    fn origin(&mut self, span: Span) -> Origin {
+        let next = Origin(self.origins.len() as u32);
+        let origins = &mut self.origins;
+        *self.origin_ids.entry(span).or_insert_with(|| {
+            origins.push(span);
+            next
+        })
+    }
+
+    /// Reports a form that is not executed yet.
+    fn unsupported(&mut self, what: &str, span: Span) {
+        self.report.push(
+            Diagnostic::error("A030", format!("{what} is read, but not executed yet"))
+                .label(span, "used here")
+                .help("rewrite it with the rules and terms that are executed; a later version will run it"),
+        );
+    }
+
+    fn definitions(&mut self) {
+        // Ids first: definitions may be recursive.
+        for (index, function) in self.model.functions.iter().enumerate() {
+            if let Meaning::Defined(body) = &function.meaning {
+                let id = self.reserve_body(function.span, body.parameters, body.variables.len());
+                self.definitions.insert(hir::FunctionId(index as u32), id);
+                let function_id = hir::FunctionId(index as u32);
+                if function.parameters.is_empty() && self.facts.is_static(function_id) {
+                    self.caches.insert(function_id, self.program.caches);
+                    self.program.caches += 1;
+                }
+            }
+        }
+        let defined: Vec<(hir::FunctionId, BodyId)> =
+            self.definitions.iter().map(|(&function, &body)| (function, body)).collect();
+        for (function, id) in defined {
+            if let Meaning::Defined(body) = &self.model.function(function).meaning {
+                self.fill_body(id, body);
+            }
+        }
+        for (index, domain) in self.model.domains.iter().enumerate() {
+            if let (Elements::Computed(id), Some(body)) = (self.program.domains[index].elements.clone(), &domain.definition) {
+                self.fill_body(id, body);
+            }
+        }
+    }
+
+    fn initial_state(&mut self) {
+        for (index, function) in self.model.functions.iter().enumerate() {
+            if let Some(body) = &function.initial {
+                let id = self.body(function.span, body);
+                self.program.functions[index].initial = Some(id);
+            }
+        }
+        let order = facts::initial_order(self.model);
+        self.program.initial_order = order.into_iter().map(function_id).collect();
+    }
+
+    fn invariants(&mut self) {
+        for invariant in &self.model.invariants {
+            let body = self.body(invariant.span, &invariant.condition);
+            let assumes = self.facts.reads_input(&invariant.condition.root);
+            let origin = self.origin(invariant.span);
+            let name = invariant.name.clone();
+            self.program.invariants.push(Invariant { name, body, assumes, origin });
+        }
+    }
+
+    fn rule_values(&mut self) {
+        for index in 0..self.model.rules.len() {
+            let id = RuleId(index as u32);
+            let rule = self.model.rule(id);
+            let is_value = self.facts.rule_values.contains(&id) && !self.facts.assigns_parameter(id);
+            let routine = (is_value && rule.body.is_some()).then(|| self.routine_by_value(id));
+            self.program.rules.push(RuleValue { routine, arguments: Vec::new() });
+        }
+        for program in &self.model.programs {
+            let span = self.model.rule(program.rule).span;
+            let arguments: Vec<BodyId> =
+                program.arguments.iter().map(|argument| self.body(span, argument)).collect();
+            let rule = if arguments.is_empty() {
+                program.rule
+            } else {
+                let routine = self.routine_by_value(program.rule);
+                self.program.rules.push(RuleValue { routine: Some(routine), arguments });
+                self.program.symbols.rules.push(self.model.rule(program.rule).name.clone());
+                RuleId(self.program.rules.len() as u32 - 1)
+            };
+            self.program.programs.push((domain::id(program.domain), rule));
+        }
+    }
+
+    fn reserve_body(&mut self, span: Span, arguments: usize, locals: usize) -> BodyId {
+        let origin = self.origin(span);
+        let code = Term::undef(origin);
+        let body = Body { arguments: arguments as u32, locals: locals as u32, code, origin };
+        self.program.bodies.push(body);
+        BodyId(self.program.bodies.len() as u32 - 1)
+    }
+
+    fn fill_body(&mut self, id: BodyId, body: &hir::Body<hir::Term>) {
+        let mut frame = rule::Frame::of(body.parameters, body.variables.len());
+        let code = self.term(&body.root, &mut frame);
+        let slot = &mut self.program.bodies[id.0 as usize];
+        slot.code = code;
+        slot.locals = frame.locals;
+    }
+
+    fn body(&mut self, span: Span, body: &hir::Body<hir::Term>) -> BodyId {
+        let id = self.reserve_body(span, body.parameters, body.variables.len());
+        self.fill_body(id, body);
+        id
+    }
+
+    fn reserve_routine(&mut self, span: Span) -> RoutineId {
+        let origin = self.origin(span);
+        let code = Rule { node: Box::new(RuleNode::Skip), origin };
+        self.program.routines.push(Body { arguments: 0, locals: 0, code, origin });
+        RoutineId(self.program.routines.len() as u32 - 1)
+    }
+}
+
+/// The number of a function is the same in the model and in the program.
+fn function_id(id: hir::FunctionId) -> FunctionId {
+    FunctionId(id.0)
+}

@@ -1,0 +1,179 @@
+//! Domains: their elements, as far as they are known before the machine runs.
+
+use super::Lowering;
+use crate::program::{Domain, DomainId, Elements, Range, Shape};
+use hir::{DomainKind, Meaning, Term, TermKind, Type, TypeId};
+use value::{Atom, Value};
+
+/// The number of a domain is the same in the model and in the program.
+pub(super) fn id(id: hir::DomainId) -> DomainId {
+    DomainId(id.0)
+}
+
+impl Lowering<'_> {
+    /// Fills the table of domains. Definitions that must be computed get their body later.
+    pub(super) fn domains(&mut self) {
+        for index in 0..self.model.domains.len() {
+            let domain = &self.model.domains[index];
+            let base = match domain.kind {
+                DomainKind::Concrete { base } => match self.model.types.get(base) {
+                    Type::Domain(base) => Some(id(*base)),
+                    _ => None,
+                },
+                _ => None,
+            };
+            let elements = self.elements(hir::DomainId(index as u32));
+            self.program.domains.push(Domain { elements, base });
+        }
+    }
+
+    fn elements(&mut self, domain: hir::DomainId) -> Elements {
+        let declared = self.model.domain(domain);
+        match declared.kind {
+            DomainKind::Any | DomainKind::Basic => Elements::Open,
+            DomainKind::Enum { first, count } => Elements::Atoms { first, count },
+            DomainKind::Abstract => self.constants(domain),
+            DomainKind::Concrete { base } => match &declared.definition {
+                Some(definition) => match self.interval(&definition.root) {
+                    Some((low, high)) => Elements::Ints { low, high },
+                    None => {
+                        let body = self.reserve_body(
+                            declared.span,
+                            definition.parameters,
+                            definition.variables.len(),
+                        );
+                        Elements::Computed(body)
+                    }
+                },
+                None if self.is_abstract(base) => self.constants(domain),
+                None => Elements::Undefined,
+            },
+        }
+    }
+
+    fn is_abstract(&self, ty: TypeId) -> bool {
+        let root = self.model.types.root(ty, &self.model.domains);
+        match self.model.types.get(root) {
+            Type::Domain(domain) => self.model.domain(*domain).kind == DomainKind::Abstract,
+            _ => false,
+        }
+    }
+
+    /// The constants of an abstract domain and of those it contains; they stand side by side.
+    fn constants(&self, domain: hir::DomainId) -> Elements {
+        let contains = |mut inner: hir::DomainId| {
+            for _ in 0..=self.model.domains.len() {
+                if inner == domain {
+                    return true;
+                }
+                match self.model.domain(inner).kind {
+                    DomainKind::Concrete { base } => match self.model.types.get(base) {
+                        Type::Domain(base) => inner = *base,
+                        _ => return false,
+                    },
+                    _ => return false,
+                }
+            }
+            false
+        };
+        let atoms = self.model.atoms.iter().enumerate().filter(|(_, atom)| contains(atom.domain));
+        let mut indices = atoms.map(|(index, _)| index as u32);
+        let first = indices.next();
+        let count = first.map_or(0, |_| 1 + indices.count() as u32);
+        Elements::Atoms { first: Atom(first.unwrap_or(0)), count }
+    }
+
+    /// The bounds of a closed term that is an interval of integers, or lists one.
+    fn interval(&self, term: &Term) -> Option<(i64, i64)> {
+        match &*term.kind {
+            TermKind::Interval(_, from, to, None) => {
+                let (low, high) = (self.integer(from, 0)?, self.integer(to, 0)?);
+                (low <= high).then_some((low, high))
+            }
+            TermKind::Listed(_, items) => {
+                let mut numbers: Vec<i64> =
+                    items.iter().map(|item| self.integer(item, 0)).collect::<Option<_>>()?;
+                numbers.sort_unstable();
+                numbers.dedup();
+                let (low, high) = (*numbers.first()?, *numbers.last()?);
+                (high.checked_sub(low)? == numbers.len() as i64 - 1).then_some((low, high))
+            }
+            _ => None,
+        }
+    }
+
+    /// The value of a closed term that is a number, a negated one, or a constant defined as one.
+    fn integer(&self, term: &Term, depth: u32) -> Option<i64> {
+        match &*term.kind {
+            TermKind::Value(Value::Int(number)) => Some(*number),
+            TermKind::Apply(function, arguments) if depth < 32 => {
+                let function = self.model.function(*function);
+                match (&function.meaning, arguments.as_slice()) {
+                    (Meaning::Defined(body), []) if function.kind == hir::FunctionKind::Static => {
+                        self.integer(&body.root, depth + 1)
+                    }
+                    (Meaning::Builtin(builtin), [one]) if builtin.name == "minus" => {
+                        self.integer(one, depth + 1)?.checked_neg()
+                    }
+                    (Meaning::Builtin(builtin), [one]) if builtin.name == "plus" => {
+                        self.integer(one, depth + 1)
+                    }
+                    (Meaning::Builtin(builtin), [left, right]) => {
+                        let (left, right) = (self.integer(left, depth + 1)?, self.integer(right, depth + 1)?);
+                        match builtin.name {
+                            "plus" => left.checked_add(right),
+                            "minus" => left.checked_sub(right),
+                            "mult" => left.checked_mul(right),
+                            _ => None,
+                        }
+                    }
+                    _ => None,
+                }
+            }
+            _ => None,
+        }
+    }
+
+    /// The shape of the values of a type.
+    pub(super) fn shape(&self, ty: TypeId) -> Shape {
+        let boxed = |item: TypeId| Box::new(self.shape(item));
+        match self.model.types.get(ty) {
+            Type::Invalid | Type::Undef => Shape::Any,
+            Type::Boolean => Shape::Bool,
+            Type::Integer => Shape::Int,
+            Type::Natural => Shape::Natural,
+            Type::Real => Shape::Real,
+            Type::Complex => Shape::Complex,
+            Type::Char => Shape::Char,
+            Type::String => Shape::Text,
+            Type::Rule => Shape::Rule,
+            Type::Domain(domain) if self.model.domain(*domain).kind == DomainKind::Any => Shape::Any,
+            Type::Domain(domain) => Shape::Domain(id(*domain)),
+            Type::Prod(items) => Shape::Tuple(items.iter().map(|&item| self.shape(item)).collect()),
+            Type::Seq(item) => Shape::Seq(boxed(*item)),
+            Type::Powerset(item) => Shape::Set(boxed(*item)),
+            Type::Bag(item) => Shape::Bag(boxed(*item)),
+            Type::Map(key, value) => Shape::Map(boxed(*key), boxed(*value)),
+        }
+    }
+
+    /// The domain whose elements a type's values must be, when they are written: concrete domains.
+    pub(super) fn membership(&self, ty: TypeId) -> Option<DomainId> {
+        match self.model.types.get(ty) {
+            Type::Domain(domain) => match self.model.domain(*domain).kind {
+                DomainKind::Concrete { .. } => Some(id(*domain)),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// The elements of a domain as a range, where nothing has to be computed for it.
+    pub(super) fn range(&self, domain: hir::DomainId) -> Range {
+        match (&self.program.domains[domain.0 as usize].elements, &self.model.domain(domain).kind) {
+            (Elements::Ints { low, high }, _) => Range::Ints(*low, *high),
+            (Elements::Atoms { first, count }, DomainKind::Enum { .. }) => Range::Atoms(first.0, *count),
+            _ => Range::Domain(id(domain)),
+        }
+    }
+}

@@ -1,0 +1,339 @@
+//! What is true of the functions and rules of a model, whoever calls them.
+
+use hir::{Body, FunctionId, FunctionKind, Meaning, Model, RuleKind, RuleTerm, Target, Term, TermKind};
+use std::collections::BTreeSet;
+use value::RuleId;
+
+/// Facts that lowering decides by.
+#[derive(Debug, Default)]
+pub(super) struct Facts {
+    /// Functions whose value may change from state to state.
+    dynamic: BTreeSet<FunctionId>,
+    /// Functions whose value may depend on an input.
+    inputs: BTreeSet<FunctionId>,
+    /// Parameters that a rule, or one it calls, writes: they stand for locations.
+    assigned: BTreeSet<(RuleId, usize)>,
+    /// Rules that see intermediate states, themselves or in a rule they call.
+    sequential: BTreeSet<RuleId>,
+    /// Rules that are used as values.
+    pub rule_values: BTreeSet<RuleId>,
+}
+
+impl Facts {
+    pub fn of(model: &Model) -> Self {
+        let mut facts = Self::default();
+        facts.functions(model);
+        facts.rules(model);
+        facts
+    }
+
+    /// Whether a function has one value for ever.
+    pub fn is_static(&self, function: FunctionId) -> bool {
+        !self.dynamic.contains(&function)
+    }
+
+    /// Whether a rule writes one of its parameters.
+    pub fn assigns_parameter(&self, rule: RuleId) -> bool {
+        self.assigned.range((rule, 0)..=(rule, usize::MAX)).next().is_some()
+    }
+
+    /// Whether a rule writes this parameter.
+    pub fn assigns(&self, rule: RuleId, parameter: usize) -> bool {
+        self.assigned.contains(&(rule, parameter))
+    }
+
+    /// Whether a rule sees intermediate states.
+    pub fn is_sequential(&self, rule: RuleId) -> bool {
+        self.sequential.contains(&rule)
+    }
+
+    /// Whether the value of a term may change during a step.
+    pub fn is_dynamic(&self, term: &Term) -> bool {
+        mentions(term, &|function| self.dynamic.contains(&function))
+    }
+
+    /// Whether a term may depend on an input.
+    pub fn reads_input(&self, term: &Term) -> bool {
+        mentions(term, &|function| self.inputs.contains(&function))
+    }
+
+    fn functions(&mut self, model: &Model) {
+        for (index, function) in model.functions.iter().enumerate() {
+            let id = FunctionId(index as u32);
+            match function.meaning {
+                Meaning::State | Meaning::Machine => {
+                    self.dynamic.insert(id);
+                }
+                Meaning::Builtin(builtin) if builtin.name.starts_with("currTime") => {
+                    self.dynamic.insert(id);
+                }
+                Meaning::Defined(_) | Meaning::Builtin(_) | Meaning::Constant(_) | Meaning::Missing => {}
+            }
+            if matches!(function.kind, FunctionKind::Monitored) {
+                self.inputs.insert(id);
+            }
+        }
+        // Definitions inherit it from what they mention.
+        loop {
+            let before = self.dynamic.len() + self.inputs.len();
+            for (index, function) in model.functions.iter().enumerate() {
+                let Meaning::Defined(body) = &function.meaning else { continue };
+                let id = FunctionId(index as u32);
+                if self.is_dynamic(&body.root) {
+                    self.dynamic.insert(id);
+                }
+                if self.reads_input(&body.root) {
+                    self.inputs.insert(id);
+                }
+            }
+            if self.dynamic.len() + self.inputs.len() == before {
+                return;
+            }
+        }
+    }
+
+    fn rules(&mut self, model: &Model) {
+        self.rule_values.extend(model.programs.iter().map(|program| program.rule));
+        loop {
+            let before = self.assigned.len() + self.sequential.len() + self.rule_values.len();
+            for (index, rule) in model.rules.iter().enumerate() {
+                if let Some(body) = &rule.body {
+                    self.rule(RuleId(index as u32), body);
+                }
+            }
+            if self.assigned.len() + self.sequential.len() + self.rule_values.len() == before {
+                return;
+            }
+        }
+    }
+
+    fn rule(&mut self, id: RuleId, body: &Body<RuleTerm>) {
+        walk(&body.root, &mut |rule| {
+            match &*rule.kind {
+                RuleKind::Seq(_) | RuleKind::While(..) => {
+                    self.sequential.insert(id);
+                }
+                RuleKind::Update(Target::Parameter(variable), _) => {
+                    self.assigned.insert((id, variable.0 as usize));
+                }
+                RuleKind::Assign(target, callee, _) => {
+                    if let Target::Parameter(variable) = target {
+                        self.assigned.insert((id, variable.0 as usize));
+                    }
+                    self.call(id, body.parameters, *callee, &[]);
+                }
+                RuleKind::Call(callee, arguments) => self.call(id, body.parameters, *callee, arguments),
+                // what runs is not known: assume the worst
+                RuleKind::Run(..) => {
+                    self.sequential.insert(id);
+                }
+                _ => {}
+            }
+            each_term(rule, &mut |term| {
+                visit(term, &mut |term| {
+                    if let TermKind::Rule(rule) = &*term.kind {
+                        self.rule_values.insert(*rule);
+                    }
+                });
+            });
+        });
+    }
+
+    fn call(&mut self, caller: RuleId, parameters: usize, callee: RuleId, arguments: &[Term]) {
+        if self.sequential.contains(&callee) {
+            self.sequential.insert(caller);
+        }
+        for (index, argument) in arguments.iter().enumerate() {
+            if let TermKind::Variable(variable) = &*argument.kind
+                && (variable.0 as usize) < parameters
+                && self.assigned.contains(&(callee, index))
+            {
+                self.assigned.insert((caller, variable.0 as usize));
+            }
+        }
+    }
+}
+
+/// The functions with initial values, each after those its initial values depend on; functions that
+/// depend on each other stand in order of declaration.
+pub(super) fn initial_order(model: &Model) -> Vec<FunctionId> {
+    fn add(model: &Model, function: FunctionId, seen: &mut BTreeSet<FunctionId>, order: &mut Vec<FunctionId>) {
+        if !seen.insert(function) {
+            return;
+        }
+        let declared = model.function(function);
+        let defined = match &declared.meaning {
+            Meaning::Defined(body) => Some(body),
+            _ => None,
+        };
+        let mut needed = BTreeSet::new();
+        for body in defined.into_iter().chain(&declared.initial) {
+            visit(&body.root, &mut |term| {
+                if let TermKind::Apply(function, _) | TermKind::Spread(function, _) = &*term.kind {
+                    needed.insert(*function);
+                }
+            });
+        }
+        stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
+            needed.into_iter().for_each(|function| add(model, function, seen, order));
+        });
+        if declared.initial.is_some() {
+            order.push(function);
+        }
+    }
+    let mut seen = BTreeSet::new();
+    let mut order = Vec::new();
+    for index in 0..model.functions.len() {
+        add(model, FunctionId(index as u32), &mut seen, &mut order);
+    }
+    order
+}
+
+/// Calls `see` for a rule and all rules in it.
+fn walk(rule: &RuleTerm, see: &mut dyn FnMut(&RuleTerm)) {
+    stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
+        see(rule);
+        match &*rule.kind {
+            RuleKind::Par(rules) | RuleKind::Seq(rules) => rules.iter().for_each(|rule| walk(rule, see)),
+            RuleKind::If(_, then, otherwise) => {
+                walk(then, see);
+                otherwise.iter().for_each(|rule| walk(rule, see));
+            }
+            RuleKind::Switch(_, cases, otherwise) => {
+                cases.iter().for_each(|(_, rule)| walk(rule, see));
+                otherwise.iter().for_each(|rule| walk(rule, see));
+            }
+            RuleKind::Choose(_, _, body, ifnone) => {
+                walk(body, see);
+                ifnone.iter().for_each(|rule| walk(rule, see));
+            }
+            RuleKind::Forall(_, _, body)
+            | RuleKind::Let(_, body)
+            | RuleKind::Extend(_, _, body)
+            | RuleKind::While(_, body) => walk(body, see),
+            RuleKind::Skip
+            | RuleKind::Update(..)
+            | RuleKind::Assign(..)
+            | RuleKind::Call(..)
+            | RuleKind::Run(..)
+            | RuleKind::Unsupported(_)
+            | RuleKind::Invalid => {}
+        }
+    });
+}
+
+/// Calls `see` for the terms that stand in a rule itself, not for those of the rules in it.
+fn each_term(rule: &RuleTerm, see: &mut dyn FnMut(&Term)) {
+    let mut all = |terms: &[Term]| terms.iter().for_each(&mut *see);
+    match &*rule.kind {
+        RuleKind::Update(target, value) => {
+            if let Target::Location(_, arguments) = target {
+                all(arguments);
+            }
+            see(value);
+        }
+        RuleKind::Assign(target, _, arguments) => {
+            if let Target::Location(_, places) = target {
+                all(places);
+            }
+            all(arguments);
+        }
+        RuleKind::Call(_, arguments) => all(arguments),
+        RuleKind::Run(term, arguments) => {
+            all(arguments);
+            see(term);
+        }
+        RuleKind::If(guard, ..) | RuleKind::While(guard, _) => see(guard),
+        RuleKind::Switch(subject, cases, _) => {
+            cases.iter().for_each(|(case, _)| see(case));
+            see(subject);
+        }
+        RuleKind::Choose(binders, guard, ..) | RuleKind::Forall(binders, guard, _) => {
+            binders.iter().for_each(|binder| see(&binder.range));
+            guard.iter().for_each(see);
+        }
+        RuleKind::Let(bindings, _) => bindings.iter().for_each(|(_, term)| see(term)),
+        RuleKind::Skip
+        | RuleKind::Par(_)
+        | RuleKind::Seq(_)
+        | RuleKind::Extend(..)
+        | RuleKind::Unsupported(_)
+        | RuleKind::Invalid => {}
+    }
+}
+
+/// Whether a term applies a function that passes the test, or ranges over a domain that may grow.
+fn mentions(term: &Term, wanted: &dyn Fn(FunctionId) -> bool) -> bool {
+    let mut found = false;
+    visit(term, &mut |term| match &*term.kind {
+        TermKind::Apply(function, _) | TermKind::Spread(function, _) => found |= wanted(*function),
+        _ => {}
+    });
+    found
+}
+
+/// Calls `see` for a term and all terms in it.
+pub(super) fn visit(term: &Term, see: &mut dyn FnMut(&Term)) {
+    stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
+        see(term);
+        subterms(term, &mut |term| visit(term, see));
+    });
+}
+
+/// Calls `see` for the terms directly in a term.
+pub(super) fn subterms(term: &Term, see: &mut dyn FnMut(&Term)) {
+    match &*term.kind {
+        TermKind::Value(_)
+        | TermKind::Variable(_)
+        | TermKind::Rule(_)
+        | TermKind::Extent(_)
+        | TermKind::Invalid => {}
+        TermKind::Apply(_, terms) | TermKind::Tuple(terms) | TermKind::Listed(_, terms) => {
+            terms.iter().for_each(see);
+        }
+        TermKind::Spread(_, tuple) => see(tuple),
+        TermKind::If(guard, then, otherwise) => {
+            see(guard);
+            see(then);
+            otherwise.iter().for_each(see);
+        }
+        TermKind::Switch(subject, cases, otherwise) => {
+            see(subject);
+            for (case, value) in cases {
+                see(case);
+                see(value);
+            }
+            otherwise.iter().for_each(see);
+        }
+        TermKind::Let(bindings, body) => {
+            bindings.iter().for_each(|(_, term)| see(term));
+            see(body);
+        }
+        TermKind::Quantified(_, binders, guard) => {
+            binders.iter().for_each(|binder| see(&binder.range));
+            guard.iter().for_each(see);
+        }
+        TermKind::Interval(_, from, to, step) => {
+            see(from);
+            see(to);
+            step.iter().for_each(see);
+        }
+        TermKind::Comprehension(_, binders, guard, item) => {
+            binders.iter().for_each(|binder| see(&binder.range));
+            guard.iter().for_each(&mut *see);
+            see(item);
+        }
+        TermKind::Map(pairs) => {
+            for (key, value) in pairs {
+                see(key);
+                see(value);
+            }
+        }
+        TermKind::MapComprehension(binders, guard, key, value) => {
+            binders.iter().for_each(|binder| see(&binder.range));
+            guard.iter().for_each(&mut *see);
+            see(key);
+            see(value);
+        }
+    }
+}

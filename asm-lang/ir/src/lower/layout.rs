@@ -1,0 +1,97 @@
+//! Which slots the locations of the functions are.
+
+use super::{Lowering, domain};
+use crate::program::{Axis, AxisRange, Elements, Function, FunctionKind, Storage};
+use hir::{Meaning, Type, TypeId};
+
+/// A function with more locations than this is interned: most of them are never met.
+const MAX_DENSE: u64 = 1 << 16;
+
+impl Lowering<'_> {
+    /// Gives every function its storage, in order of declaration.
+    pub(super) fn layout(&mut self) {
+        self.domains();
+        for (index, function) in self.model.functions.iter().enumerate() {
+            let id = hir::FunctionId(index as u32);
+            let is_result = self.model.reserved.result == Some(id);
+            let stored = is_result || matches!(function.meaning, Meaning::State);
+            let storage = match stored {
+                true => self.storage(&function.parameters),
+                false => Storage::None,
+            };
+            if let (true, Storage::Dense { base, .. }) = (is_result, &storage) {
+                self.program.result = *base;
+            }
+            let parameters = function.parameters.iter().map(|&ty| self.shape(ty)).collect();
+            self.program.functions.push(Function {
+                kind: kind(function.kind),
+                parameters,
+                codomain: self.shape(function.codomain),
+                within: self.membership(function.codomain),
+                storage,
+                initial: None,
+                own: !function.library,
+            });
+        }
+    }
+
+    fn storage(&mut self, parameters: &[TypeId]) -> Storage {
+        let Some(ranges) = parameters.iter().map(|&ty| self.axis(ty)).collect::<Option<Vec<_>>>() else {
+            return Storage::Interned;
+        };
+        let count = ranges.iter().try_fold(1u64, |product, range| {
+            product.checked_mul(u64::from(range.count())).filter(|&product| product <= MAX_DENSE)
+        });
+        let Some(count) = count else {
+            return Storage::Interned;
+        };
+        let base = self.program.slots;
+        self.program.slots += count as u32;
+        let mut stride = 1;
+        let mut axes: Vec<Axis> = ranges
+            .into_iter()
+            .rev()
+            .map(|over| {
+                let axis = Axis { over, stride };
+                stride *= over.count();
+                axis
+            })
+            .collect();
+        axes.reverse();
+        Storage::Dense { base, count: count as u32, axes }
+    }
+
+    /// What an argument of this type ranges over, if that is finite and known.
+    fn axis(&self, ty: TypeId) -> Option<AxisRange> {
+        match self.model.types.get(ty) {
+            Type::Boolean => Some(AxisRange::Bool),
+            Type::Domain(declared) => {
+                match &self.program.domains[domain::id(*declared).0 as usize].elements {
+                    Elements::Ints { low, high } => {
+                        let count = u32::try_from(high.checked_sub(*low)?.checked_add(1)?).ok()?;
+                        Some(AxisRange::Ints { low: *low, count })
+                    }
+                    Elements::Atoms { first, count } => {
+                        Some(AxisRange::Atoms { first: first.0, count: *count })
+                    }
+                    Elements::Computed(_) | Elements::Undefined => match self.model.domain(*declared).kind {
+                        hir::DomainKind::Concrete { base } => self.axis(base),
+                        _ => None,
+                    },
+                    Elements::Open => None,
+                }
+            }
+            _ => None,
+        }
+    }
+}
+
+fn kind(kind: hir::FunctionKind) -> FunctionKind {
+    match kind {
+        hir::FunctionKind::Static | hir::FunctionKind::Derived => FunctionKind::Fixed,
+        hir::FunctionKind::Monitored => FunctionKind::Monitored,
+        hir::FunctionKind::Controlled | hir::FunctionKind::Local => FunctionKind::Controlled,
+        hir::FunctionKind::Shared => FunctionKind::Shared,
+        hir::FunctionKind::Out => FunctionKind::Out,
+    }
+}

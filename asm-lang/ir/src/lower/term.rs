@@ -1,0 +1,409 @@
+//! Terms lowered: operators become nodes of their own, locations become slots where they can.
+
+use super::rule::{Binding, Frame};
+use super::{Lowering, function_id};
+use crate::program::{
+    Arithmetic, Binder, Collection, Comparison, FunctionId, Kind, Local, Logic, Node, Origin, Place,
+    Quantifier, Range, Slot, Storage, Term,
+};
+use hir::{Meaning, TermKind, Type, TypeId};
+use source::Span;
+use syntax::ast;
+use value::Value;
+
+impl Term {
+    /// `undef`, standing here.
+    pub(super) fn undef(origin: Origin) -> Self {
+        Self { node: Box::new(Node::Constant(Value::Undef)), kind: Kind::Other, origin }
+    }
+}
+
+impl Lowering<'_> {
+    pub(super) fn kind(&self, ty: TypeId) -> Kind {
+        let root = self.model.types.root(ty, &self.model.domains);
+        match self.model.types.get(root) {
+            Type::Boolean => Kind::Bool,
+            Type::Integer | Type::Natural => Kind::Int,
+            Type::Real => Kind::Real,
+            Type::Domain(domain) => match self.model.domain(*domain).kind {
+                hir::DomainKind::Enum { .. } | hir::DomainKind::Abstract => Kind::Atom,
+                hir::DomainKind::Any | hir::DomainKind::Basic | hir::DomainKind::Concrete { .. } => Kind::Other,
+            },
+            Type::Invalid
+            | Type::Undef
+            | Type::Complex
+            | Type::Char
+            | Type::String
+            | Type::Rule
+            | Type::Prod(_)
+            | Type::Seq(_)
+            | Type::Powerset(_)
+            | Type::Bag(_)
+            | Type::Map(..) => Kind::Other,
+        }
+    }
+
+    pub(super) fn terms(&mut self, terms: &[hir::Term], frame: &mut Frame) -> Vec<Term> {
+        terms.iter().map(|term| self.term(term, frame)).collect()
+    }
+
+    fn optional(&mut self, term: Option<&hir::Term>, frame: &mut Frame) -> Option<Term> {
+        term.map(|term| self.term(term, frame))
+    }
+
+    /// A term in a frame.
+    pub(super) fn term(&mut self, term: &hir::Term, frame: &mut Frame) -> Term {
+        stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.term_here(term, frame))
+    }
+
+    fn term_here(&mut self, term: &hir::Term, frame: &mut Frame) -> Term {
+        let origin = self.origin(term.span);
+        let kind = self.kind(term.ty);
+        let node = match &*term.kind {
+            TermKind::Value(value) => Node::Constant(value.clone()),
+            TermKind::Variable(variable) => match frame.binding(*variable) {
+                Some(Binding::Local(local)) => Node::Local(local),
+                Some(Binding::Term(closed)) => {
+                    return frame.within(&closed, |frame| self.term(&closed.term, frame));
+                }
+                None => Node::Constant(Value::Undef),
+            },
+            TermKind::Apply(function, arguments) => {
+                let arguments = self.terms(arguments, frame);
+                self.apply(*function, arguments, origin, term.span)
+            }
+            TermKind::Spread(function, tuple) => return self.spread(*function, tuple, frame, term),
+            TermKind::Tuple(items) => Node::Tuple(self.terms(items, frame)),
+            TermKind::If(guard, then, otherwise) => {
+                let guard = self.term(guard, frame);
+                let then = self.term(then, frame);
+                let otherwise = self.optional(otherwise.as_ref(), frame);
+                Node::If(guard, then, otherwise.unwrap_or(Term::undef(origin)))
+            }
+            TermKind::Switch(subject, cases, otherwise) => {
+                let subject = self.term(subject, frame);
+                let mut lowered = Vec::new();
+                for (case, value) in cases {
+                    let case = self.term(case, frame);
+                    lowered.push((case, self.term(value, frame)));
+                }
+                let otherwise = self.optional(otherwise.as_ref(), frame);
+                Node::Switch(subject, lowered, otherwise.unwrap_or(Term::undef(origin)))
+            }
+            TermKind::Let(bindings, body) => {
+                let bindings = self.bindings(bindings, frame);
+                Node::Let(bindings, self.term(body, frame))
+            }
+            TermKind::Quantified(quantifier, binders, guard) => {
+                let binders = self.binders(binders, frame);
+                let guard = self.optional(guard.as_ref(), frame);
+                Node::Quantified(quantifier_of(*quantifier), binders, guard)
+            }
+            TermKind::Listed(collection, items) => {
+                Node::Listed(collection_of(*collection), self.terms(items, frame))
+            }
+            TermKind::Interval(collection, from, to, step) => {
+                let from = self.term(from, frame);
+                let to = self.term(to, frame);
+                let step = self.optional(step.as_ref(), frame);
+                Node::Interval(collection_of(*collection), from, to, step)
+            }
+            TermKind::Comprehension(collection, binders, guard, item) => {
+                let binders = self.binders(binders, frame);
+                let guard = self.optional(guard.as_ref(), frame);
+                Node::Collect(collection_of(*collection), binders, guard, self.term(item, frame))
+            }
+            TermKind::Map(pairs) => {
+                let mut lowered = Vec::new();
+                for (key, value) in pairs {
+                    let key = self.term(key, frame);
+                    lowered.push((key, self.term(value, frame)));
+                }
+                Node::Map(lowered)
+            }
+            TermKind::MapComprehension(binders, guard, key, value) => {
+                let binders = self.binders(binders, frame);
+                let guard = self.optional(guard.as_ref(), frame);
+                let key = self.term(key, frame);
+                Node::CollectMap(binders, guard, key, self.term(value, frame))
+            }
+            TermKind::Rule(rule) => Node::Constant(Value::Rule(*rule)),
+            TermKind::Extent(ty) => Node::Extent(self.shape(*ty)),
+            TermKind::Invalid => Node::Constant(Value::Undef),
+        };
+        Term { node: Box::new(node), kind, origin }
+    }
+
+    pub(super) fn bindings(&mut self, bindings: &[(hir::VarId, hir::Term)], frame: &mut Frame) -> Vec<(Local, Term)> {
+        let mut bound = Vec::new();
+        for (variable, term) in bindings {
+            let term = self.term(term, frame);
+            bound.push((frame.bind(*variable), term));
+        }
+        bound
+    }
+
+    pub(super) fn binders(&mut self, binders: &[hir::Binder], frame: &mut Frame) -> Vec<Binder> {
+        let mut bound = Vec::new();
+        for binder in binders {
+            let origin = self.origin(binder.range.span);
+            let range = match &*binder.range.kind {
+                TermKind::Extent(ty) => match self.model.types.get(*ty) {
+                    Type::Boolean => Range::Bools,
+                    Type::Domain(domain) => self.range(*domain),
+                    _ => Range::Elements(self.term(&binder.range, frame)),
+                },
+                _ => Range::Elements(self.term(&binder.range, frame)),
+            };
+            bound.push(Binder { local: frame.bind(binder.variable), range, origin });
+        }
+        bound
+    }
+
+    /// A function applied to arguments that are lowered already.
+    fn apply(&mut self, function: hir::FunctionId, arguments: Vec<Term>, origin: Origin, span: Span) -> Node {
+        let reserved = self.model.reserved;
+        if reserved.self_ == Some(function) {
+            return Node::Agent;
+        }
+        let declared = self.model.function(function);
+        match &declared.meaning {
+            Meaning::State => self.location(function_id(function), arguments),
+            Meaning::Machine if reserved.result == Some(function) => {
+                self.location(function_id(function), arguments)
+            }
+            Meaning::Machine if reserved.program == Some(function) => match arguments.into_iter().next() {
+                Some(agent) => Node::Program(agent),
+                None => Node::Constant(Value::Undef),
+            },
+            Meaning::Machine => {
+                self.unsupported(&format!("`{}`", declared.name), span);
+                Node::Constant(Value::Undef)
+            }
+            Meaning::Constant(atom) => Node::Constant(Value::Atom(*atom)),
+            Meaning::Missing => Node::Constant(Value::Undef),
+            Meaning::Builtin(builtin) => self.builtin(builtin, arguments, origin),
+            Meaning::Defined(body) => {
+                if let (TermKind::Value(value), true) = (&*body.root.kind, arguments.is_empty()) {
+                    return Node::Constant(value.clone());
+                }
+                let Some(&id) = self.definitions.get(&function) else {
+                    return Node::Constant(Value::Undef);
+                };
+                match self.caches.get(&function) {
+                    Some(&cache) => {
+                        let kind = self.kind(declared.codomain);
+                        Node::Cached(cache, Term { node: Box::new(Node::Call(id, arguments)), kind, origin })
+                    }
+                    None => Node::Call(id, arguments),
+                }
+            }
+        }
+    }
+
+    /// `f(t)` where the one term is a tuple of all arguments.
+    fn spread(&mut self, function: hir::FunctionId, tuple: &hir::Term, frame: &mut Frame, term: &hir::Term) -> Term {
+        let origin = self.origin(term.span);
+        let kind = self.kind(term.ty);
+        let (bindings, arguments) = self.components(function, tuple, frame);
+        let node = self.apply(function, arguments, origin, term.span);
+        let applied = Term { node: Box::new(node), kind, origin };
+        Term { node: Box::new(Node::Let(bindings, applied)), kind, origin }
+    }
+
+    /// Binds a tuple, and gives its components as the arguments of a function.
+    fn components(
+        &mut self,
+        function: hir::FunctionId,
+        tuple: &hir::Term,
+        frame: &mut Frame,
+    ) -> (Vec<(Local, Term)>, Vec<Term>) {
+        let lowered = self.term(tuple, frame);
+        let origin = lowered.origin;
+        let local = frame.fresh();
+        let parameters = self.model.function(function).parameters.clone();
+        let components = parameters
+            .iter()
+            .enumerate()
+            .map(|(index, &ty)| {
+                let tuple = Term { node: Box::new(Node::Local(local)), kind: Kind::Other, origin };
+                let node = Node::Component(tuple, index as u32);
+                Term { node: Box::new(node), kind: self.kind(ty), origin }
+            })
+            .collect();
+        (vec![(local, lowered)], components)
+    }
+
+    /// A location: a slot if its arguments are constants on their axes.
+    fn location(&mut self, function: FunctionId, arguments: Vec<Term>) -> Node {
+        match self.slot(function, &arguments) {
+            Some(slot) => Node::Slot(function, slot),
+            None => Node::Location(function, arguments),
+        }
+    }
+
+    fn slot(&self, function: FunctionId, arguments: &[Term]) -> Option<Slot> {
+        let Storage::Dense { base, axes, .. } = &self.program.functions[function.0 as usize].storage else {
+            return None;
+        };
+        let mut slot = *base;
+        for (axis, argument) in axes.iter().zip(arguments) {
+            match &*argument.node {
+                Node::Constant(value) => slot += axis.over.index(value)? * axis.stride,
+                _ => return None,
+            }
+        }
+        Some(slot)
+    }
+
+    /// What an update writes; `None` after an error.
+    pub(super) fn place(&mut self, target: &hir::Target, frame: &mut Frame, span: Span) -> Option<Place> {
+        match target {
+            hir::Target::Location(function, arguments) => {
+                let wanted = self.model.function(*function).parameters.len();
+                let arguments = match arguments.as_slice() {
+                    // `f(t) := …` with a tuple for all arguments
+                    [tuple] if wanted > 1 => self.literal_components(*function, tuple, frame)?,
+                    arguments => self.terms(arguments, frame),
+                };
+                Some(match self.location(function_id(*function), arguments) {
+                    Node::Slot(function, slot) => Place::Slot(function, slot),
+                    Node::Location(function, arguments) => Place::Location(function, arguments),
+                    _ => return None,
+                })
+            }
+            hir::Target::Parameter(variable) => {
+                if let Some(Binding::Term(closed)) = frame.binding(*variable) {
+                    let target = match &*closed.term.kind {
+                        TermKind::Apply(function, arguments) => {
+                            Some(hir::Target::Location(*function, arguments.clone()))
+                        }
+                        TermKind::Spread(function, tuple) => {
+                            Some(hir::Target::Location(*function, vec![tuple.clone()]))
+                        }
+                        _ => None,
+                    };
+                    if let Some(target) = target {
+                        return frame.within(&closed, |frame| self.place(&target, frame, span));
+                    }
+                }
+                None
+            }
+        }
+    }
+
+    fn literal_components(
+        &mut self,
+        function: hir::FunctionId,
+        tuple: &hir::Term,
+        frame: &mut Frame,
+    ) -> Option<Vec<Term>> {
+        if let TermKind::Tuple(items) = &*tuple.kind {
+            return Some(self.terms(items, frame));
+        }
+        let (bindings, components) = self.components(function, tuple, frame);
+        let (_, tuple) = bindings.into_iter().next()?;
+        // each component evaluates the tuple anew: it is the same within a step
+        Some(
+            components
+                .into_iter()
+                .map(|component| match *component.node {
+                    Node::Component(_, index) => {
+                        Term { node: Box::new(Node::Component(tuple.clone(), index)), ..component }
+                    }
+                    _ => component,
+                })
+                .collect(),
+        )
+    }
+
+    /// A library function: the operators that machines know become nodes.
+    fn builtin(&mut self, builtin: &'static stdlib::Builtin, arguments: Vec<Term>, origin: Origin) -> Node {
+        let integers = !arguments.is_empty() && arguments.iter().all(|argument| argument.kind == Kind::Int);
+        let truths = !arguments.is_empty() && arguments.iter().all(|argument| argument.kind == Kind::Bool);
+        let mut operands = arguments.iter().cloned();
+        if let (Some(left), Some(right), None) = (operands.next(), operands.next(), operands.next()) {
+            if let Some(logic) = logic(builtin.name).filter(|_| builtin.domain == "Prod(Boolean,Boolean)") {
+                return Node::Logic(logic, left, right);
+            }
+            if let Some(comparison) = comparison(builtin.name).filter(|_| integers) {
+                return Node::Compare(comparison, left, right);
+            }
+            if let Some(arithmetic) = arithmetic(builtin.name).filter(|_| integers) {
+                return Node::Arithmetic(arithmetic, left, right);
+            }
+            // numbers of different domains are equal as numbers: the library converts them
+            let mixed = left.kind != right.kind && builtin.domain.contains("Real");
+            if builtin.name == "eq" && !mixed {
+                return Node::Equal(left, right);
+            }
+            if builtin.name == "neq" && !mixed {
+                let equal = Node::Equal(left, right);
+                return Node::Not(Term { node: Box::new(equal), kind: Kind::Bool, origin });
+            }
+        }
+        if builtin.name == "not" && truths {
+            if let Some(operand) = arguments.into_iter().next() {
+                return Node::Not(operand);
+            }
+            return Node::Constant(Value::Undef);
+        }
+        Node::Builtin(builtin, arguments)
+    }
+
+    /// A guard that was left out holds.
+    pub(super) fn guard(&mut self, guard: Option<&hir::Term>, frame: &mut Frame) -> Option<Term> {
+        let guard = self.optional(guard, frame)?;
+        match &*guard.node {
+            Node::Constant(Value::Bool(true)) => None,
+            _ => Some(guard),
+        }
+    }
+}
+
+fn logic(name: &str) -> Option<Logic> {
+    Some(match name {
+        "and" => Logic::And,
+        "or" => Logic::Or,
+        "xor" => Logic::Xor,
+        "implies" => Logic::Implies,
+        "iff" => Logic::Iff,
+        _ => return None,
+    })
+}
+
+fn comparison(name: &str) -> Option<Comparison> {
+    Some(match name {
+        "lt" => Comparison::Lt,
+        "le" => Comparison::Le,
+        "gt" => Comparison::Gt,
+        "ge" => Comparison::Ge,
+        _ => return None,
+    })
+}
+
+fn arithmetic(name: &str) -> Option<Arithmetic> {
+    Some(match name {
+        "plus" => Arithmetic::Plus,
+        "minus" => Arithmetic::Minus,
+        "mult" => Arithmetic::Mult,
+        "mod" => Arithmetic::Mod,
+        _ => return None,
+    })
+}
+
+fn collection_of(collection: ast::Collection) -> Collection {
+    match collection {
+        ast::Collection::Set => Collection::Set,
+        ast::Collection::Seq => Collection::Seq,
+        ast::Collection::Bag => Collection::Bag,
+    }
+}
+
+fn quantifier_of(quantifier: ast::Quantifier) -> Quantifier {
+    match quantifier {
+        ast::Quantifier::Forall => Quantifier::Forall,
+        ast::Quantifier::Exists => Quantifier::Exists,
+        ast::Quantifier::ExistsUnique => Quantifier::ExistsUnique,
+    }
+}

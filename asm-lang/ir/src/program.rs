@@ -1,0 +1,531 @@
+//! Programs as plain data.
+
+use std::sync::Arc;
+use value::{Atom, RuleId, Value};
+
+/// The number of a location.
+pub type Slot = u32;
+
+/// The number of a variable in its frame.
+pub type Local = u32;
+
+/// A place in the sources; [`crate::Lowered::origins`] knows it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Origin(pub u32);
+
+/// A function of the program, numbered as in the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct FunctionId(pub u32);
+
+/// A domain of the program, numbered as in the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct DomainId(pub u32);
+
+/// A term with a frame of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct BodyId(pub u32);
+
+/// A rule with a frame of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct RoutineId(pub u32);
+
+/// A specification, ready to be compiled and run.
+#[derive(Debug)]
+pub struct Program {
+    /// What things are called, for traces and messages only.
+    pub symbols: Symbols,
+    /// The domains.
+    pub domains: Vec<Domain>,
+    /// The functions; those without locations have no storage.
+    pub functions: Vec<Function>,
+    /// How many slots are fixed; interned locations get the numbers from here on.
+    pub slots: Slot,
+    /// The functions with initial values, each after those its values depend on.
+    pub initial_order: Vec<FunctionId>,
+    /// Definitions, initial values, conditions.
+    pub bodies: Vec<Body<Term>>,
+    /// Rules, specialised.
+    pub routines: Vec<Body<Rule>>,
+    /// What a [`Value::Rule`] runs.
+    pub rules: Vec<RuleValue>,
+    /// The programs of agents, by domain.
+    pub programs: Vec<(DomainId, RuleId)>,
+    /// The main rule; a module has none.
+    pub main: Option<RoutineId>,
+    /// What must hold in every state.
+    pub invariants: Vec<Invariant>,
+    /// How many values of closed static terms can be kept.
+    pub caches: u32,
+    /// The location of `result`, where turbo rules leave theirs.
+    pub result: Slot,
+}
+
+/// Names, by number.
+#[derive(Debug, Default)]
+pub struct Symbols {
+    /// The names of the atoms.
+    pub atoms: Vec<Arc<str>>,
+    /// The domain of each atom.
+    pub atom_domains: Vec<DomainId>,
+    /// The names of the functions.
+    pub functions: Vec<Arc<str>>,
+    /// The names of the domains.
+    pub domains: Vec<Arc<str>>,
+    /// The names of the rules.
+    pub rules: Vec<Arc<str>>,
+}
+
+/// A domain.
+#[derive(Debug)]
+pub struct Domain {
+    /// Its elements.
+    pub elements: Elements,
+    /// The domain it is a subset of.
+    pub base: Option<DomainId>,
+}
+
+/// The elements of a domain.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Elements {
+    /// All integers from `low` to `high`, bounds included.
+    Ints {
+        /// The least element.
+        low: i64,
+        /// The greatest element.
+        high: i64,
+    },
+    /// Atoms side by side; `extend` may add others.
+    Atoms {
+        /// The first atom.
+        first: Atom,
+        /// How many there are at the start.
+        count: u32,
+    },
+    /// The value of a closed term in the initial state: a set.
+    Computed(BodyId),
+    /// No elements: declared as a subset, never defined.
+    Undefined,
+    /// Not a set of its own: an anydomain or a basic domain.
+    Open,
+}
+
+/// A function.
+#[derive(Debug)]
+pub struct Function {
+    /// Who writes its locations.
+    pub kind: FunctionKind,
+    /// The shapes of its arguments.
+    pub parameters: Vec<Shape>,
+    /// The shape of its values.
+    pub codomain: Shape,
+    /// What a value must be an element of when it is written; `None` for all values of the shape.
+    pub within: Option<DomainId>,
+    /// Where its locations are.
+    pub storage: Storage,
+    /// Its value in the initial state, by arguments.
+    pub initial: Option<BodyId>,
+    /// Whether the specification declares it itself: only these are shown.
+    pub own: bool,
+}
+
+/// Who writes a function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FunctionKind {
+    /// Rules.
+    Controlled,
+    /// Rules; the environment reads it.
+    Out,
+    /// The environment.
+    Monitored,
+    /// Both.
+    Shared,
+    /// Nobody: computed.
+    Fixed,
+}
+
+/// The values of a type, as far as inputs and enumeration need to know.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// `true`, `false`
+    Bool,
+    /// Integers.
+    Int,
+    /// Integers from 0.
+    Natural,
+    /// Real numbers.
+    Real,
+    /// Characters.
+    Char,
+    /// Texts.
+    Text,
+    /// Complex numbers.
+    Complex,
+    /// Rules.
+    Rule,
+    /// The elements of a domain.
+    Domain(DomainId),
+    /// Tuples.
+    Tuple(Vec<Shape>),
+    /// Sequences.
+    Seq(Box<Shape>),
+    /// Sets.
+    Set(Box<Shape>),
+    /// Bags.
+    Bag(Box<Shape>),
+    /// Maps.
+    Map(Box<Shape>, Box<Shape>),
+    /// Anything.
+    Any,
+}
+
+/// Where the locations of a function are.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Storage {
+    /// It has none.
+    None,
+    /// `base + Σ index(argument) · stride`, for arguments on their axes; others are interned.
+    Dense {
+        /// The slot of the first location.
+        base: Slot,
+        /// How many slots there are.
+        count: u32,
+        /// One axis an argument.
+        axes: Vec<Axis>,
+    },
+    /// Every location is interned.
+    Interned,
+}
+
+/// How an argument becomes an index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Axis {
+    /// What the argument ranges over.
+    pub over: AxisRange,
+    /// How far apart the locations of neighbouring arguments are.
+    pub stride: u32,
+}
+
+/// What an argument ranges over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AxisRange {
+    /// `false`, `true`
+    Bool,
+    /// Integers from `low`, `count` of them.
+    Ints {
+        /// The least.
+        low: i64,
+        /// How many.
+        count: u32,
+    },
+    /// Atoms from `first`, `count` of them.
+    Atoms {
+        /// The first.
+        first: u32,
+        /// How many.
+        count: u32,
+    },
+}
+
+impl AxisRange {
+    /// How many indices there are.
+    pub fn count(self) -> u32 {
+        match self {
+            Self::Bool => 2,
+            Self::Ints { count, .. } | Self::Atoms { count, .. } => count,
+        }
+    }
+
+    /// The index of an argument, if it lies on the axis.
+    pub fn index(self, argument: &Value) -> Option<u32> {
+        match (self, argument) {
+            (Self::Bool, Value::Bool(truth)) => Some(u32::from(*truth)),
+            (Self::Ints { low, count }, Value::Int(number)) => {
+                let index = number.checked_sub(low)?;
+                (0..i64::from(count)).contains(&index).then_some(index as u32)
+            }
+            (Self::Atoms { first, count }, Value::Atom(atom)) => {
+                let index = atom.0.wrapping_sub(first);
+                (index < count).then_some(index)
+            }
+            _ => None,
+        }
+    }
+
+    /// The argument at an index.
+    pub fn argument(self, index: u32) -> Value {
+        match self {
+            Self::Bool => Value::Bool(index == 1),
+            Self::Ints { low, .. } => Value::Int(low + i64::from(index)),
+            Self::Atoms { first, .. } => Value::Atom(Atom(first + index)),
+        }
+    }
+}
+
+/// Code with a frame of its own.
+#[derive(Debug)]
+pub struct Body<T> {
+    /// How many locals are arguments; they come first.
+    pub arguments: u32,
+    /// How many locals there are.
+    pub locals: u32,
+    /// The code.
+    pub code: T,
+    /// Where it is declared.
+    pub origin: Origin,
+}
+
+/// A rule as a value: a routine and its first arguments.
+#[derive(Debug)]
+pub struct RuleValue {
+    /// The routine; `None` for a rule that cannot be a value.
+    pub routine: Option<RoutineId>,
+    /// Arguments already given, each a closed term.
+    pub arguments: Vec<BodyId>,
+}
+
+/// What must hold in every state.
+#[derive(Debug)]
+pub struct Invariant {
+    /// Its name.
+    pub name: Arc<str>,
+    /// The condition.
+    pub body: BodyId,
+    /// Whether it speaks of inputs: then it is an assumption, checked before the step's updates.
+    pub assumes: bool,
+    /// Where it stands.
+    pub origin: Origin,
+}
+
+/// What a term's value is, where that is known before it runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A truth value or undef.
+    Bool,
+    /// An integer or undef.
+    Int,
+    /// A real number or undef.
+    Real,
+    /// An atom or undef.
+    Atom,
+    /// Anything.
+    Other,
+}
+
+/// A term.
+#[derive(Clone, Debug)]
+pub struct Term {
+    /// What it is.
+    pub node: Box<Node>,
+    /// What its value is.
+    pub kind: Kind,
+    /// Where it stands.
+    pub origin: Origin,
+}
+
+/// The forms of a term.
+#[derive(Clone, Debug)]
+pub enum Node {
+    /// A constant.
+    Constant(Value),
+    /// A variable.
+    Local(Local),
+    /// The agent that runs.
+    Agent,
+    /// The location of a known slot.
+    Slot(FunctionId, Slot),
+    /// A location whose arguments are computed.
+    Location(FunctionId, Vec<Term>),
+    /// A definition applied.
+    Call(BodyId, Vec<Term>),
+    /// A closed static term, evaluated once.
+    Cached(u32, Term),
+    /// A library function applied.
+    Builtin(&'static stdlib::Builtin, Vec<Term>),
+    /// A connective; strong Kleene.
+    Logic(Logic, Term, Term),
+    /// `not`
+    Not(Term),
+    /// `=`; total, `undef = undef`.
+    Equal(Term, Term),
+    /// `<` and its kin on two integers.
+    Compare(Comparison, Term, Term),
+    /// `+` and its kin on two integers.
+    Arithmetic(Arithmetic, Term, Term),
+    /// A tuple.
+    Tuple(Vec<Term>),
+    /// A component of a tuple, from 0.
+    Component(Term, u32),
+    /// `if`
+    If(Term, Term, Term),
+    /// `switch`: subject, cases, otherwise
+    Switch(Term, Vec<(Term, Term)>, Term),
+    /// `let`
+    Let(Vec<(Local, Term)>, Term),
+    /// `forall`, `exists`, `exists unique`
+    Quantified(Quantifier, Vec<Binder>, Option<Term>),
+    /// Listed elements.
+    Listed(Collection, Vec<Term>),
+    /// From, to, step.
+    Interval(Collection, Term, Term, Option<Term>),
+    /// Binders, guard, item.
+    Collect(Collection, Vec<Binder>, Option<Term>, Term),
+    /// Listed pairs.
+    Map(Vec<(Term, Term)>),
+    /// Binders, guard, key, value.
+    CollectMap(Vec<Binder>, Option<Term>, Term, Term),
+    /// All values of a shape, as a set.
+    Extent(Shape),
+    /// The program of an agent.
+    Program(Term),
+}
+
+/// The binary connectives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Logic {
+    /// `and`
+    And,
+    /// `or`
+    Or,
+    /// `xor`
+    Xor,
+    /// `implies`
+    Implies,
+    /// `iff`
+    Iff,
+}
+
+/// The order relations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Comparison {
+    /// `<`
+    Lt,
+    /// `<=`
+    Le,
+    /// `>`
+    Gt,
+    /// `>=`
+    Ge,
+}
+
+/// Integer operations; a result beyond 64 bits is a fault.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Arithmetic {
+    /// `+`
+    Plus,
+    /// `-`
+    Minus,
+    /// `*`
+    Mult,
+    /// `mod`: the sign is the dividend's.
+    Mod,
+}
+
+/// Which quantifier.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantifier {
+    /// All.
+    Forall,
+    /// At least one.
+    Exists,
+    /// Exactly one.
+    ExistsUnique,
+}
+
+/// Which collection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Collection {
+    /// A set.
+    Set,
+    /// A sequence.
+    Seq,
+    /// A bag.
+    Bag,
+}
+
+/// A variable and what it ranges over.
+#[derive(Clone, Debug)]
+pub struct Binder {
+    /// The variable.
+    pub local: Local,
+    /// Its range.
+    pub range: Range,
+    /// Where the range stands.
+    pub origin: Origin,
+}
+
+/// What a variable ranges over, in ascending order.
+#[derive(Clone, Debug)]
+pub enum Range {
+    /// Integers, bounds included.
+    Ints(i64, i64),
+    /// Atoms from the first, so many.
+    Atoms(u32, u32),
+    /// `false`, `true`
+    Bools,
+    /// The elements a domain has at the time.
+    Domain(DomainId),
+    /// The elements of a collection.
+    Elements(Term),
+}
+
+/// What an update writes.
+#[derive(Clone, Debug)]
+pub enum Place {
+    /// A location of a known slot.
+    Slot(FunctionId, Slot),
+    /// A location whose arguments are computed.
+    Location(FunctionId, Vec<Term>),
+}
+
+impl Place {
+    /// The function written.
+    pub fn function(&self) -> FunctionId {
+        match self {
+            Self::Slot(function, _) | Self::Location(function, _) => *function,
+        }
+    }
+}
+
+/// A rule.
+#[derive(Clone, Debug)]
+pub struct Rule {
+    /// What it is.
+    pub node: Box<RuleNode>,
+    /// Where it stands.
+    pub origin: Origin,
+}
+
+/// The forms of a rule.
+#[derive(Clone, Debug)]
+pub enum RuleNode {
+    /// Nothing.
+    Skip,
+    /// `place := value`
+    Update(Place, Term),
+    /// `place <- routine(…)`
+    Assign(Place, RoutineId, Vec<Term>),
+    /// A routine with its arguments.
+    Call(RoutineId, Vec<Term>),
+    /// A rule value with its arguments.
+    Run(Term, Vec<Term>),
+    /// The program of an agent, which is `self` meanwhile.
+    RunAgent(Term, Vec<Term>),
+    /// At once.
+    Par(Vec<Rule>),
+    /// One after the other.
+    Seq(Vec<Rule>),
+    /// Guard, then, else.
+    If(Term, Rule, Rule),
+    /// Subject, cases, otherwise.
+    Switch(Term, Vec<(Term, Rule)>, Rule),
+    /// Binders, guard, body, ifnone.
+    Choose(Vec<Binder>, Option<Term>, Rule, Rule),
+    /// Binders, guard, body.
+    Forall(Vec<Binder>, Option<Term>, Rule),
+    /// Bindings, body.
+    Let(Vec<(Local, Term)>, Rule),
+    /// Domain, variables, body.
+    Extend(DomainId, Vec<Local>, Rule),
+    /// Guard, body.
+    While(Term, Rule),
+}

@@ -1,0 +1,27 @@
+//! Who decides where a rule leaves a choice.
+
+/// Decides for `choose` and `chooseone`. The same decisions give the same run.
+pub trait Chooser {
+    /// Which of `count` candidates, in ascending order of the values; `count` is at least 1. An
+    /// answer beyond the last candidate means the last.
+    fn choose(&mut self, count: usize) -> usize;
+
+    /// Whether the first candidate is always taken. Then candidates are not counted.
+    fn takes_first(&self) -> bool {
+        false
+    }
+}
+
+/// Takes the first candidate.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct First;
+
+impl Chooser for First {
+    fn choose(&mut self, _count: usize) -> usize {
+        0
+    }
+
+    fn takes_first(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,124 @@
+//! Variables that range over domains and collections.
+
+use super::{Compiler, TermCode, TruthCode};
+use crate::fault::FaultKind;
+use crate::run::{Run, Truth};
+use ir::{Binder, DomainId, Local, Origin, Range, Term};
+use std::ops::ControlFlow;
+use value::{Atom, Value};
+
+/// Variables with their ranges, and a guard.
+pub(super) struct Ranges {
+    binders: Vec<(Local, RangeCode, Origin)>,
+    guard: Option<TruthCode>,
+    guard_origin: Origin,
+    /// Whether an undef guard is a fault (rules) or counts as false in the caller's own way (terms).
+    strict: bool,
+}
+
+enum RangeCode {
+    Ints(i64, i64),
+    Atoms(u32, u32),
+    Bools,
+    Domain(DomainId),
+    Elements(TermCode),
+}
+
+impl Compiler<'_> {
+    pub(super) fn ranges(&self, binders: &[Binder], guard: Option<&Term>, strict: bool) -> Ranges {
+        let binders = binders.iter().map(|binder| {
+            let range = match &binder.range {
+                Range::Ints(low, high) => RangeCode::Ints(*low, *high),
+                Range::Atoms(first, count) => RangeCode::Atoms(*first, *count),
+                Range::Bools => RangeCode::Bools,
+                Range::Domain(domain) => RangeCode::Domain(*domain),
+                Range::Elements(term) => RangeCode::Elements(self.term(term)),
+            };
+            (binder.local, range, binder.origin)
+        });
+        Ranges {
+            binders: binders.collect(),
+            guard: guard.map(|guard| self.truth(guard)),
+            guard_origin: guard.map_or_else(Origin::default, |guard| guard.origin),
+            strict,
+        }
+    }
+}
+
+impl Ranges {
+    /// Calls `visit` for every assignment of the variables for which the guard holds, in ascending
+    /// order, until it breaks. An undef guard does not hold; in rules it is a fault.
+    pub(super) fn each(&self, run: &mut Run<'_>, visit: &mut dyn FnMut(&mut Run<'_>) -> ControlFlow<()>) {
+        // a break here only says that `visit` broke; it has noted its result itself
+        let _ = self.nest(0, run, &mut |run, truth| match truth {
+            Truth::True => visit(run),
+            Truth::False => ControlFlow::Continue(()),
+            Truth::Undef => {
+                if self.strict {
+                    run.fail(FaultKind::UndefinedGuard, self.guard_origin);
+                    return ControlFlow::Break(());
+                }
+                ControlFlow::Continue(())
+            }
+        });
+    }
+
+    /// Calls `visit` with the guard's value for every assignment of the variables.
+    pub(super) fn each_guard(
+        &self,
+        run: &mut Run<'_>,
+        visit: &mut dyn FnMut(&mut Run<'_>, Truth) -> ControlFlow<()>,
+    ) {
+        let _ = self.nest(0, run, visit);
+    }
+
+    fn nest(
+        &self,
+        depth: usize,
+        run: &mut Run<'_>,
+        visit: &mut dyn FnMut(&mut Run<'_>, Truth) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let Some((local, range, origin)) = self.binders.get(depth) else {
+            let truth = self.guard.as_ref().map_or(Truth::True, |guard| guard(run));
+            if run.fault.is_some() {
+                return ControlFlow::Break(());
+            }
+            return visit(run, truth);
+        };
+        let mut bind = |run: &mut Run<'_>, value: Value| {
+            run.set_local(*local, value);
+            self.nest(depth + 1, run, visit)
+        };
+        match range {
+            RangeCode::Ints(low, high) => (*low..=*high).try_for_each(|number| bind(run, Value::Int(number))),
+            RangeCode::Atoms(first, count) => {
+                (*first..*first + *count).try_for_each(|atom| bind(run, Value::Atom(Atom(atom))))
+            }
+            RangeCode::Bools => [false, true].into_iter().try_for_each(|truth| bind(run, Value::Bool(truth))),
+            RangeCode::Domain(domain) => match run.elements(*domain) {
+                Ok(elements) => elements.iter().try_for_each(|element| bind(run, element.clone())),
+                Err(kind) => {
+                    run.fail(kind, *origin);
+                    ControlFlow::Break(())
+                }
+            },
+            RangeCode::Elements(term) => {
+                let collection = term(run);
+                if run.fault.is_some() {
+                    return ControlFlow::Break(());
+                }
+                match &collection {
+                    Value::Set(elements) => elements.iter().try_for_each(|element| bind(run, element.clone())),
+                    Value::Seq(elements) => elements.iter().try_for_each(|element| bind(run, element.clone())),
+                    Value::Bag(elements) => elements.iter().try_for_each(|(element, &count)| {
+                        (0..count).try_for_each(|_| bind(run, element.clone()))
+                    }),
+                    _ => {
+                        run.fail(FaultKind::NotACollection(collection), *origin);
+                        ControlFlow::Break(())
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,328 @@
+//! Rules compiled.
+
+use super::range::Ranges;
+use super::{Compiler, RuleCode, TermCode};
+use crate::fault::FaultKind;
+use crate::machine::Choice;
+use crate::run::{Run, Stopped, Truth};
+use ir::{FunctionId, Origin, Place, RoutineId, Rule, RuleNode, Slot, Term};
+use std::ops::ControlFlow;
+use value::{RuleId, Value};
+
+/// A loop that runs longer than this does not end.
+const MAX_ITERATIONS: u32 = 10_000_000;
+
+/// Where a value goes.
+enum PlaceCode {
+    Slot(FunctionId, Slot),
+    Location(FunctionId, Vec<TermCode>),
+}
+
+impl PlaceCode {
+    /// The slot; computed before the value is written.
+    fn slot(&self, run: &mut Run<'_>) -> (FunctionId, Slot) {
+        match self {
+            Self::Slot(function, slot) => (*function, *slot),
+            Self::Location(function, arguments) => {
+                let from = run.stack.len();
+                for argument in arguments {
+                    let argument = argument(run);
+                    run.stack.push(argument);
+                }
+                let slot = run.slot(*function, from);
+                run.stack.truncate(from);
+                (*function, slot)
+            }
+        }
+    }
+}
+
+impl Compiler<'_> {
+    pub(super) fn rule(&self, rule: &Rule) -> RuleCode {
+        stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.rule_here(rule))
+    }
+
+    fn rule_here(&self, rule: &Rule) -> RuleCode {
+        let origin = rule.origin;
+        match &*rule.node {
+            RuleNode::Skip => Box::new(|_| Ok(())),
+            RuleNode::Update(place, value) => self.update(place, value, origin),
+            RuleNode::Assign(place, routine, arguments) => self.assign(place, *routine, arguments, origin),
+            RuleNode::Call(routine, arguments) => self.call(*routine, arguments),
+            RuleNode::Run(term, arguments) => self.run(term, arguments, origin),
+            RuleNode::RunAgent(agent, arguments) => self.run_agent(agent, arguments, origin),
+            RuleNode::Par(rules) => self.par(rules),
+            RuleNode::Seq(rules) => self.seq(rules),
+            RuleNode::If(guard, then, otherwise) => self.branch(guard, then, otherwise),
+            RuleNode::Switch(subject, cases, otherwise) => self.switch(subject, cases, otherwise),
+            RuleNode::Choose(binders, guard, body, ifnone) => {
+                self.choose(self.ranges(binders, guard.as_ref(), true), body, ifnone, origin)
+            }
+            RuleNode::Forall(binders, guard, body) => {
+                self.forall(self.ranges(binders, guard.as_ref(), true), body)
+            }
+            RuleNode::Let(bindings, body) => {
+                let bindings: Vec<_> =
+                    bindings.iter().map(|(local, term)| (*local, self.term(term))).collect();
+                let body = self.rule(body);
+                Box::new(move |run| {
+                    for (local, term) in &bindings {
+                        let value = term(run);
+                        run.set_local(*local, value);
+                    }
+                    run.checked()?;
+                    body(run)
+                })
+            }
+            RuleNode::Extend(domain, locals, body) => {
+                let (domain, locals, body) = (*domain, locals.clone(), self.rule(body));
+                Box::new(move |run| {
+                    for &local in &locals {
+                        let atom = run.state.fresh(run.program, domain);
+                        run.updates.extended.push((domain, atom));
+                        run.set_local(local, Value::Atom(atom));
+                    }
+                    body(run)
+                })
+            }
+            RuleNode::While(guard, body) => self.repeat(guard, body, origin),
+        }
+    }
+
+    fn place(&self, place: &Place) -> PlaceCode {
+        match place {
+            Place::Slot(function, slot) => PlaceCode::Slot(*function, *slot),
+            Place::Location(function, arguments) => PlaceCode::Location(*function, self.terms(arguments)),
+        }
+    }
+
+    fn update(&self, place: &Place, value: &Term, origin: Origin) -> RuleCode {
+        let value = self.term(value);
+        match self.place(place) {
+            PlaceCode::Slot(function, slot) => Box::new(move |run| {
+                let value = value(run);
+                run.write(function, slot, value, origin)
+            }),
+            place => Box::new(move |run| {
+                let value = value(run);
+                let (function, slot) = place.slot(run);
+                run.write(function, slot, value, origin)
+            }),
+        }
+    }
+
+    /// The turbo rule runs in a layer of its own, from which its result is taken out.
+    fn assign(&self, place: &Place, routine: RoutineId, arguments: &[Term], origin: Origin) -> RuleCode {
+        let place = self.place(place);
+        let call = self.call(routine, arguments);
+        let result = self.program.result;
+        Box::new(move |run| {
+            let layer = run.updates.open();
+            call(run)?;
+            let value = run.updates.take(&layer, result).unwrap_or_default();
+            run.restore(layer)?;
+            let (function, slot) = place.slot(run);
+            run.write(function, slot, value, origin)
+        })
+    }
+
+    fn call(&self, routine: RoutineId, arguments: &[Term]) -> RuleCode {
+        let arguments = self.terms(arguments);
+        Box::new(move |run| {
+            let from = run.locals.len();
+            for argument in &arguments {
+                let argument = argument(run);
+                run.locals.push(argument);
+            }
+            run.call_routine(routine, from)
+        })
+    }
+
+    fn run(&self, term: &Term, arguments: &[Term], origin: Origin) -> RuleCode {
+        let term = self.term(term);
+        let arguments = self.terms(arguments);
+        Box::new(move |run| {
+            let rule = term(run);
+            run.checked()?;
+            run_value(run, &rule, &arguments, origin)
+        })
+    }
+
+    /// `program(a)`: the agent is `self` while its program runs.
+    fn run_agent(&self, agent: &Term, arguments: &[Term], origin: Origin) -> RuleCode {
+        let agent = self.term(agent);
+        let arguments = self.terms(arguments);
+        Box::new(move |run| {
+            let agent = agent(run);
+            run.checked()?;
+            let Some(rule) = program_of(run, &agent) else {
+                return Err(run.stop(FaultKind::NoProgram(agent), origin));
+            };
+            let outer = std::mem::replace(&mut run.agent, agent);
+            let done = run_value(run, &Value::Rule(rule), &arguments, origin);
+            run.agent = outer;
+            done
+        })
+    }
+
+    fn par(&self, rules: &[Rule]) -> RuleCode {
+        let rules: Vec<RuleCode> = rules.iter().map(|rule| self.rule(rule)).collect();
+        Box::new(move |run| rules.iter().try_for_each(|rule| rule(run)))
+    }
+
+    fn seq(&self, rules: &[Rule]) -> RuleCode {
+        let rules: Vec<RuleCode> = rules.iter().map(|rule| self.rule(rule)).collect();
+        Box::new(move |run| {
+            let sequence = run.updates.open();
+            for rule in &rules {
+                let layer = run.updates.open();
+                rule(run)?;
+                run.apply(layer);
+            }
+            run.restore(sequence)
+        })
+    }
+
+    /// `while` stops where its guard fails or its body changes nothing (Börger & Stärk, §4.1.1).
+    fn repeat(&self, guard: &Term, body: &Rule, origin: Origin) -> RuleCode {
+        let guard_origin = guard.origin;
+        let guard = self.truth(guard);
+        let body = self.rule(body);
+        Box::new(move |run| {
+            let sequence = run.updates.open();
+            for _ in 0..MAX_ITERATIONS {
+                let holds = guard(run);
+                run.checked()?;
+                match holds {
+                    Truth::True => {}
+                    Truth::False => return run.restore(sequence),
+                    Truth::Undef => return Err(run.stop(FaultKind::UndefinedGuard, guard_origin)),
+                }
+                let layer = run.updates.open();
+                body(run)?;
+                let idle = run.updates.is_empty(&layer);
+                run.apply(layer);
+                if idle {
+                    return run.restore(sequence);
+                }
+            }
+            Err(run.stop(FaultKind::Endless(MAX_ITERATIONS), origin))
+        })
+    }
+
+    fn branch(&self, guard: &Term, then: &Rule, otherwise: &Rule) -> RuleCode {
+        let origin = guard.origin;
+        let guard = self.truth(guard);
+        let then = self.rule(then);
+        let otherwise = self.rule(otherwise);
+        Box::new(move |run| {
+            let holds = guard(run);
+            run.checked()?;
+            match holds {
+                Truth::True => then(run),
+                Truth::False => otherwise(run),
+                Truth::Undef => Err(run.stop(FaultKind::UndefinedGuard, origin)),
+            }
+        })
+    }
+
+    fn switch(&self, subject: &Term, cases: &[(Term, Rule)], otherwise: &Rule) -> RuleCode {
+        let subject = self.term(subject);
+        let cases: Vec<_> = cases.iter().map(|(case, rule)| (self.term(case), self.rule(rule))).collect();
+        let otherwise = self.rule(otherwise);
+        Box::new(move |run| {
+            let subject = subject(run);
+            run.checked()?;
+            for (case, rule) in &cases {
+                if case(run) == subject {
+                    return rule(run);
+                }
+            }
+            otherwise(run)
+        })
+    }
+
+    fn forall(&self, ranges: Ranges, body: &Rule) -> RuleCode {
+        let body = self.rule(body);
+        Box::new(move |run| {
+            ranges.each(run, &mut |run| match body(run) {
+                Ok(()) => ControlFlow::Continue(()),
+                Err(Stopped) => ControlFlow::Break(()),
+            });
+            run.checked()
+        })
+    }
+
+    /// Candidates are counted first, then the one chosen is found again: nothing is stored.
+    fn choose(&self, ranges: Ranges, body: &Rule, ifnone: &Rule, origin: Origin) -> RuleCode {
+        let body = self.rule(body);
+        let ifnone = self.rule(ifnone);
+        Box::new(move |run| {
+            let mut wanted = 0;
+            if !run.chooser.takes_first() {
+                let mut count = 0usize;
+                ranges.each(run, &mut |_| {
+                    count += 1;
+                    ControlFlow::Continue(())
+                });
+                run.checked()?;
+                if count > 0 {
+                    wanted = run.chooser.choose(count).min(count - 1);
+                    run.record.choices.push(Choice { origin, index: wanted, count });
+                }
+            }
+            let mut seen = 0;
+            let mut found = false;
+            ranges.each(run, &mut |run| {
+                if seen < wanted {
+                    seen += 1;
+                    return ControlFlow::Continue(());
+                }
+                found = true;
+                // a fault of the body is found by `checked` below
+                let _ = body(run);
+                ControlFlow::Break(())
+            });
+            run.checked()?;
+            if found { Ok(()) } else { ifnone(run) }
+        })
+    }
+}
+
+/// The program of an agent, by the domain it was declared in or taken for.
+pub(super) fn program_of(run: &Run<'_>, agent: &Value) -> Option<RuleId> {
+    let Value::Atom(atom) = agent else {
+        return None;
+    };
+    let domain = run.state.domain_of(run.program, *atom)?;
+    let mut programs = run.program.programs.iter();
+    programs.find(|(of, _)| *of == domain).map(|(_, rule)| *rule)
+}
+
+fn run_value(run: &mut Run<'_>, rule: &Value, arguments: &[TermCode], origin: Origin) -> Result<(), Stopped> {
+    let program = run.program;
+    let Value::Rule(id) = rule else {
+        return Err(run.stop(FaultKind::NotARule(rule.clone()), origin));
+    };
+    let Some((rule, routine)) =
+        program.rules.get(id.0 as usize).and_then(|rule| Some((rule, rule.routine?)))
+    else {
+        return Err(run.stop(FaultKind::NotARule(rule.clone()), origin));
+    };
+    let from = run.locals.len();
+    for &body in &rule.arguments {
+        let end = run.locals.len();
+        let argument = run.call_body(body, end);
+        run.locals.push(argument);
+    }
+    for argument in arguments {
+        let argument = argument(run);
+        run.locals.push(argument);
+    }
+    let (wanted, actual) = (run.code.routines[routine.0 as usize].arguments, (run.locals.len() - from) as u32);
+    if wanted != actual {
+        run.locals.truncate(from);
+        return Err(run.stop(FaultKind::RuleArity { wanted, actual }, origin));
+    }
+    run.call_routine(routine, from)
+}

@@ -1,0 +1,25 @@
+//! Who answers for what the environment owns.
+
+use ir::FunctionId;
+use value::Value;
+
+/// Gives monitored and shared functions their values. Within a step, every location is asked for at
+/// most once, when a rule first reads it; the answer holds for the whole step.
+pub trait Environment {
+    /// The value of a location. `None` leaves a shared location as it is; a monitored one is then
+    /// undef.
+    ///
+    /// # Errors
+    /// There is no answer to be had; the text says why. The step then fails.
+    fn read(&mut self, function: FunctionId, arguments: &[Value]) -> Result<Option<Value>, String>;
+}
+
+/// An environment that has nothing to say.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoInputs;
+
+impl Environment for NoInputs {
+    fn read(&mut self, _function: FunctionId, _arguments: &[Value]) -> Result<Option<Value>, String> {
+        Ok(None)
+    }
+}

@@ -1,0 +1,23 @@
+//! One step: state and environment in, update set and trace out.
+//!
+//! A [`Machine`] compiles a program once, to closures, and then steps: the rules are evaluated in the
+//! current state, their updates are collected, and if no location is given two values they are
+//! applied at once (Börger & Stärk, *Abstract State Machines*, 2003, §2.4). Inputs come from an
+//! [`Environment`], choices from a [`Chooser`], time from the caller: a machine has no other door.
+
+mod choose;
+mod compile;
+mod environment;
+mod extent;
+mod fault;
+mod machine;
+mod run;
+mod state;
+mod updates;
+
+pub use choose::{Chooser, First};
+pub use environment::{Environment, NoInputs};
+pub use fault::{Fault, FaultKind};
+pub use machine::{Choice, Input, Machine, Step};
+pub use state::{Naming, State};
+pub use updates::Update;

@@ -1,0 +1,292 @@
+//! A machine: a compiled program and its state.
+
+use crate::choose::Chooser;
+use crate::compile::Code;
+use crate::environment::{Environment, NoInputs};
+use crate::fault::{Fault, FaultKind};
+use crate::choose::First;
+use crate::run::{Record, Run, Truth};
+use crate::state::{Naming, State};
+use crate::updates::{Update, Updates};
+use ir::{DomainId, Elements, FunctionId, Origin, Program, Slot, Storage};
+use std::sync::Arc;
+use value::{Atom, Value};
+
+/// What the environment said about a location in a step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Input {
+    /// The location.
+    pub slot: Slot,
+    /// Its value for this step.
+    pub value: Value,
+}
+
+/// What was chosen where.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Choice {
+    /// The `choose`.
+    pub origin: Origin,
+    /// Which candidate, from 0.
+    pub index: usize,
+    /// How many there were.
+    pub count: usize,
+}
+
+/// A step that was done: what it read, chose and wrote.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<'a> {
+    /// Its number, from 1.
+    pub number: u64,
+    /// What was read of the environment, in order.
+    pub inputs: &'a [Input],
+    /// What was chosen, in order.
+    pub choices: &'a [Choice],
+    /// The update set, in the order the rules wrote it.
+    pub updates: &'a [Update],
+    /// What each updated location held before, in the same order.
+    pub before: &'a [Value],
+    /// The elements that joined a domain.
+    pub extended: &'a [(DomainId, Atom)],
+    /// What `print` wrote.
+    pub printed: &'a [String],
+}
+
+/// A program, compiled, and its state. Cloning shares the code and copies the state.
+#[derive(Clone)]
+pub struct Machine {
+    program: Arc<Program>,
+    code: Arc<Code>,
+    state: State,
+    scratch: Scratch,
+    steps: u64,
+    /// How often a step was begun: what was asked of the environment counts for one of them.
+    rounds: u64,
+}
+
+/// What a step needs and the next one can use again.
+#[derive(Default)]
+struct Scratch {
+    updates: Updates,
+    record: Record,
+    locals: Vec<Value>,
+    stack: Vec<Value>,
+    before: Vec<Value>,
+}
+
+impl Clone for Scratch {
+    /// Scratch holds nothing that outlives a step.
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl Machine {
+    /// Compiles a program and builds its initial state.
+    ///
+    /// # Errors
+    /// An initial value cannot be computed, or an invariant does not hold initially.
+    pub fn new(program: Arc<Program>) -> Result<Self, Box<Fault>> {
+        let code = Arc::new(Code::of(&program));
+        let state = State::new(&program);
+        let mut machine = Self { program, code, state, scratch: Scratch::default(), steps: 0, rounds: 0 };
+        machine.initialise()?;
+        Ok(machine)
+    }
+
+    /// The program.
+    pub fn program(&self) -> &Program {
+        &self.program
+    }
+
+    /// The current state.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// How many steps were done.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// What the machine's atoms and rules are called.
+    pub fn naming(&self) -> Naming<'_> {
+        Naming { program: &self.program, reserve: &self.state.reserve }
+    }
+
+    /// Does one step. `now_ns` is what the time functions of the library answer.
+    ///
+    /// # Errors
+    /// The step has no next state; the state is as before. Only where an invariant of the new state
+    /// is violated, the step was done.
+    pub fn step(
+        &mut self,
+        environment: &mut dyn Environment,
+        chooser: &mut dyn Chooser,
+        now_ns: i64,
+    ) -> Result<Step<'_>, Box<Fault>> {
+        let number = self.steps + 1;
+        self.rounds += 1;
+        self.scratch.record.clear();
+        self.scratch.before.clear();
+        self.scratch.updates.begin(self.state.len());
+        let reserve = self.state.reserve.len();
+        let evaluated = self.run(environment, chooser, number, now_ns, |run| {
+            let main = run.program.main;
+            let done = match main {
+                Some(main) => run.call_routine(main, 0),
+                None => Err(run.stop(FaultKind::NoMain, Origin::default())),
+            };
+            if done.is_err() || run.check_invariants(true).is_err() {
+                run.abandon();
+            }
+        });
+        if let Err(fault) = evaluated {
+            self.state.reserve.truncate(reserve);
+            return Err(fault);
+        }
+        self.fire();
+        self.steps = number;
+        self.run(environment, chooser, number, now_ns, |run| {
+            // a violation is reported as the fault of the run
+            let _ = run.check_invariants(false);
+        })?;
+        Ok(self.last_step())
+    }
+
+    /// The step done last, or failed; its update set is empty before the first one.
+    pub fn last_step(&self) -> Step<'_> {
+        Step {
+            number: self.steps,
+            inputs: &self.scratch.record.inputs,
+            choices: &self.scratch.record.choices,
+            updates: &self.scratch.updates.list,
+            before: &self.scratch.before,
+            extended: &self.scratch.updates.extended,
+            printed: &self.scratch.record.printed,
+        }
+    }
+
+    /// Applies the update set to the state.
+    fn fire(&mut self) {
+        let Scratch { updates, before, .. } = &mut self.scratch;
+        for update in &updates.list {
+            let slot = &mut self.state.slots[update.slot as usize];
+            before.push(std::mem::replace(slot, update.value.clone()));
+        }
+        for &(domain, atom) in &updates.extended {
+            for &domain in &self.code.supers[domain.0 as usize] {
+                Arc::make_mut(&mut self.state.extents[domain.0 as usize]).push(Value::Atom(atom));
+            }
+        }
+    }
+
+    fn initialise(&mut self) -> Result<(), Box<Fault>> {
+        self.scratch.updates.begin(self.state.len());
+        self.state.initial = self.state.slots.clone();
+        let program = self.program.clone();
+        for (index, domain) in program.domains.iter().enumerate() {
+            if let Elements::Computed(body) = domain.elements {
+                let elements = self.build(|run| run.call_body(body, 0))?;
+                let elements: Vec<Value> = match elements {
+                    Value::Set(elements) => elements.iter().cloned().collect(),
+                    Value::Seq(elements) => {
+                        let mut elements = elements.to_vec();
+                        elements.sort();
+                        elements.dedup();
+                        elements
+                    }
+                    _ => Vec::new(),
+                };
+                self.state.extents[index] = Arc::new(elements);
+            }
+        }
+        for &function in &program.initial_order {
+            self.initialise_function(&program, function)?;
+        }
+        self.state.initial = self.state.slots.clone();
+        self.run(&mut NoInputs, &mut First, 0, 0, |run| {
+            let _ = run.check_invariants(false);
+        })
+    }
+
+    fn initialise_function(&mut self, program: &Program, function: FunctionId) -> Result<(), Box<Fault>> {
+        let declared = &program.functions[function.0 as usize];
+        let (Some(body), Storage::Dense { base, count, .. }) = (declared.initial, &declared.storage) else {
+            return Ok(());
+        };
+        for slot in *base..base + count {
+            let arguments = self.state.location(program, slot).map(|(_, arguments)| arguments);
+            let value = self.build(|run| {
+                run.locals.extend(arguments.into_iter().flatten());
+                run.call_body(body, 0)
+            })?;
+            self.state.slots[slot as usize] = value;
+        }
+        Ok(())
+    }
+
+    /// Computes something while the initial state is being built.
+    fn build<T>(&mut self, work: impl FnOnce(&mut Run<'_>) -> T) -> Result<T, Box<Fault>> {
+        self.run(&mut NoInputs, &mut First, 0, 0, |run| {
+            run.building = true;
+            work(run)
+        })
+    }
+
+    /// Does some work with code at hand.
+    fn run<T>(
+        &mut self,
+        environment: &mut dyn Environment,
+        chooser: &mut dyn Chooser,
+        step: u64,
+        now_ns: i64,
+        work: impl FnOnce(&mut Run<'_>) -> T,
+    ) -> Result<T, Box<Fault>> {
+        let Scratch { updates, record, locals, stack, .. } = &mut self.scratch;
+        locals.clear();
+        stack.clear();
+        let mut run = Run {
+            program: &self.program,
+            code: &self.code,
+            state: &mut self.state,
+            updates,
+            environment,
+            chooser,
+            record,
+            locals,
+            stack,
+            base: 0,
+            agent: Value::Undef,
+            depth: 0,
+            step,
+            round: self.rounds,
+            now_ns,
+            building: false,
+            fault: None,
+        };
+        let result = work(&mut run);
+        match run.fault {
+            None => Ok(result),
+            Some(fault) => Err(fault),
+        }
+    }
+}
+
+impl Run<'_> {
+    /// Checks the invariants that speak of inputs, or all others.
+    fn check_invariants(&mut self, assumptions: bool) -> Result<(), crate::run::Stopped> {
+        let program = self.program;
+        for (index, invariant) in program.invariants.iter().enumerate() {
+            if invariant.assumes != assumptions {
+                continue;
+            }
+            let from = self.locals.len();
+            let value = self.call_body(invariant.body, from);
+            self.checked()?;
+            if Truth::from_value(&value) != Truth::True {
+                return Err(self.stop(FaultKind::Invariant { index, value }, invariant.origin));
+            }
+        }
+        Ok(())
+    }
+}

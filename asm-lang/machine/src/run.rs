@@ -1,0 +1,292 @@
+//! What code sees while a step runs.
+
+use crate::choose::Chooser;
+use crate::compile::Code;
+use crate::environment::Environment;
+use crate::fault::{Fault, FaultKind};
+use crate::machine::{Choice, Input};
+use crate::state::{Naming, State, dense};
+use crate::updates::{Layer, Updates, Written};
+use ir::{BodyId, DomainId, FunctionId, FunctionKind, Local, Origin, Program, Slot, Storage};
+use value::Value;
+
+/// Calls may nest this deep.
+const MAX_DEPTH: u32 = 20_000;
+
+/// A rule stopped: [`Run::fault`] says why.
+#[derive(Debug)]
+pub(crate) struct Stopped;
+
+/// A truth value of strong Kleene logic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Truth {
+    False,
+    True,
+    Undef,
+}
+
+impl Truth {
+    pub fn of(truth: bool) -> Self {
+        if truth { Self::True } else { Self::False }
+    }
+
+    pub fn value(self) -> Value {
+        match self {
+            Self::False => Value::Bool(false),
+            Self::True => Value::Bool(true),
+            Self::Undef => Value::Undef,
+        }
+    }
+
+    pub fn from_value(value: &Value) -> Self {
+        match value {
+            Value::Bool(truth) => Self::of(*truth),
+            _ => Self::Undef,
+        }
+    }
+}
+
+/// What a step read, chose and printed.
+#[derive(Debug, Default)]
+pub(crate) struct Record {
+    pub inputs: Vec<Input>,
+    pub choices: Vec<Choice>,
+    pub printed: Vec<String>,
+}
+
+/// A step under way.
+///
+/// A term that fails puts its reason in `fault` and is undef; rules look at `fault` before they go
+/// on. So terms need no result type of their own, and a step that failed writes nothing.
+pub(crate) struct Run<'a> {
+    pub program: &'a Program,
+    pub code: &'a Code,
+    pub state: &'a mut State,
+    pub updates: &'a mut Updates,
+    pub environment: &'a mut dyn Environment,
+    pub chooser: &'a mut dyn Chooser,
+    pub record: &'a mut Record,
+    pub locals: &'a mut Vec<Value>,
+    /// Arguments of a location or library function while they are computed.
+    pub stack: &'a mut Vec<Value>,
+    pub base: usize,
+    pub agent: Value,
+    pub depth: u32,
+    pub step: u64,
+    /// What was asked of the environment in this round holds.
+    pub round: u64,
+    pub now_ns: i64,
+    /// While the initial state is built, the current state is the initial one.
+    pub building: bool,
+    pub fault: Option<Box<Fault>>,
+}
+
+impl Record {
+    pub fn clear(&mut self) {
+        self.inputs.clear();
+        self.choices.clear();
+        self.printed.clear();
+    }
+}
+
+impl Run<'_> {
+    /// Notes why the step fails; the first reason counts.
+    #[cold]
+    pub fn fail(&mut self, kind: FaultKind, origin: Origin) -> Value {
+        if self.fault.is_none() {
+            let fault = Fault { kind, origin, agent: self.agent.clone(), step: self.step };
+            self.fault = Some(Box::new(fault));
+        }
+        Value::Undef
+    }
+
+    #[cold]
+    pub fn stop(&mut self, kind: FaultKind, origin: Origin) -> Stopped {
+        self.fail(kind, origin);
+        Stopped
+    }
+
+    /// Goes on unless a term failed.
+    pub fn checked(&self) -> Result<(), Stopped> {
+        if self.fault.is_none() { Ok(()) } else { Err(Stopped) }
+    }
+
+    pub fn local(&self, local: Local) -> &Value {
+        &self.locals[self.base + local as usize]
+    }
+
+    pub fn set_local(&mut self, local: Local, value: Value) {
+        self.locals[self.base + local as usize] = value;
+    }
+
+    /// What an input location holds in this step.
+    pub fn input(&mut self, slot: Slot, function: FunctionId, arguments: usize, origin: Origin) -> Value {
+        if self.state.asked[slot as usize] == self.round {
+            return self.state.slots[slot as usize].clone();
+        }
+        self.state.asked[slot as usize] = self.round;
+        let arguments = &self.stack[arguments..];
+        let monitored = self.program.functions[function.0 as usize].kind == FunctionKind::Monitored;
+        match self.environment.read(function, arguments) {
+            Ok(Some(value)) => {
+                self.record.inputs.push(Input { slot, value: value.clone() });
+                self.state.slots[slot as usize] = value.clone();
+                value
+            }
+            Ok(None) if monitored => {
+                self.record.inputs.push(Input { slot, value: Value::Undef });
+                self.state.slots[slot as usize] = Value::Undef;
+                Value::Undef
+            }
+            Ok(None) => self.state.slots[slot as usize].clone(),
+            Err(reason) => self.fail(FaultKind::Input { slot, reason }, origin),
+        }
+    }
+
+    /// The slot of a location whose arguments are on the stack from `arguments` on.
+    pub fn slot(&mut self, function: FunctionId, arguments: usize) -> Slot {
+        if let Some(slot) = dense(self.program, function, &self.stack[arguments..]) {
+            return slot;
+        }
+        if let Some(slot) = self.state.find(function, &self.stack[arguments..]) {
+            return slot;
+        }
+        let value = match self.program.functions[function.0 as usize].initial {
+            Some(body) => self.initial_value(body, arguments),
+            None => Value::Undef,
+        };
+        let arguments: Vec<Value> = self.stack[arguments..].to_vec();
+        let slot = self.state.intern(function, &arguments, value);
+        self.updates.grow(self.state.slots.len());
+        slot
+    }
+
+    /// The value of an initial-value body in the initial state, for arguments on the stack.
+    fn initial_value(&mut self, body: BodyId, arguments: usize) -> Value {
+        let from = self.locals.len();
+        self.locals.extend_from_slice(&self.stack[arguments..]);
+        if self.building {
+            return self.call_body(body, from);
+        }
+        std::mem::swap(&mut self.state.slots, &mut self.state.initial);
+        self.building = true;
+        let value = self.call_body(body, from);
+        self.building = false;
+        std::mem::swap(&mut self.state.slots, &mut self.state.initial);
+        value
+    }
+
+    /// Runs a body whose arguments are the locals from `from` on.
+    pub fn call_body(&mut self, body: BodyId, from: usize) -> Value {
+        let code = self.code;
+        let body = &code.bodies[body.0 as usize];
+        if !self.enter(body.origin) {
+            self.locals.truncate(from);
+            return Value::Undef;
+        }
+        self.locals.resize(from + body.locals as usize, Value::Undef);
+        let outer = std::mem::replace(&mut self.base, from);
+        let value = stacker::maybe_grow(64 * 1024, 1024 * 1024, || (body.code)(self));
+        self.base = outer;
+        self.locals.truncate(from);
+        self.depth -= 1;
+        value
+    }
+
+    /// Runs a routine whose arguments are the locals from `from` on.
+    pub fn call_routine(&mut self, routine: ir::RoutineId, from: usize) -> Result<(), Stopped> {
+        let code = self.code;
+        let routine = &code.routines[routine.0 as usize];
+        if !self.enter(routine.origin) {
+            self.locals.truncate(from);
+            return Err(Stopped);
+        }
+        self.locals.resize(from + routine.locals as usize, Value::Undef);
+        let outer = std::mem::replace(&mut self.base, from);
+        let done = stacker::maybe_grow(64 * 1024, 1024 * 1024, || (routine.code)(self));
+        self.base = outer;
+        self.locals.truncate(from);
+        self.depth -= 1;
+        done
+    }
+
+    fn enter(&mut self, origin: Origin) -> bool {
+        if self.fault.is_some() {
+            return false;
+        }
+        if self.depth >= MAX_DEPTH {
+            self.fail(FaultKind::TooDeep(MAX_DEPTH), origin);
+            return false;
+        }
+        self.depth += 1;
+        true
+    }
+
+    /// Writes a location.
+    pub fn write(&mut self, function: FunctionId, slot: Slot, value: Value, origin: Origin) -> Result<(), Stopped> {
+        self.checked()?;
+        if let Some(domain) = self.program.functions[function.0 as usize].within
+            && !value.is_undef()
+            && !self.is_element(domain, &value)
+        {
+            return Err(self.stop(FaultKind::Outside { slot, value, domain }, origin));
+        }
+        match self.updates.write(slot, value, origin) {
+            Ok(()) => Ok(()),
+            Err(clash) => Err(self.stop(clash, origin)),
+        }
+    }
+
+    fn written(&mut self) -> (&mut Updates, Written<'_>) {
+        let state = &mut *self.state;
+        let written =
+            Written { slots: &mut state.slots, extents: &mut state.extents, supers: &self.code.supers };
+        (self.updates, written)
+    }
+
+    pub fn apply(&mut self, layer: Layer) {
+        let (updates, mut written) = self.written();
+        updates.close_applying(layer, &mut written);
+    }
+
+    pub fn restore(&mut self, layer: Layer) -> Result<(), Stopped> {
+        let (updates, mut written) = self.written();
+        match updates.close_restoring(layer, &mut written) {
+            Ok(()) => Ok(()),
+            Err((clash, origin)) => Err(self.stop(clash, origin)),
+        }
+    }
+
+    pub fn abandon(&mut self) {
+        let (updates, mut written) = self.written();
+        updates.abandon(&mut written);
+    }
+
+    pub fn naming(&self) -> Naming<'_> {
+        Naming { program: self.program, reserve: &self.state.reserve }
+    }
+
+    /// Whether a value is an element of a domain now.
+    pub fn is_element(&self, domain: DomainId, value: &Value) -> bool {
+        match &self.program.domains[domain.0 as usize].elements {
+            ir::Elements::Ints { low, high } => matches!(value, Value::Int(number) if (low..=high).contains(&number)),
+            ir::Elements::Atoms { first, count } if value_index(value).is_some_and(|atom| atom.wrapping_sub(first.0) < *count) => true,
+            ir::Elements::Open => true,
+            ir::Elements::Atoms { .. } | ir::Elements::Computed(_) | ir::Elements::Undefined => {
+                self.state.extents[domain.0 as usize].binary_search(value).is_ok()
+            }
+        }
+    }
+
+    /// Whether a function has one slot a location, known from the program alone.
+    pub fn is_dense(&self, function: FunctionId) -> bool {
+        matches!(self.program.functions[function.0 as usize].storage, Storage::Dense { .. })
+    }
+}
+
+fn value_index(value: &Value) -> Option<u32> {
+    match value {
+        Value::Atom(atom) => Some(atom.0),
+        _ => None,
+    }
+}

@@ -1,0 +1,215 @@
+//! States: what every location holds.
+
+use hashbrown::HashTable;
+use ir::{DomainId, Elements, FunctionId, Program, Slot, Storage};
+use rustc_hash::FxHasher;
+use std::fmt;
+use std::hash::{Hash, Hasher};
+use std::sync::Arc;
+use value::{Atom, Names, RuleId, Value};
+
+/// A state of a machine. Locations that were never met hold their initial value implicitly.
+#[derive(Clone)]
+pub struct State {
+    /// What each slot holds.
+    pub(crate) slots: Vec<Value>,
+    /// What each slot held in the initial state: initial values of locations met later are computed
+    /// there.
+    pub(crate) initial: Vec<Value>,
+    /// In which step each slot was last asked of the environment.
+    pub(crate) asked: Vec<u64>,
+    /// The elements of each domain, ascending.
+    pub(crate) extents: Vec<Arc<Vec<Value>>>,
+    /// Values of closed static terms.
+    pub(crate) caches: Vec<Option<Value>>,
+    /// The elements taken from the reserve, and each one's number within its domain.
+    pub(crate) reserve: Vec<(DomainId, u32)>,
+    interned: HashTable<Slot>,
+    /// The locations of the slots beyond the fixed ones, in order.
+    locations: Vec<(FunctionId, Box<[Value]>)>,
+    fixed: Slot,
+}
+
+fn hash(function: FunctionId, arguments: &[Value]) -> u64 {
+    let mut hasher = FxHasher::default();
+    function.hash(&mut hasher);
+    arguments.hash(&mut hasher);
+    hasher.finish()
+}
+
+impl State {
+    pub(crate) fn new(program: &Program) -> Self {
+        let extents = program.domains.iter().map(|domain| Arc::new(listed(&domain.elements))).collect();
+        Self {
+            slots: vec![Value::Undef; program.slots as usize],
+            initial: Vec::new(),
+            asked: vec![0; program.slots as usize],
+            extents,
+            caches: vec![None; program.caches as usize],
+            reserve: Vec::new(),
+            interned: HashTable::new(),
+            locations: Vec::new(),
+            fixed: program.slots,
+        }
+    }
+
+    /// The slot of a location that was met before.
+    pub(crate) fn find(&self, function: FunctionId, arguments: &[Value]) -> Option<Slot> {
+        let is_it = |&slot: &Slot| {
+            let (known, with) = &self.locations[(slot - self.fixed) as usize];
+            *known == function && **with == *arguments
+        };
+        self.interned.find(hash(function, arguments), is_it).copied()
+    }
+
+    /// A new slot for a location, holding this value now and in the initial state.
+    pub(crate) fn intern(&mut self, function: FunctionId, arguments: &[Value], value: Value) -> Slot {
+        let slot = self.slots.len() as Slot;
+        self.locations.push((function, arguments.into()));
+        self.slots.push(value.clone());
+        self.initial.push(value);
+        self.asked.push(0);
+        let (fixed, locations) = (self.fixed, &self.locations);
+        self.interned.insert_unique(hash(function, arguments), slot, |&slot| {
+            let (function, arguments) = &locations[(slot - fixed) as usize];
+            hash(*function, arguments)
+        });
+        slot
+    }
+
+    /// A new element for a domain.
+    pub(crate) fn fresh(&mut self, program: &Program, domain: DomainId) -> Atom {
+        let number = 1 + self.reserve.iter().filter(|(known, _)| *known == domain).count() as u32;
+        self.reserve.push((domain, number));
+        Atom((program.symbols.atoms.len() + self.reserve.len() - 1) as u32)
+    }
+
+    /// The domain an atom was declared in or taken for.
+    pub(crate) fn domain_of(&self, program: &Program, atom: Atom) -> Option<DomainId> {
+        let index = atom.0 as usize;
+        match program.symbols.atom_domains.get(index) {
+            Some(&domain) => Some(domain),
+            None => self.reserve.get(index - program.symbols.atoms.len()).map(|(domain, _)| *domain),
+        }
+    }
+
+    /// What a slot holds.
+    pub fn get(&self, slot: Slot) -> &Value {
+        &self.slots[slot as usize]
+    }
+
+    /// How many slots there are.
+    pub fn len(&self) -> usize {
+        self.slots.len()
+    }
+
+    /// Whether there is no location at all.
+    pub fn is_empty(&self) -> bool {
+        self.slots.is_empty()
+    }
+
+    /// The elements a domain has now, ascending.
+    pub fn extent(&self, domain: DomainId) -> &[Value] {
+        &self.extents[domain.0 as usize]
+    }
+
+    /// The slot of a location, if it was met or is fixed.
+    pub fn slot(&self, program: &Program, function: FunctionId, arguments: &[Value]) -> Option<Slot> {
+        dense(program, function, arguments).or_else(|| self.find(function, arguments))
+    }
+
+    /// The location of a slot.
+    pub fn location(&self, program: &Program, slot: Slot) -> Option<(FunctionId, Vec<Value>)> {
+        if let Some(index) = slot.checked_sub(self.fixed) {
+            let (function, arguments) = self.locations.get(index as usize)?;
+            return Some((*function, arguments.to_vec()));
+        }
+        // functions have their slots in order of declaration
+        program.functions.iter().enumerate().find_map(|(index, function)| match &function.storage {
+            Storage::Dense { base, count, axes } if (*base..base + count).contains(&slot) => {
+                let mut rest = slot - base;
+                let arguments = axes
+                    .iter()
+                    .map(|axis| {
+                        let index = rest / axis.stride;
+                        rest %= axis.stride;
+                        axis.over.argument(index)
+                    })
+                    .collect();
+                Some((FunctionId(index as u32), arguments))
+            }
+            _ => None,
+        })
+    }
+
+    /// All locations and what they hold, by function and arguments; those of the specification only.
+    pub fn locations(&self, program: &Program) -> Vec<(FunctionId, Vec<Value>, Slot)> {
+        let mut all: Vec<(FunctionId, Vec<Value>, Slot)> = (0..self.slots.len() as Slot)
+            .filter_map(|slot| {
+                let (function, arguments) = self.location(program, slot)?;
+                program.functions[function.0 as usize].own.then_some((function, arguments, slot))
+            })
+            .collect();
+        all.sort();
+        all
+    }
+}
+
+/// The slot of a location whose arguments all lie on the function's axes.
+pub(crate) fn dense(program: &Program, function: FunctionId, arguments: &[Value]) -> Option<Slot> {
+    let Storage::Dense { base, axes, .. } = &program.functions[function.0 as usize].storage else {
+        return None;
+    };
+    let mut slot = *base;
+    for (axis, argument) in axes.iter().zip(arguments) {
+        slot += axis.over.index(argument)? * axis.stride;
+    }
+    Some(slot)
+}
+
+/// The elements of a domain that are known from the program alone.
+fn listed(elements: &Elements) -> Vec<Value> {
+    match elements {
+        // intervals are ranged over without listing them; see `extent`
+        Elements::Ints { .. } => Vec::new(),
+        Elements::Atoms { first, count } => {
+            (first.0..first.0 + count).map(|atom| Value::Atom(Atom(atom))).collect()
+        }
+        Elements::Computed(_) | Elements::Undefined | Elements::Open => Vec::new(),
+    }
+}
+
+/// The names of the atoms and rules of a running machine.
+#[derive(Clone, Copy)]
+pub struct Naming<'a> {
+    /// Knows what was declared.
+    pub program: &'a Program,
+    /// Knows what was taken from the reserve.
+    pub reserve: &'a [(DomainId, u32)],
+}
+
+impl Names for Naming<'_> {
+    fn atom(&self, atom: Atom, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let index = atom.0 as usize;
+        let symbols = &self.program.symbols;
+        if let Some(name) = symbols.atoms.get(index) {
+            return to.write_str(name);
+        }
+        match self.reserve.get(index - symbols.atoms.len()) {
+            Some((domain, number)) => {
+                let name = &symbols.domains[domain.0 as usize];
+                let mut letters = name.chars();
+                let first = letters.next().map(|letter| letter.to_lowercase().collect::<String>());
+                write!(to, "{}{}!{number}", first.unwrap_or_default(), letters.as_str())
+            }
+            None => write!(to, "atom!{index}"),
+        }
+    }
+
+    fn rule(&self, rule: RuleId, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.program.symbols.rules.get(rule.0 as usize) {
+            Some(name) => write!(to, "<<{name}>>"),
+            None => write!(to, "<<rule {}>>", rule.0),
+        }
+    }
+}

@@ -1,0 +1,255 @@
+//! Update sets: collected in parallel, applied at once.
+//!
+//! The updates of a step lie in one list. A mark a slot says which update of the list is the slot's,
+//! as long as the mark's epoch is the current one: so a clash is found by one comparison, and a new
+//! set begins by counting the epoch up. Within `seq` sets nest: a layer of its own for every rule of
+//! the sequence, applied to the state when the rule is done and taken back when the sequence is.
+
+use crate::fault::FaultKind;
+use ir::{DomainId, Origin, Slot};
+use std::sync::Arc;
+use value::{Atom, Value};
+
+/// One update.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Update {
+    /// The location.
+    pub slot: Slot,
+    /// Its new value.
+    pub value: Value,
+    /// The rule that wrote it, so that a clash can show both writers.
+    pub origin: Origin,
+}
+
+/// Which update is a slot's, in the set of which epoch.
+#[derive(Clone, Copy, Debug, Default)]
+struct Mark {
+    epoch: u32,
+    index: u32,
+}
+
+/// What taking back an intermediate state must restore.
+#[derive(Debug)]
+enum Undo {
+    Slot(Slot, Value),
+    Extent(DomainId, Arc<Vec<Value>>),
+}
+
+/// The update set of a step while it grows.
+#[derive(Debug, Default)]
+pub(crate) struct Updates {
+    /// The updates; those of the innermost layer last.
+    pub list: Vec<Update>,
+    /// New elements of domains, likewise.
+    pub extended: Vec<(DomainId, Atom)>,
+    marks: Vec<Mark>,
+    epoch: u32,
+    /// The last epoch given out.
+    last_epoch: u32,
+    /// Marks of outer layers that the current layers cover.
+    covered: Vec<(Slot, Mark)>,
+    undo: Vec<Undo>,
+    depth: u32,
+}
+
+/// What a layer has to give back.
+#[derive(Debug)]
+pub(crate) struct Layer {
+    start: usize,
+    extended: usize,
+    covered: usize,
+    undo: usize,
+    epoch: u32,
+}
+
+/// The parts of a state that updates write.
+pub(crate) struct Written<'a> {
+    pub slots: &'a mut [Value],
+    pub extents: &'a mut [Arc<Vec<Value>>],
+    /// The domains an element of a domain belongs to, beginning with itself.
+    pub supers: &'a [Vec<DomainId>],
+}
+
+impl Updates {
+    /// Begins the update set of a step.
+    pub fn begin(&mut self, slots: usize) {
+        self.list.clear();
+        self.extended.clear();
+        self.covered.clear();
+        self.undo.clear();
+        self.depth = 0;
+        self.new_epoch();
+        self.grow(slots);
+    }
+
+    /// Makes room for the marks of newly interned slots.
+    pub fn grow(&mut self, slots: usize) {
+        if self.marks.len() < slots {
+            self.marks.resize(slots, Mark::default());
+        }
+    }
+
+    fn new_epoch(&mut self) {
+        self.last_epoch = match self.last_epoch.checked_add(1) {
+            Some(next) => next,
+            None => {
+                // after four thousand million sets, old marks could be taken for new ones
+                self.marks.fill(Mark::default());
+                1
+            }
+        };
+        self.epoch = self.last_epoch;
+    }
+
+    /// Adds an update to the innermost set.
+    pub fn write(&mut self, slot: Slot, value: Value, origin: Origin) -> Result<(), FaultKind> {
+        let mark = self.marks[slot as usize];
+        if mark.epoch == self.epoch {
+            let first = &self.list[mark.index as usize];
+            if first.value == value {
+                return Ok(());
+            }
+            return Err(FaultKind::Clash {
+                slot,
+                first: first.value.clone(),
+                first_origin: first.origin,
+                second: value,
+            });
+        }
+        self.mark(slot, self.list.len());
+        self.list.push(Update { slot, value, origin });
+        Ok(())
+    }
+
+    fn mark(&mut self, slot: Slot, index: usize) {
+        if self.depth > 0 {
+            self.covered.push((slot, self.marks[slot as usize]));
+        }
+        self.marks[slot as usize] = Mark { epoch: self.epoch, index: index as u32 };
+    }
+
+    /// Begins a set within the current one.
+    pub fn open(&mut self) -> Layer {
+        let layer = Layer {
+            start: self.list.len(),
+            extended: self.extended.len(),
+            covered: self.covered.len(),
+            undo: self.undo.len(),
+            epoch: self.epoch,
+        };
+        self.depth += 1;
+        self.new_epoch();
+        layer
+    }
+
+    /// Whether the layer's set is empty.
+    pub fn is_empty(&self, layer: &Layer) -> bool {
+        self.list.len() == layer.start && self.extended.len() == layer.extended
+    }
+
+    /// Ends a layer within a sequence: its updates are applied to the state and override those of
+    /// the set around it.
+    pub fn close_applying(&mut self, layer: Layer, written: &mut Written<'_>) {
+        self.uncover(&layer);
+        for index in layer.start..self.list.len() {
+            let update = self.list[index].clone();
+            let slot = update.slot as usize;
+            let before = std::mem::replace(&mut written.slots[slot], update.value);
+            self.undo.push(Undo::Slot(update.slot, before));
+        }
+        for index in layer.extended..self.extended.len() {
+            let (domain, atom) = self.extended[index];
+            for &domain in &written.supers[domain.0 as usize] {
+                let extent = &mut written.extents[domain.0 as usize];
+                self.undo.push(Undo::Extent(domain, extent.clone()));
+                Arc::make_mut(extent).push(Value::Atom(atom));
+            }
+        }
+        // overriding never conflicts
+        let _ = self.merge::<()>(layer.start, |known, update| {
+            *known = update;
+            Ok(())
+        });
+    }
+
+    /// Ends a sequence: the state is as before it, its net updates join the set around it.
+    pub fn close_restoring(&mut self, layer: Layer, written: &mut Written<'_>) -> Result<(), (FaultKind, Origin)> {
+        self.take_back(layer.undo, written);
+        self.uncover(&layer);
+        self.merge(layer.start, |known, update| {
+            if known.value == update.value {
+                return Ok(());
+            }
+            let clash = FaultKind::Clash {
+                slot: update.slot,
+                first: known.value.clone(),
+                first_origin: known.origin,
+                second: update.value,
+            };
+            Err((clash, update.origin))
+        })
+    }
+
+    /// Ends a layer like [`Updates::close_restoring`], taking out the value given to one slot.
+    pub fn take(&mut self, layer: &Layer, slot: Slot) -> Option<Value> {
+        let mark = self.marks[slot as usize];
+        if mark.epoch != self.epoch || (mark.index as usize) < layer.start {
+            return None;
+        }
+        let index = mark.index as usize;
+        let value = self.list.remove(index).value;
+        for update in &self.list[index..] {
+            self.marks[update.slot as usize].index -= 1;
+        }
+        self.marks[slot as usize] = Mark::default();
+        Some(value)
+    }
+
+    /// Restores the state after a fault.
+    pub fn abandon(&mut self, written: &mut Written<'_>) {
+        self.take_back(0, written);
+        self.list.clear();
+        self.extended.clear();
+    }
+
+    fn take_back(&mut self, to: usize, written: &mut Written<'_>) {
+        for undo in self.undo.drain(to..).rev() {
+            match undo {
+                Undo::Slot(slot, value) => written.slots[slot as usize] = value,
+                Undo::Extent(domain, extent) => written.extents[domain.0 as usize] = extent,
+            }
+        }
+    }
+
+    /// Gives the marks back that the layer covered.
+    fn uncover(&mut self, layer: &Layer) {
+        for (slot, mark) in self.covered.drain(layer.covered..).rev() {
+            self.marks[slot as usize] = mark;
+        }
+        self.epoch = layer.epoch;
+        self.depth -= 1;
+    }
+
+    /// Moves the updates from `start` on into the current set.
+    fn merge<E>(
+        &mut self,
+        start: usize,
+        mut conflict: impl FnMut(&mut Update, Update) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut kept = start;
+        for index in start..self.list.len() {
+            let slot = self.list[index].slot;
+            let mark = self.marks[slot as usize];
+            if mark.epoch == self.epoch {
+                let update = self.list[index].clone();
+                conflict(&mut self.list[mark.index as usize], update)?;
+            } else {
+                self.list.swap(kept, index);
+                self.mark(slot, kept);
+                kept += 1;
+            }
+        }
+        self.list.truncate(kept);
+        Ok(())
+    }
+}

@@ -1,0 +1,318 @@
+//! Inputs from a script: by name, step by step.
+//!
+//! ```toml
+//! [default]                 # holds in every step that does not say otherwise
+//! estop = false
+//!
+//! [[step]]
+//! goalArrived = true
+//!
+//! [[step]]
+//! ev = "MAP_OK"             # an enumeration literal
+//! "battery(ROB1)" = 42      # an argument
+//! ```
+
+use ir::{FunctionId, FunctionKind, Program, Shape};
+use machine::Environment;
+use source::{Diagnostic, FileId, Report, Span};
+use std::collections::BTreeMap;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+use value::{Atom, Value};
+
+/// The inputs of a run, step by step.
+#[derive(Clone, Debug, Default)]
+pub struct Script {
+    defaults: Inputs,
+    steps: Vec<Inputs>,
+    /// The step the machine is in, from 0.
+    at: usize,
+    names: BTreeMap<FunctionId, String>,
+}
+
+type Inputs = BTreeMap<(FunctionId, Vec<Value>), Value>;
+
+impl Script {
+    /// Reads a script for a program.
+    ///
+    /// # Errors
+    /// The text is not TOML, names something that is no input, or gives it a value outside its
+    /// codomain; all such places are reported.
+    pub fn read(file: FileId, text: &str, program: &Program) -> Result<Self, Report> {
+        let mut reading = Reading { program, file, report: Report::new() };
+        let script = reading.script(text);
+        if reading.report.has_errors() { Err(reading.report.finish()) } else { Ok(script) }
+    }
+
+    /// How many steps the script has.
+    pub fn len(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// Whether the script has no step.
+    pub fn is_empty(&self) -> bool {
+        self.steps.is_empty()
+    }
+
+    /// Goes on to the inputs of the next step.
+    pub fn advance(&mut self) {
+        self.at += 1;
+    }
+}
+
+impl Environment for Script {
+    fn read(&mut self, function: FunctionId, arguments: &[Value]) -> Result<Option<Value>, String> {
+        let key = (function, arguments.to_vec());
+        let step = self.steps.get(self.at).and_then(|inputs| inputs.get(&key));
+        match step.or_else(|| self.defaults.get(&key)) {
+            Some(value) => Ok(Some(value.clone())),
+            None => {
+                let name = self.names.get(&function).map_or("", |name| name);
+                Err(format!(
+                    "the script gives `{name}` no value in step {} and no default",
+                    self.at + 1
+                ))
+            }
+        }
+    }
+}
+
+struct Reading<'a> {
+    program: &'a Program,
+    file: FileId,
+    report: Report,
+}
+
+impl Reading<'_> {
+    fn span(&self, range: std::ops::Range<usize>) -> Span {
+        Span::new(self.file, range.start, range.end)
+    }
+
+    fn script(&mut self, text: &str) -> Script {
+        let mut script = Script::default();
+        let inputs = self.program.functions.iter().enumerate();
+        for (index, _) in inputs.filter(|(_, function)| is_input(function.kind)) {
+            script.names.insert(FunctionId(index as u32), self.program.symbols.functions[index].to_string());
+        }
+        let table = match DeTable::parse(text) {
+            Ok(table) => table.into_inner(),
+            Err(error) => {
+                let at = self.span(error.span().unwrap_or(0..0));
+                self.report.push(
+                    Diagnostic::error("S001", error.message())
+                        .label(at, "not TOML")
+                        .help("a script has a `[default]` table and `[[step]]` tables"),
+                );
+                return script;
+            }
+        };
+        for (key, value) in &table {
+            match (&**key.get_ref(), value.get_ref()) {
+                ("default", DeValue::Table(inputs)) => script.defaults = self.inputs(inputs),
+                ("step", DeValue::Array(steps)) => {
+                    for step in steps {
+                        match step.get_ref() {
+                            DeValue::Table(inputs) => script.steps.push(self.inputs(inputs)),
+                            _ => self.not_a_section(step.span()),
+                        }
+                    }
+                }
+                _ => self.not_a_section(key.span()),
+            }
+        }
+        script
+    }
+
+    fn not_a_section(&mut self, at: std::ops::Range<usize>) {
+        let at = self.span(at);
+        self.report.push(
+            Diagnostic::error("S002", "this is neither `[default]` nor a `[[step]]`")
+                .label(at, "unknown here")
+                .help("write inputs under `[default]`, or under one `[[step]]` for each step"),
+        );
+    }
+
+    fn inputs(&mut self, table: &DeTable<'_>) -> Inputs {
+        let mut inputs = Inputs::new();
+        for (key, value) in table {
+            if let Some((location, value)) = self.input(key, value) {
+                inputs.insert(location, value);
+            }
+        }
+        inputs
+    }
+
+    fn input(
+        &mut self,
+        key: &Spanned<std::borrow::Cow<'_, str>>,
+        value: &Spanned<DeValue<'_>>,
+    ) -> Option<((FunctionId, Vec<Value>), Value)> {
+        let at = self.span(key.span());
+        let (name, arguments) = match key.get_ref().split_once('(') {
+            Some((name, rest)) => (name.trim(), split_arguments(rest.trim_end().trim_end_matches(')'))),
+            None => (key.get_ref().trim(), Vec::new()),
+        };
+        let Some(function) = self.find(name, arguments.len()) else {
+            self.unknown(name, at);
+            return None;
+        };
+        let declared = &self.program.functions[function.0 as usize];
+        let mut values = Vec::new();
+        for (argument, shape) in arguments.iter().zip(&declared.parameters) {
+            match self.literal(argument, shape) {
+                Some(value) => values.push(value),
+                None => {
+                    self.misfit(&format!("`{argument}`"), shape, at);
+                    return None;
+                }
+            }
+        }
+        match self.value(value.get_ref(), &declared.codomain) {
+            Some(value) => Some(((function, values), value)),
+            None => {
+                let at = self.span(value.span());
+                self.misfit(&format!("this value of `{name}`"), &declared.codomain, at);
+                None
+            }
+        }
+    }
+
+    fn find(&self, name: &str, arity: usize) -> Option<FunctionId> {
+        let functions = self.program.functions.iter().enumerate();
+        let mut found = functions.filter(|(index, function)| {
+            is_input(function.kind)
+                && function.parameters.len() == arity
+                && &*self.program.symbols.functions[*index] == name
+        });
+        found.next().map(|(index, _)| FunctionId(index as u32))
+    }
+
+    fn unknown(&mut self, name: &str, at: Span) {
+        let functions = self.program.functions.iter().enumerate();
+        let names = functions
+            .filter(|(_, function)| is_input(function.kind) && function.own)
+            .map(|(index, _)| &*self.program.symbols.functions[index]);
+        let near = names
+            .map(|known| (strsim::normalized_damerau_levenshtein(name, known), known))
+            .filter(|(likeness, _)| *likeness > 0.5)
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        let finding = Diagnostic::error("S003", format!("`{name}` is no input of this specification"))
+            .label(at, "not a monitored or shared function with so many arguments");
+        self.report.push(match near {
+            Some((_, known)) => finding.help(format!("did you mean `{known}`?")),
+            None => finding.help("only monitored and shared functions take values from outside"),
+        });
+    }
+
+    fn misfit(&mut self, what: &str, shape: &Shape, at: Span) {
+        let wanted = self.describe(shape);
+        self.report.push(
+            Diagnostic::error("S004", format!("{what} is not {wanted}"))
+                .label(at, format!("expected {wanted}"))
+                .help("booleans and numbers stand for themselves, literals and texts in quotes, sequences, sets and tuples as arrays"),
+        );
+    }
+
+    fn describe(&self, shape: &Shape) -> String {
+        match shape {
+            Shape::Bool => "a Boolean".to_owned(),
+            Shape::Int => "an Integer".to_owned(),
+            Shape::Natural => "a Natural".to_owned(),
+            Shape::Real => "a Real".to_owned(),
+            Shape::Char => "a character".to_owned(),
+            Shape::Text => "a String".to_owned(),
+            Shape::Domain(domain) => format!("an element of {}", self.program.symbols.domains[domain.0 as usize]),
+            Shape::Tuple(items) => format!("a tuple of {}", items.len()),
+            Shape::Seq(_) => "a sequence".to_owned(),
+            Shape::Set(_) => "a set".to_owned(),
+            Shape::Bag(_) => "a bag".to_owned(),
+            Shape::Map(..) | Shape::Complex | Shape::Rule | Shape::Any => "a value that scripts can give".to_owned(),
+        }
+    }
+
+    /// A value of TOML as a value of the shape.
+    fn value(&self, value: &DeValue<'_>, shape: &Shape) -> Option<Value> {
+        match (value, shape) {
+            (DeValue::String(text), Shape::Text) => Some(Value::text(text.as_ref())),
+            (DeValue::String(text), shape) => self.literal(text, shape),
+            (DeValue::Boolean(truth), Shape::Bool) => Some(Value::Bool(*truth)),
+            (DeValue::Integer(number), shape) => self.literal(&number.to_string(), shape),
+            (DeValue::Float(number), Shape::Real) => number.as_str().parse().ok().map(Value::real),
+            (DeValue::Array(items), Shape::Tuple(shapes)) if items.len() == shapes.len() => {
+                let items = items.iter().zip(shapes).map(|(item, shape)| self.value(item.get_ref(), shape));
+                items.collect::<Option<Vec<_>>>().map(Value::tuple)
+            }
+            (DeValue::Array(items), Shape::Seq(shape)) => self.items(items, shape).map(Value::seq),
+            (DeValue::Array(items), Shape::Set(shape)) => self.items(items, shape).map(Value::set),
+            (DeValue::Array(items), Shape::Bag(shape)) => self.items(items, shape).map(Value::bag),
+            _ => None,
+        }
+    }
+
+    fn items<'b>(
+        &self,
+        items: impl IntoIterator<Item = &'b Spanned<DeValue<'b>>>,
+        shape: &Shape,
+    ) -> Option<Vec<Value>> {
+        items.into_iter().map(|item| self.value(item.get_ref(), shape)).collect()
+    }
+
+    /// A word as a value of the shape.
+    fn literal(&self, word: &str, shape: &Shape) -> Option<Value> {
+        let word = word.trim();
+        if word == "undef" {
+            return Some(Value::Undef);
+        }
+        match shape {
+            Shape::Bool => word.parse().ok().map(Value::Bool),
+            Shape::Int => word.parse().ok().map(Value::Int),
+            Shape::Natural => {
+                let number: i64 = word.trim_end_matches('n').parse().ok()?;
+                (number >= 0).then_some(Value::Int(number))
+            }
+            Shape::Real => word.parse().ok().map(Value::real),
+            Shape::Text => Some(Value::text(word.trim_matches('"'))),
+            Shape::Char => {
+                let mut letters = word.trim_matches('\'').chars();
+                letters.next().filter(|_| letters.next().is_none()).map(Value::Char)
+            }
+            Shape::Domain(domain) => self.element(word, *domain),
+            Shape::Tuple(_)
+            | Shape::Seq(_)
+            | Shape::Set(_)
+            | Shape::Bag(_)
+            | Shape::Map(..)
+            | Shape::Complex
+            | Shape::Rule
+            | Shape::Any => None,
+        }
+    }
+
+    fn element(&self, word: &str, domain: ir::DomainId) -> Option<Value> {
+        match &self.program.domains[domain.0 as usize].elements {
+            ir::Elements::Ints { low, high } => {
+                let number: i64 = word.trim_end_matches('n').parse().ok()?;
+                (*low..=*high).contains(&number).then_some(Value::Int(number))
+            }
+            ir::Elements::Atoms { first, count } => (first.0..first.0 + count)
+                .find(|&atom| &*self.program.symbols.atoms[atom as usize] == word)
+                .map(|atom| Value::Atom(Atom(atom))),
+            ir::Elements::Computed(_) | ir::Elements::Undefined | ir::Elements::Open => {
+                let atom = self.program.symbols.atoms.iter().position(|name| &**name == word);
+                match atom {
+                    Some(atom) => Some(Value::Atom(Atom(atom as u32))),
+                    None => word.parse().ok().map(Value::Int),
+                }
+            }
+        }
+    }
+}
+
+fn is_input(kind: FunctionKind) -> bool {
+    matches!(kind, FunctionKind::Monitored | FunctionKind::Shared)
+}
+
+/// Splits `ROB1, 3` at its commas.
+fn split_arguments(text: &str) -> Vec<String> {
+    text.split(',').map(|argument| argument.trim().to_owned()).filter(|argument| !argument.is_empty()).collect()
+}

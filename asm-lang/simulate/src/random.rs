@@ -1,0 +1,108 @@
+//! Chance with a seed: the same seed, the same run.
+
+use ir::{FunctionId, Shape};
+use machine::{Chooser, Environment, Machine};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::sync::Arc;
+use value::Value;
+
+/// Chooses every candidate with the same probability.
+#[derive(Clone, Debug)]
+pub struct Seeded {
+    random: ChaCha8Rng,
+}
+
+impl Seeded {
+    /// The stream of choices of a seed.
+    pub fn new(seed: u64) -> Self {
+        // inputs and choices draw from different streams, so that neither shifts the other
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        random.set_stream(1);
+        Self { random }
+    }
+}
+
+impl Chooser for Seeded {
+    fn choose(&mut self, count: usize) -> usize {
+        self.random.random_range(0..count.max(1))
+    }
+}
+
+/// Gives inputs at random: truth values and elements of domains with equal probability, numbers from
+/// −100 to 100, sequences and sets of up to three elements.
+#[derive(Clone, Debug)]
+pub struct Random {
+    random: ChaCha8Rng,
+    program: Arc<ir::Program>,
+    /// The elements of each domain in the machine's initial state.
+    extents: Vec<Vec<Value>>,
+}
+
+const NUMBERS: std::ops::RangeInclusive<i64> = -100..=100;
+const WORDS: &[&str] = &["", "a", "b", "alpha", "beta"];
+
+impl Random {
+    /// The stream of inputs of a seed, for this machine.
+    pub fn new(program: Arc<ir::Program>, machine: &Machine, seed: u64) -> Self {
+        let extent = |index: usize| {
+            let domain = ir::DomainId(index as u32);
+            match program.domains[index].elements {
+                // intervals are drawn from without listing them
+                ir::Elements::Ints { .. } => Vec::new(),
+                _ => machine.state().extent(domain).to_vec(),
+            }
+        };
+        let extents = (0..program.domains.len()).map(extent).collect();
+        Self { random: ChaCha8Rng::seed_from_u64(seed), program, extents }
+    }
+
+    fn value(&mut self, shape: &Shape) -> Value {
+        match shape {
+            Shape::Bool => Value::Bool(self.random.random_bool(0.5)),
+            Shape::Int => Value::Int(self.random.random_range(NUMBERS)),
+            Shape::Natural => Value::Int(self.random.random_range(0..=*NUMBERS.end())),
+            Shape::Real => Value::real(self.random.random_range(NUMBERS) as f64 / 4.0),
+            Shape::Char => Value::Char(char::from(self.random.random_range(b'a'..=b'z'))),
+            Shape::Text => Value::text(WORDS[self.random.random_range(0..WORDS.len())]),
+            Shape::Domain(domain) => self.element(*domain),
+            Shape::Tuple(items) => {
+                let items: Vec<Value> = items.iter().map(|item| self.value(item)).collect();
+                Value::tuple(items)
+            }
+            Shape::Seq(item) => Value::seq(self.several(item)),
+            Shape::Set(item) => Value::set(self.several(item)),
+            Shape::Bag(item) => Value::bag(self.several(item)),
+            Shape::Map(key, value) => {
+                let keys = self.several(key);
+                let pairs: Vec<(Value, Value)> =
+                    keys.into_iter().map(|key| (key, self.value(value))).collect();
+                Value::map(pairs)
+            }
+            Shape::Complex | Shape::Rule | Shape::Any => Value::Undef,
+        }
+    }
+
+    fn element(&mut self, domain: ir::DomainId) -> Value {
+        if let ir::Elements::Ints { low, high } = self.program.domains[domain.0 as usize].elements {
+            return Value::Int(self.random.random_range(low..=high));
+        }
+        let elements = &self.extents[domain.0 as usize];
+        if elements.is_empty() {
+            return Value::Undef;
+        }
+        elements[self.random.random_range(0..elements.len())].clone()
+    }
+
+    fn several(&mut self, item: &Shape) -> Vec<Value> {
+        let count = self.random.random_range(0..=3);
+        (0..count).map(|_| self.value(item)).collect()
+    }
+}
+
+impl Environment for Random {
+    fn read(&mut self, function: FunctionId, _arguments: &[Value]) -> Result<Option<Value>, String> {
+        let program = self.program.clone();
+        Ok(Some(self.value(&program.functions[function.0 as usize].codomain)))
+    }
+}

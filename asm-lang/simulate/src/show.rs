@@ -1,0 +1,40 @@
+//! Locations and updates as text.
+
+use ir::Slot;
+use machine::{Machine, Step};
+use value::Value;
+
+/// A location, as in `doing(ROB1, TASK2)`.
+pub fn location(machine: &Machine, slot: Slot) -> String {
+    let Some((function, arguments)) = machine.state().location(machine.program(), slot) else {
+        return format!("location {slot}");
+    };
+    applied(machine, function, &arguments)
+}
+
+/// A function applied to arguments.
+pub fn applied(machine: &Machine, function: ir::FunctionId, arguments: &[Value]) -> String {
+    let name = &machine.program().symbols.functions[function.0 as usize];
+    if arguments.is_empty() {
+        return name.to_string();
+    }
+    let naming = machine.naming();
+    let arguments: Vec<String> = arguments.iter().map(|value| value.show(&naming).to_string()).collect();
+    format!("{name}({})", arguments.join(", "))
+}
+
+/// The updates of the last step as location, value before and value after, sorted by location.
+pub fn updates(machine: &Machine, step: &Step<'_>) -> Vec<(String, String, String)> {
+    let naming = machine.naming();
+    let mut shown: Vec<(String, String, String)> = step
+        .updates
+        .iter()
+        .zip(step.before)
+        .map(|(update, before)| {
+            let show = |value: &Value| value.show(&naming).to_string();
+            (location(machine, update.slot), show(before), show(&update.value))
+        })
+        .collect();
+    shown.sort();
+    shown
+}

@@ -1,0 +1,104 @@
+//! Run-time faults as diagnostics: both writers, the values at hand, the step and the agent.
+
+use crate::Specification;
+use machine::{Fault, FaultKind, Machine};
+use source::Diagnostic;
+use value::Value;
+
+impl Specification {
+    /// What a fault says, where the machine is not at hand: values are shown as far as they can be.
+    pub fn explain(&self, fault: &Fault) -> Diagnostic {
+        self.diagnose(fault, &|slot| format!("location {slot}"), &|value| {
+            value.show(&machine::Naming { program: &self.program, reserve: &[] }).to_string()
+        })
+    }
+
+    /// What a fault of this machine says.
+    pub fn explain_in(&self, fault: &Fault, machine: &Machine) -> Diagnostic {
+        let naming = machine.naming();
+        let show = |value: &Value| value.show(&naming).to_string();
+        self.diagnose(fault, &|slot| simulate::location(machine, slot), &show)
+    }
+
+    fn diagnose(
+        &self,
+        fault: &Fault,
+        location: &dyn Fn(ir::Slot) -> String,
+        show: &dyn Fn(&Value) -> String,
+    ) -> Diagnostic {
+        let at = self.span(fault.origin);
+        let when = match fault.step {
+            0 => "in the initial state".to_owned(),
+            step => format!("in step {step}"),
+        };
+        let mut finding = match &fault.kind {
+            FaultKind::Clash { slot, first, first_origin, second } => {
+                let location = location(*slot);
+                Diagnostic::error("R001", format!("inconsistent update of `{location}` {when}"))
+                    .label(at, format!("this writes {}", show(second)))
+                    .label(self.span(*first_origin), format!("and in the same step this writes {}", show(first)))
+                    .note("a step applies all updates at once, so a location gets one value; the state is kept")
+                    .help("put one of them in the `else` of the other, or both in `seq … endseq` if the later one wins")
+            }
+            FaultKind::Outside { slot, value, domain } => {
+                let domain_info = &self.model.domains[domain.0 as usize];
+                Diagnostic::error("R002", format!("{} is no element of `{}`, {when}", show(value), domain_info.name))
+                    .label(at, format!("`{}` takes values of `{}`", location(*slot), domain_info.name))
+                    .label(domain_info.span, "declared here")
+                    .help("guard the update, or widen the domain under `definitions:`")
+            }
+            FaultKind::UndefinedGuard => Diagnostic::error("R003", format!("a guard is undef {when}"))
+                .label(at, "neither true nor false")
+                .note("`undef` spreads: a comparison with an undef side is undef, `=` and `!=` are not")
+                .help("initialise the locations it reads, or test them with `isDef(…)` first"),
+            FaultKind::Library(reason) => {
+                Diagnostic::error("R004", format!("{reason}, {when}")).label(at, "evaluated here")
+            }
+            FaultKind::Infinite => Diagnostic::error("R005", format!("a variable ranges over a domain without end, {when}"))
+                .label(at, "its elements cannot be listed")
+                .help("range over a subset, as in `domain Small subsetof Integer` with `domain Small = {0 : 9}`"),
+            FaultKind::NotACollection(value) => {
+                Diagnostic::error("R006", format!("a variable ranges over {}, {when}", show(value)))
+                    .label(at, "a set, sequence or bag is wanted")
+                    .help("initialise the location it reads")
+            }
+            FaultKind::NotARule(value) => Diagnostic::error("R007", format!("{} is run as a rule, {when}", show(value)))
+                .label(at, "a rule is wanted")
+                .help("give the location a rule, as in `<<r_x>>`"),
+            FaultKind::RuleArity { wanted, actual } => {
+                Diagnostic::error("R008", format!("a rule that takes {wanted} arguments is run with {actual}, {when}"))
+                    .label(at, "run here")
+                    .help("give one argument for each parameter")
+            }
+            FaultKind::NoProgram(agent) => Diagnostic::error("R009", format!("the agent {} has no program, {when}", show(agent)))
+                .label(at, "run here")
+                .help("add `agent Domain: r_rule[]` for its domain to the default init"),
+            FaultKind::TooDeep(limit) => Diagnostic::error("R010", format!("calls nest deeper than {limit}, {when}"))
+                .label(at, "called once more")
+                .help("check that the recursion ends for every argument"),
+            FaultKind::Endless(limit) => Diagnostic::error("R011", format!("a loop ran {limit} times, {when}"))
+                .label(at, "this loop")
+                .help("check that its body makes the guard false"),
+            FaultKind::TooLarge(count) => Diagnostic::error("R012", format!("a collection of {count} elements would be built, {when}"))
+                .label(at, "built here")
+                .help("range over a smaller domain"),
+            FaultKind::Input { slot, reason } => {
+                Diagnostic::error("R013", format!("no value for `{}` {when}: {reason}", location(*slot)))
+                    .label(at, "read here")
+            }
+            FaultKind::Invariant { index, value } => {
+                let invariant = &self.program.invariants[*index];
+                let what = if value.is_undef() { "is undef" } else { "does not hold" };
+                Diagnostic::error("R014", format!("the invariant `{}` {what} {when}", invariant.name))
+                    .label(at, "this condition")
+                    .help("find the rule that broke it among the updates of the step")
+            }
+            FaultKind::NoMain => Diagnostic::error("R015", "there is no main rule to run")
+                .help("add `main rule r_Main = …`"),
+        };
+        if !fault.agent.is_undef() {
+            finding = finding.note(format!("the agent {} was running", show(&fault.agent)));
+        }
+        finding
+    }
+}

@@ -1,0 +1,53 @@
+//! Files in memory: for tests, and for what is embedded in a binary.
+
+use source::{LoadError, Loader};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Texts by path; paths are compared after `.` and `..` are resolved.
+#[derive(Clone, Debug, Default)]
+pub struct Files {
+    texts: BTreeMap<String, Arc<str>>,
+}
+
+impl Files {
+    /// No file yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a file, or replaces it.
+    pub fn add(&mut self, path: &str, text: impl Into<Arc<str>>) {
+        self.texts.insert(normal(path), text.into());
+    }
+}
+
+impl Loader for Files {
+    fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
+        self.texts.get(&normal(path)).cloned().ok_or_else(|| LoadError {
+            path: path.to_owned(),
+            reason: "there is no such file".to_owned(),
+        })
+    }
+
+    fn resolve(&self, from: &str, import: &str) -> Option<String> {
+        let folder = from.rsplit_once('/').map_or("", |(folder, _)| folder);
+        let near = normal(&format!("{folder}/{import}"));
+        let candidates = [near.clone(), format!("{near}.asm"), normal(import), normal(&format!("{import}.asm"))];
+        candidates.into_iter().find(|path| self.texts.contains_key(path))
+    }
+}
+
+fn normal(path: &str) -> String {
+    let mut parts: Vec<&str> = Vec::new();
+    for part in path.split(['/', '\\']) {
+        match part {
+            "" | "." => {}
+            ".." => {
+                parts.pop();
+            }
+            part => parts.push(part),
+        }
+    }
+    parts.join("/")
+}

@@ -1,0 +1,111 @@
+//! The language on one page: from a path to a machine that can step.
+//!
+//! ```
+//! let mut files = asm_lang::Files::new();
+//! files.add("counter.asm", "asm counter
+//! import StandardLibrary
+//! signature:
+//!   controlled n: Integer
+//! definitions:
+//!   main rule r_Main = n := n + 1
+//! default init s0:
+//!   function n = 0
+//! ");
+//! let specification = asm_lang::open("counter.asm", &files).map_err(|failure| failure.to_string())?;
+//! let mut machine = specification.machine().map_err(|fault| specification.explain(&fault).message)?;
+//! machine.step(&mut asm_lang::NoInputs, &mut asm_lang::First, 0).map_err(|fault| specification.explain(&fault).message)?;
+//! # Ok::<(), String>(())
+//! ```
+
+mod explain;
+mod files;
+mod render;
+
+pub use files::Files;
+pub use hir::{FunctionKind, Model};
+pub use machine::{Chooser, Environment, Fault, FaultKind, First, Machine, NoInputs, Step, Update};
+pub use render::{Style, concise, render, render_all};
+pub use source::{Diagnostic, Loader, Report, Severity, Sources, Span};
+pub use {hir, ir, machine, simulate, source, syntax, value};
+
+use std::fmt;
+use std::sync::Arc;
+
+/// A specification that can run: what it says, and what a machine executes.
+#[derive(Debug)]
+pub struct Specification {
+    /// The resolved model.
+    pub model: Model,
+    /// The program a machine executes.
+    pub program: Arc<ir::Program>,
+    /// The place of each of the program's origins.
+    pub origins: Vec<Span>,
+    /// The texts.
+    pub sources: Sources,
+    /// Warnings.
+    pub report: Report,
+}
+
+/// Why a specification cannot run.
+#[derive(Debug)]
+pub struct Failure {
+    /// The texts.
+    pub sources: Sources,
+    /// Errors and warnings.
+    pub report: Report,
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        to.write_str(&render_all(&self.report, &self.sources, Style::Plain))
+    }
+}
+
+impl std::error::Error for Failure {}
+
+/// Opens a specification: a path in, a program out.
+///
+/// # Errors
+/// A text cannot be read, or has errors: all of them are in the failure.
+pub fn open(path: &str, loader: &dyn Loader) -> Result<Specification, Failure> {
+    let mut sources = Sources::new();
+    let loaded = hir::load(path, loader, &mut sources);
+    let (model, found) = hir::analyse(&loaded, &sources);
+    let mut report = loaded.report;
+    report.extend(found);
+    let Some(model) = model else {
+        return Err(Failure { sources, report: report.finish() });
+    };
+    match ir::lower(&model) {
+        Ok(lowered) => {
+            let (program, origins) = (Arc::new(lowered.program), lowered.origins);
+            Ok(Specification { model, program, origins, sources, report: report.finish() })
+        }
+        Err(found) => {
+            report.extend(found);
+            Err(Failure { sources, report: report.finish() })
+        }
+    }
+}
+
+impl Specification {
+    /// A machine in the initial state.
+    ///
+    /// # Errors
+    /// An initial value cannot be computed, or an invariant does not hold initially.
+    pub fn machine(&self) -> Result<Machine, Box<Fault>> {
+        Machine::new(self.program.clone())
+    }
+
+    /// The function of this name that takes so many arguments, declared by the specification itself.
+    pub fn function(&self, name: &str, arity: usize) -> Option<ir::FunctionId> {
+        let mut own = self.model.own_functions();
+        own.find(|(_, function)| &*function.name == name && function.parameters.len() == arity)
+            .map(|(id, _)| ir::FunctionId(id.0))
+    }
+
+    /// The place of an origin.
+    pub fn span(&self, origin: ir::Origin) -> Span {
+        self.origins.get(origin.0 as usize).copied().unwrap_or_default()
+    }
+}

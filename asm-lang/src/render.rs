@@ -1,0 +1,113 @@
+//! Diagnostics as text: the one place where words get their layout.
+
+use annotate_snippets::renderer::DecorStyle;
+use annotate_snippets::{Annotation, AnnotationKind, Group, Level, Patch, Renderer, Snippet};
+use source::{Diagnostic, FileId, Label, Report, Severity, Sources};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// How text is laid out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Style {
+    /// Letters only.
+    Plain,
+    /// With ANSI colours.
+    Coloured,
+}
+
+/// Longer lines than this are cut around the place of interest.
+const WIDTH: usize = 120;
+
+/// All findings, and a line that counts them.
+pub fn render_all(report: &Report, sources: &Sources, style: Style) -> String {
+    let mut text = String::new();
+    for diagnostic in &report.diagnostics {
+        text.push_str(&render(diagnostic, sources, style));
+        text.push_str("\n\n");
+    }
+    text
+}
+
+/// One finding, with the lines of the sources it speaks of.
+pub fn render(diagnostic: &Diagnostic, sources: &Sources, style: Style) -> String {
+    let renderer = match style {
+        Style::Plain => Renderer::plain(),
+        Style::Coloured => Renderer::styled(),
+    };
+    let renderer = renderer.decor_style(DecorStyle::Ascii).term_width(WIDTH);
+    let level = match diagnostic.severity {
+        Severity::Error => Level::ERROR,
+        Severity::Warning => Level::WARNING,
+    };
+    let title = level.primary_title(diagnostic.message.as_str()).id(diagnostic.code);
+    let mut group = Group::with_title(title).elements(snippets(diagnostic, sources));
+    for note in &diagnostic.notes {
+        group = group.element(Level::NOTE.message(note.as_str()));
+    }
+    let mut groups = vec![group];
+    if let Some(fix) = &diagnostic.fix {
+        let text = sources.text(fix.span.file);
+        let patch = Patch::new(within(fix.span.range(), text), fix.text.as_str());
+        let snippet = Snippet::source(text).path(sources.path(fix.span.file)).patch(patch);
+        groups.push(Level::HELP.secondary_title(fix.title.as_str()).element(snippet));
+    }
+    for help in &diagnostic.helps {
+        groups.push(Group::with_title(Level::HELP.secondary_title(help.as_str())));
+    }
+    renderer.render(&groups)
+}
+
+/// One finding on one line: `path:line:column: severity[code]: message`.
+pub fn concise(diagnostic: &Diagnostic, sources: &Sources) -> String {
+    let mut text = String::new();
+    if let Some(label) = &diagnostic.primary {
+        let (line, column) = sources.position(label.span.file, label.span.start);
+        // writing to a string cannot fail
+        let _ = write!(text, "{}:{line}:{column}: ", sources.path(label.span.file));
+    }
+    let severity = match diagnostic.severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+    };
+    let _ = write!(text, "{severity}[{}]: {}", diagnostic.code, diagnostic.message);
+    text
+}
+
+/// One snippet a file, the file of the primary place first.
+fn snippets<'a>(
+    diagnostic: &'a Diagnostic,
+    sources: &'a Sources,
+) -> impl Iterator<Item = Snippet<'a, Annotation<'a>>> {
+    let primary = diagnostic.primary.iter().map(|label| (AnnotationKind::Primary, label));
+    let secondary = diagnostic.secondary.iter().map(|label| (AnnotationKind::Context, label));
+    let mut order: Vec<FileId> = Vec::new();
+    let mut files: BTreeMap<FileId, Vec<(AnnotationKind, &Label)>> = BTreeMap::new();
+    for (kind, label) in primary.chain(secondary) {
+        if !order.contains(&label.span.file) {
+            order.push(label.span.file);
+        }
+        files.entry(label.span.file).or_default().push((kind, label));
+    }
+    order.into_iter().filter_map(move |file| {
+        let text = sources.text(file);
+        let mut snippet = Snippet::source(text).path(sources.path(file));
+        for (kind, label) in files.remove(&file)? {
+            let annotation = kind.span(within(label.span.range(), text)).label(label.text.as_str());
+            snippet = snippet.annotation(annotation);
+        }
+        Some(snippet)
+    })
+}
+
+/// The range, moved so that it lies in the text and between characters.
+fn within(range: std::ops::Range<usize>, text: &str) -> std::ops::Range<usize> {
+    let mut start = range.start.min(text.len());
+    while !text.is_char_boundary(start) {
+        start -= 1;
+    }
+    let mut end = range.end.clamp(start, text.len());
+    while !text.is_char_boundary(end) {
+        end += 1;
+    }
+    start..end
+}

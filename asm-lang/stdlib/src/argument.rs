@@ -1,0 +1,223 @@
+//! From values to typed arguments and back, so that a body is a plain Rust function.
+
+use crate::Fault;
+use crate::complex::Complex;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+use value::Value;
+
+/// A type that a body can take.
+pub(crate) trait Argument<'a>: Sized {
+    /// What to say was expected.
+    const EXPECTED: &'static str;
+
+    /// The argument, if the value has this shape.
+    fn read(value: &'a Value) -> Option<Self>;
+}
+
+/// A type that a body can return.
+pub(crate) trait Answer {
+    /// The value it stands for.
+    fn answer(self) -> Result<Value, Fault>;
+}
+
+/// The components of a tuple; a bare slice is a sequence.
+pub(crate) struct Tuple<'a>(pub &'a [Value]);
+
+/// Runs a function of one argument.
+pub(crate) fn unary<'a, A: Argument<'a>, R: Answer>(
+    arguments: &'a [Value],
+    function: impl FnOnce(A) -> R,
+) -> Result<Value, Fault> {
+    match arguments {
+        [a] => function(read(a)?).answer(),
+        _ => Err(arity("one argument")),
+    }
+}
+
+/// Runs a function of two arguments.
+pub(crate) fn binary<'a, A: Argument<'a>, B: Argument<'a>, R: Answer>(
+    arguments: &'a [Value],
+    function: impl FnOnce(A, B) -> R,
+) -> Result<Value, Fault> {
+    match arguments {
+        [a, b] => function(read(a)?, read(b)?).answer(),
+        _ => Err(arity("two arguments")),
+    }
+}
+
+/// Runs a function of three arguments.
+pub(crate) fn ternary<'a, A: Argument<'a>, B: Argument<'a>, C: Argument<'a>, R: Answer>(
+    arguments: &'a [Value],
+    function: impl FnOnce(A, B, C) -> R,
+) -> Result<Value, Fault> {
+    match arguments {
+        [a, b, c] => function(read(a)?, read(b)?, read(c)?).answer(),
+        _ => Err(arity("three arguments")),
+    }
+}
+
+/// What a value is, in words.
+pub(crate) fn kind(value: &Value) -> &'static str {
+    match value {
+        Value::Undef => "undef",
+        Value::Bool(_) => "a Boolean",
+        Value::Int(_) => "an Integer",
+        Value::Real(_) => "a Real",
+        Value::Char(_) => "a Char",
+        Value::Atom(_) => "an element without structure",
+        Value::Rule(_) => "a rule",
+        Value::Text(_) => "a String",
+        Value::Complex(_) => "a Complex",
+        Value::Tuple(_) => "a tuple",
+        Value::Seq(_) => "a sequence",
+        Value::Set(_) => "a set",
+        Value::Bag(_) => "a bag",
+        Value::Map(_) => "a map",
+    }
+}
+
+fn read<'a, A: Argument<'a>>(value: &'a Value) -> Result<A, Fault> {
+    A::read(value).ok_or(Fault::Shape {
+        expected: A::EXPECTED,
+        found: kind(value),
+    })
+}
+
+fn arity(expected: &'static str) -> Fault {
+    Fault::Shape {
+        expected,
+        found: "another number of them",
+    }
+}
+
+impl<'a> Argument<'a> for &'a Value {
+    const EXPECTED: &'static str = "a value";
+    fn read(value: &'a Value) -> Option<Self> {
+        Some(value)
+    }
+}
+
+/// `undef` is `None`.
+impl<'a, A: Argument<'a>> Argument<'a> for Option<A> {
+    const EXPECTED: &'static str = A::EXPECTED;
+    fn read(value: &'a Value) -> Option<Self> {
+        match value {
+            Value::Undef => Some(None),
+            defined => A::read(defined).map(Some),
+        }
+    }
+}
+
+/// One shape of value, one Rust type.
+macro_rules! shape {
+    ($type:ty, $expected:literal, $pattern:pat => $argument:expr) => {
+        impl<'a> Argument<'a> for $type {
+            const EXPECTED: &'static str = $expected;
+            fn read(value: &'a Value) -> Option<Self> {
+                if let $pattern = value {
+                    Some($argument)
+                } else {
+                    None
+                }
+            }
+        }
+    };
+}
+
+shape!(bool, "a Boolean", Value::Bool(truth) => *truth);
+shape!(i64, "an Integer or a Natural", Value::Int(number) => *number);
+shape!(f64, "a Real", Value::Real(number) => number.get());
+shape!(char, "a Char", Value::Char(character) => *character);
+shape!(&'a str, "a String", Value::Text(text) => text);
+shape!(Complex, "a Complex", Value::Complex(parts) => Complex::from(**parts));
+shape!(&'a [Value], "a sequence", Value::Seq(elements) => elements);
+shape!(Tuple<'a>, "a tuple", Value::Tuple(components) => Tuple(components));
+shape!(&'a BTreeSet<Value>, "a set", Value::Set(elements) => elements);
+shape!(&'a BTreeMap<Value, usize>, "a bag", Value::Bag(elements) => elements);
+shape!(&'a BTreeMap<Value, Value>, "a map", Value::Map(pairs) => pairs);
+
+impl Answer for Value {
+    fn answer(self) -> Result<Value, Fault> {
+        Ok(self)
+    }
+}
+
+impl Answer for &Value {
+    fn answer(self) -> Result<Value, Fault> {
+        Ok(self.clone())
+    }
+}
+
+/// `None` is `undef`.
+impl<R: Answer> Answer for Option<R> {
+    fn answer(self) -> Result<Value, Fault> {
+        self.map_or(Ok(Value::Undef), R::answer)
+    }
+}
+
+impl<R: Answer> Answer for Result<R, Fault> {
+    fn answer(self) -> Result<Value, Fault> {
+        self.and_then(R::answer)
+    }
+}
+
+impl Answer for bool {
+    fn answer(self) -> Result<Value, Fault> {
+        Ok(Value::Bool(self))
+    }
+}
+
+impl Answer for i64 {
+    fn answer(self) -> Result<Value, Fault> {
+        Ok(Value::Int(self))
+    }
+}
+
+impl Answer for f64 {
+    fn answer(self) -> Result<Value, Fault> {
+        Ok(Value::real(self))
+    }
+}
+
+impl Answer for char {
+    fn answer(self) -> Result<Value, Fault> {
+        Ok(Value::Char(self))
+    }
+}
+
+impl Answer for String {
+    fn answer(self) -> Result<Value, Fault> {
+        Ok(Value::text(self))
+    }
+}
+
+impl Answer for Complex {
+    fn answer(self) -> Result<Value, Fault> {
+        Ok(self.value())
+    }
+}
+
+impl Answer for Vec<Value> {
+    fn answer(self) -> Result<Value, Fault> {
+        Ok(Value::Seq(Arc::new(self)))
+    }
+}
+
+impl Answer for BTreeSet<Value> {
+    fn answer(self) -> Result<Value, Fault> {
+        Ok(Value::Set(Arc::new(self)))
+    }
+}
+
+impl Answer for BTreeMap<Value, usize> {
+    fn answer(self) -> Result<Value, Fault> {
+        Ok(Value::Bag(Arc::new(self)))
+    }
+}
+
+impl Answer for BTreeMap<Value, Value> {
+    fn answer(self) -> Result<Value, Fault> {
+        Ok(Value::Map(Arc::new(self)))
+    }
+}

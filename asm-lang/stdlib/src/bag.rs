@@ -1,0 +1,240 @@
+//! Bags (multisets): element to multiplicity, none of them zero. An element may be `undef`; a bag
+//! that is `undef` makes the result `undef`, except that nothing is contained in it.
+
+use crate::argument::{binary, unary};
+use crate::builtin::{Builtin, strict, total};
+use crate::set::{self, Set};
+use crate::{Fault, LIMIT, integer};
+use std::collections::BTreeMap;
+use value::Value;
+
+/// A multiset.
+pub type Bag = BTreeMap<Value, usize>;
+
+/// Whether `element` is in `bag`.
+pub fn contains(bag: &Bag, element: &Value) -> bool {
+    bag.contains_key(element)
+}
+
+/// How often `element` is in `bag`.
+pub fn count(bag: &Bag, element: &Value) -> i64 {
+    integer::of(bag.get(element).copied().unwrap_or(0))
+}
+
+/// Each element as often as in both together.
+///
+/// # Errors
+/// [`Fault::TooLarge`] for an element more than [`LIMIT`] times.
+pub fn union(left: &Bag, right: &Bag) -> Result<Bag, Fault> {
+    let mut union = left.clone();
+    for (element, &times) in right {
+        add(&mut union, element, times, "union")?;
+    }
+    Ok(union)
+}
+
+/// Each element as often as in the one where it is rarer.
+pub fn intersection(left: &Bag, right: &Bag) -> Bag {
+    let both = |(element, &times): (&Value, &usize)| {
+        right
+            .get(element)
+            .map(|&others| (element.clone(), times.min(others)))
+    };
+    left.iter().filter_map(both).collect()
+}
+
+/// `bag` with `element` once more.
+///
+/// # Errors
+/// [`Fault::TooLarge`] for the element more than [`LIMIT`] times.
+pub fn including(bag: &Bag, element: &Value) -> Result<Bag, Fault> {
+    let mut bag = bag.clone();
+    add(&mut bag, element, 1, "including")?;
+    Ok(bag)
+}
+
+/// `bag` with `element` once less.
+pub fn excluding(bag: &Bag, element: &Value) -> Bag {
+    let mut bag = bag.clone();
+    match bag.get_mut(element) {
+        Some(times) if *times > 1 => *times -= 1,
+        Some(_) | None => {
+            bag.remove(element);
+        }
+    }
+    bag
+}
+
+/// The elements in ascending order, as often as they are there.
+///
+/// # Errors
+/// [`Fault::TooLarge`] beyond [`LIMIT`] elements.
+pub fn as_sequence(bag: &Bag) -> Result<Vec<Value>, Fault> {
+    let size = bag
+        .values()
+        .fold(0_usize, |size, &times| size.saturating_add(times));
+    if size > LIMIT {
+        return Err(Fault::TooLarge {
+            function: "asSequence",
+            size,
+        });
+    }
+    let repeat = |(element, &times)| std::iter::repeat_n(element, times);
+    Ok(bag.iter().flat_map(repeat).cloned().collect())
+}
+
+/// The elements, each once.
+pub fn as_set(bag: &Bag) -> Set {
+    bag.keys().cloned().collect()
+}
+
+fn add(bag: &mut Bag, element: &Value, times: usize, function: &'static str) -> Result<(), Fault> {
+    let size = bag.get(element).copied().unwrap_or(0).saturating_add(times);
+    if size > LIMIT {
+        return Err(Fault::TooLarge { function, size });
+    }
+    bag.insert(element.clone(), size);
+    Ok(())
+}
+
+pub(crate) const TABLE: &[Builtin] = &[
+    total("contains", "Prod(Bag(D),D)", |arguments, _| {
+        binary(arguments, |bag: Option<_>, element| {
+            bag.is_some_and(|bag| contains(bag, element))
+        })
+    }),
+    total("count", "Prod(Bag(D),D)", |arguments, _| {
+        binary(arguments, |bag: Option<_>, element| {
+            bag.map(|bag| count(bag, element))
+        })
+    }),
+    strict("union", "Prod(Bag(D),Bag(D))", |arguments, _| {
+        binary(arguments, union)
+    }),
+    strict("union", "Prod(Bag(D),Powerset(D))", |arguments, _| {
+        binary(arguments, |bag, set| union(bag, &set::as_bag(set)))
+    }),
+    strict("intersection", "Prod(Bag(D),Bag(D))", |arguments, _| {
+        binary(arguments, intersection)
+    }),
+    strict(
+        "intersection",
+        "Prod(Bag(D),Powerset(D))",
+        |arguments, _| binary(arguments, |bag, set| intersection(bag, &set::as_bag(set))),
+    ),
+    total("including", "Prod(Bag(D),D)", |arguments, _| {
+        binary(arguments, |bag: Option<_>, element| {
+            bag.map(|bag| including(bag, element))
+        })
+    }),
+    total("excluding", "Prod(Bag(D),D)", |arguments, _| {
+        binary(arguments, |bag: Option<_>, element| {
+            bag.map(|bag| excluding(bag, element))
+        })
+    }),
+    strict("asSequence", "Bag(D)", |arguments, _| {
+        unary(arguments, as_sequence)
+    }),
+    strict("asSet", "Bag(D)", |arguments, _| unary(arguments, as_set)),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::*;
+    use proptest::prelude::*;
+
+    fn bag<const N: usize>(numbers: [i64; N]) -> Value {
+        Value::bag(ints(numbers))
+    }
+
+    #[test]
+    fn questions() {
+        for (whole, element, contained, times) in [
+            (bag([1, 2, 2]), int(2), "true", "2"),
+            (bag([1, 2, 2]), int(3), "false", "0"),
+            (Value::bag([UNDEF]), UNDEF, "true", "1"),
+            (UNDEF, int(1), "false", "undef"),
+        ] {
+            let arguments = [whole, element];
+            check("contains", "Prod(Bag(D),D)", &arguments, contained);
+            check("count", "Prod(Bag(D),D)", &arguments, times);
+        }
+    }
+
+    #[test]
+    fn algebra() {
+        let two =
+            |name, domain, left, right, expected| check(name, domain, &[left, right], expected);
+        two(
+            "union",
+            "Prod(Bag(D),Bag(D))",
+            bag([1, 2]),
+            bag([2]),
+            "<1, 2, 2>",
+        );
+        two(
+            "union",
+            "Prod(Bag(D),Powerset(D))",
+            bag([1]),
+            Value::set(ints([1])),
+            "<1, 1>",
+        );
+        two(
+            "intersection",
+            "Prod(Bag(D),Bag(D))",
+            bag([1, 2, 2, 2]),
+            bag([2, 2, 3]),
+            "<2, 2>",
+        );
+        two(
+            "intersection",
+            "Prod(Bag(D),Powerset(D))",
+            bag([2, 2]),
+            Value::set(ints([2])),
+            "<2>",
+        );
+        two("including", "Prod(Bag(D),D)", bag([1]), int(1), "<1, 1>");
+        two("excluding", "Prod(Bag(D),D)", bag([1, 1]), int(1), "<1>");
+        two("excluding", "Prod(Bag(D),D)", bag([1]), int(1), "<>");
+        two("excluding", "Prod(Bag(D),D)", bag([1]), int(2), "<1>");
+        two("excluding", "Prod(Bag(D),D)", UNDEF, int(2), "undef");
+        check("asSequence", "Bag(D)", &[bag([2, 1, 2])], "[1, 2, 2]");
+        check("asSet", "Bag(D)", &[bag([2, 1, 2])], "{1, 2}");
+    }
+
+    #[test]
+    fn a_bag_cannot_fill_the_memory() {
+        let full = Bag::from([(int(1), LIMIT)]);
+        let fault = |function, size| Err(Fault::TooLarge { function, size });
+        assert_eq!(
+            including(&full, &int(1)).map(|_| ()),
+            fault("including", LIMIT + 1)
+        );
+        assert_eq!(union(&full, &full).map(|_| ()), fault("union", 2 * LIMIT));
+        let fuller = Bag::from([(int(1), LIMIT), (int(2), 1)]);
+        assert_eq!(
+            as_sequence(&fuller).map(|_| ()),
+            fault("asSequence", LIMIT + 1)
+        );
+    }
+
+    fn bags() -> impl Strategy<Value = Bag> {
+        prop::collection::btree_map((0_i64..4).prop_map(Value::Int), 1_usize..4, 0..4)
+    }
+
+    proptest! {
+        #[test]
+        fn multiplicities_add_and_meet(a in bags(), b in bags(), n in 0_i64..4) {
+            let n = Value::Int(n);
+            let both = union(&a, &b).map(|both| count(&both, &n));
+            prop_assert_eq!(both, Ok(count(&a, &n) + count(&b, &n)));
+            prop_assert_eq!(count(&intersection(&a, &b), &n), count(&a, &n).min(count(&b, &n)));
+            prop_assert_eq!(union(&a, &b), union(&b, &a));
+            prop_assert_eq!(intersection(&a, &b), intersection(&b, &a));
+            prop_assert_eq!(including(&a, &n).map(|more| excluding(&more, &n)), Ok(a.clone()));
+            prop_assert!(excluding(&a, &n).values().all(|&times| times > 0));
+            prop_assert_eq!(as_sequence(&a).map(|seq| crate::sequence::as_bag(&seq)), Ok(a));
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! The table: name and domain of a standard function, and its body.
+
+use crate::{
+    Fault, any, bag, boolean, character, complex, integer, map, natural, real, sequence, set, sum,
+    text, time, tuple,
+};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::LazyLock;
+use value::{Names, Value};
+
+/// What a body may use besides its arguments.
+pub struct Context<'a> {
+    /// What atoms and rules are called, for `toString` and `print`.
+    pub names: &'a dyn Names,
+    /// The time of the step, for `currTime…`.
+    pub now_ns: i64,
+    /// The lines that `print` wrote in this step, the oldest first.
+    pub printed: &'a mut Vec<String>,
+}
+
+/// Computes a function: one argument for each component of its domain.
+pub type Body = fn(&[Value], &mut Context<'_>) -> Result<Value, Fault>;
+
+/// A function of the standard library.
+#[derive(Clone, Copy)]
+pub struct Builtin {
+    /// Its name.
+    pub name: &'static str,
+    /// Its domain as the library declares it, without blanks: `Prod(Integer,Integer)`; empty for a
+    /// function without arguments.
+    pub domain: &'static str,
+    /// Whether `undef` among the arguments makes the result `undef`. The caller sees to that before
+    /// it runs the body.
+    pub strict: bool,
+    /// Its body.
+    pub body: Body,
+}
+
+impl fmt::Debug for Builtin {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(to, "{}({})", self.name, self.domain)
+    }
+}
+
+/// Functions that the standard library declares and the machine itself answers: no bodies here.
+pub const RESERVED: &[&str] = &["self", "program", "id", "getAgent", "result"];
+
+/// Functions that the temporal libraries declare without a definition: the verifier's.
+pub const TEMPORAL: &[&str] = &[
+    "ex", "ax", "ef", "af", "eg", "ag", "eu", "au", "exN", "axN", "ctl", // branching time
+    "x", "g", "f", "u", "v", "y", "z", "h", "o", "s", "t", "ltl", // linear time
+];
+
+/// The topics, in the order of the library.
+const TOPICS: &[&[Builtin]] = &[
+    any::TABLE,
+    boolean::TABLE,
+    integer::TABLE,
+    natural::TABLE,
+    real::TABLE,
+    complex::TABLE,
+    character::TABLE,
+    text::TABLE,
+    set::TABLE,
+    sequence::TABLE,
+    bag::TABLE,
+    map::TABLE,
+    sum::TABLE,
+    tuple::TABLE,
+    time::TABLE,
+];
+
+type Index = BTreeMap<(&'static str, &'static str), &'static Builtin>;
+
+static INDEX: LazyLock<Index> = LazyLock::new(|| index(builtins()));
+static COMPATIBLE: LazyLock<Index> = LazyLock::new(|| index(set::COMPATIBLE.iter()));
+
+fn index(functions: impl Iterator<Item = &'static Builtin>) -> Index {
+    functions
+        .map(|function| ((function.name, function.domain), function))
+        .collect()
+}
+
+/// The function with this name and this domain, written as in [`Builtin::domain`].
+pub fn builtin(name: &str, domain: &str) -> Option<&'static Builtin> {
+    INDEX.get(&(name, domain)).copied()
+}
+
+/// The function as `--compat asmeta` wants it: as [`builtin`] has it, except where the reference
+/// tool observably computes something else (`difference`, which is symmetric there).
+pub fn compatible(name: &str, domain: &str) -> Option<&'static Builtin> {
+    COMPATIBLE
+        .get(&(name, domain))
+        .copied()
+        .or_else(|| builtin(name, domain))
+}
+
+/// Every function that has a body, in the order of the library.
+pub fn builtins() -> impl Iterator<Item = &'static Builtin> {
+    TOPICS.iter().copied().flatten()
+}
+
+/// A row whose body never meets `undef`.
+pub(crate) const fn strict(name: &'static str, domain: &'static str, body: Body) -> Builtin {
+    Builtin {
+        name,
+        domain,
+        strict: true,
+        body,
+    }
+}
+
+/// A row whose body decides about `undef` itself.
+pub(crate) const fn total(name: &'static str, domain: &'static str, body: Body) -> Builtin {
+    Builtin {
+        name,
+        domain,
+        strict: false,
+        body,
+    }
+}

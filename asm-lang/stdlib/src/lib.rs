@@ -1,0 +1,38 @@
+//! The standard libraries: signatures in `.asm`, bodies in Rust, held equal by a test.
+//!
+//! [`library`] gives the text of a library, for whoever resolves an `import`. [`builtin`] gives the
+//! body of one of its functions, for whoever lowers a call. The functions themselves stand in one
+//! module a topic, typed, so that compiled code can call them without the table:
+//!
+//! ```
+//! # use asm_stdlib as stdlib;
+//! assert_eq!(stdlib::integer::idiv(-7, 2), Ok(-3));
+//! assert!(stdlib::integer::idiv(1, 0).is_err());
+//! ```
+
+mod argument;
+mod builtin;
+mod fault;
+mod library;
+mod sum;
+#[cfg(test)]
+mod testing;
+
+pub mod any;
+pub mod bag;
+pub mod boolean;
+pub mod character;
+pub mod complex;
+pub mod integer;
+pub mod map;
+pub mod natural;
+pub mod real;
+pub mod sequence;
+pub mod set;
+pub mod text;
+pub mod time;
+pub mod tuple;
+
+pub use builtin::{Body, Builtin, Context, RESERVED, TEMPORAL, builtin, builtins, compatible};
+pub use fault::{Fault, LIMIT};
+pub use library::{Library, libraries, library};

@@ -1,0 +1,56 @@
+//! The texts of the libraries, compiled in.
+
+/// A library as a specification imports it.
+#[derive(Debug)]
+pub struct Library {
+    /// Its module name, `StandardLibrary`.
+    pub name: &'static str,
+    /// Its source text.
+    pub text: &'static str,
+}
+
+static LIBRARIES: [Library; 6] = [
+    Library {
+        name: "StandardLibrary",
+        text: include_str!("../asm/StandardLibrary.asm"),
+    },
+    Library {
+        name: "CTLLibrary",
+        text: include_str!("../asm/CTLLibrary.asm"),
+    },
+    Library {
+        name: "LTLLibrary",
+        text: include_str!("../asm/LTLLibrary.asm"),
+    },
+    Library {
+        name: "TimeLibrary",
+        text: include_str!("../asm/TimeLibrary.asm"),
+    },
+    Library {
+        name: "TimeLibrarySimple",
+        text: include_str!("../asm/TimeLibrarySimple.asm"),
+    },
+    Library {
+        name: "MAPEpatterns",
+        text: include_str!("../asm/MAPEpatterns.asm"),
+    },
+];
+
+/// The library an `import` means, by the last component of its path, with or without `.asm`.
+///
+/// ```
+/// # use asm_stdlib as stdlib;
+/// assert!(stdlib::library("StandardLibrary.asm").is_some());
+/// assert!(stdlib::library("Elevator").is_none());
+/// ```
+pub fn library(last_path_component: &str) -> Option<&'static Library> {
+    let name = last_path_component
+        .strip_suffix(".asm")
+        .unwrap_or(last_path_component);
+    LIBRARIES.iter().find(|library| library.name == name)
+}
+
+/// All libraries, the standard library first.
+pub fn libraries() -> &'static [Library] {
+    &LIBRARIES
+}

@@ -1,0 +1,325 @@
+//! Reals: IEEE 754 doubles. Arithmetic and comparison are IEEE's; only the ways to Integer fault.
+
+use crate::Fault;
+use crate::any::TO_STRING;
+use crate::argument::{binary, unary};
+use crate::builtin::{Builtin, strict};
+use value::Real;
+
+/// The sum.
+#[inline]
+pub fn plus(left: f64, right: f64) -> f64 {
+    left + right
+}
+
+/// The difference.
+#[inline]
+pub fn minus(left: f64, right: f64) -> f64 {
+    left - right
+}
+
+/// The product.
+#[inline]
+pub fn mult(left: f64, right: f64) -> f64 {
+    left * right
+}
+
+/// The quotient.
+#[inline]
+pub fn div(left: f64, right: f64) -> f64 {
+    left / right
+}
+
+/// The power `base ^ exponent`.
+#[inline]
+pub fn pwr(base: f64, exponent: f64) -> f64 {
+    base.powf(exponent)
+}
+
+/// The number itself.
+#[inline]
+pub fn plus_sign(operand: f64) -> f64 {
+    operand
+}
+
+/// The opposite.
+#[inline]
+pub fn negate(operand: f64) -> f64 {
+    -operand
+}
+
+/// The absolute value.
+#[inline]
+pub fn abs(operand: f64) -> f64 {
+    operand.abs()
+}
+
+/// The square root; of a negative number not a number.
+#[inline]
+pub fn sqrt(operand: f64) -> f64 {
+    operand.sqrt()
+}
+
+/// The greater one; not a number if either is none, and `0.0` above `-0.0` (IEEE 754 `maximum`).
+#[inline]
+pub fn max(left: f64, right: f64) -> f64 {
+    if left.is_nan() || right.is_nan() {
+        f64::NAN
+    } else {
+        Real::new(left).max(Real::new(right)).get()
+    }
+}
+
+/// The smaller one; not a number if either is none, and `-0.0` below `0.0` (IEEE 754 `minimum`).
+#[inline]
+pub fn min(left: f64, right: f64) -> f64 {
+    if left.is_nan() || right.is_nan() {
+        f64::NAN
+    } else {
+        Real::new(left).min(Real::new(right)).get()
+    }
+}
+
+/// Less; as IEEE 754 has it, like its three sisters: false with a NaN, and `-0.0` is not below `0.0`.
+#[inline]
+pub fn lt(left: f64, right: f64) -> bool {
+    left < right
+}
+
+/// Less or equal.
+#[inline]
+pub fn le(left: f64, right: f64) -> bool {
+    left <= right
+}
+
+/// Greater.
+#[inline]
+pub fn gt(left: f64, right: f64) -> bool {
+    left > right
+}
+
+/// Greater or equal.
+#[inline]
+pub fn ge(left: f64, right: f64) -> bool {
+    left >= right
+}
+
+/// The greatest integer not above.
+///
+/// # Errors
+/// [`Fault::NotInteger`] beyond 64 bits.
+#[inline]
+pub fn floor(operand: f64) -> Result<i64, Fault> {
+    whole("floor", operand, operand.floor())
+}
+
+/// The nearest integer; a half goes away from zero, `round(-2.5) = -3`.
+///
+/// # Errors
+/// [`Fault::NotInteger`] beyond 64 bits.
+#[inline]
+pub fn round(operand: f64) -> Result<i64, Fault> {
+    whole("round", operand, operand.round())
+}
+
+/// The number without its fraction.
+///
+/// # Errors
+/// [`Fault::NotInteger`] beyond 64 bits.
+#[inline]
+pub fn to_integer(operand: f64) -> Result<i64, Fault> {
+    whole("rtoi", operand, operand.trunc())
+}
+
+/// The number without its fraction, as a natural.
+///
+/// # Errors
+/// [`Fault::NotInteger`] beyond 64 bits, [`Fault::Negative`] at -1.0 and below.
+#[inline]
+pub fn to_natural(operand: f64) -> Result<i64, Fault> {
+    let number = whole("rton", operand, operand.trunc())?;
+    if number < 0 {
+        return Err(Fault::Negative {
+            function: "rton",
+            number,
+        });
+    }
+    Ok(number)
+}
+
+/// The whole number `rounded` as an integer; `operand` is what the fault shows.
+fn whole(function: &'static str, operand: f64, rounded: f64) -> Result<i64, Fault> {
+    // 2^63 is a double and no i64, -2^63 is both; NaN is in no range.
+    const END: f64 = 9_223_372_036_854_775_808.0;
+    if (-END..END).contains(&rounded) {
+        Ok(rounded as i64)
+    } else {
+        Err(Fault::NotInteger {
+            function,
+            number: Real::new(operand),
+        })
+    }
+}
+
+pub(crate) const TABLE: &[Builtin] = &[
+    strict("plus", "Real", |arguments, _| unary(arguments, plus_sign)),
+    strict("minus", "Real", |arguments, _| unary(arguments, negate)),
+    strict("plus", "Prod(Real,Real)", |arguments, _| {
+        binary(arguments, plus)
+    }),
+    strict("minus", "Prod(Real,Real)", |arguments, _| {
+        binary(arguments, minus)
+    }),
+    strict("mult", "Prod(Real,Real)", |arguments, _| {
+        binary(arguments, mult)
+    }),
+    strict("div", "Prod(Real,Real)", |arguments, _| {
+        binary(arguments, div)
+    }),
+    strict("pwr", "Prod(Real,Real)", |arguments, _| {
+        binary(arguments, pwr)
+    }),
+    strict("sqrt", "Real", |arguments, _| unary(arguments, sqrt)),
+    strict("abs", "Real", |arguments, _| unary(arguments, abs)),
+    strict("max", "Prod(Real,Real)", |arguments, _| {
+        binary(arguments, max)
+    }),
+    strict("min", "Prod(Real,Real)", |arguments, _| {
+        binary(arguments, min)
+    }),
+    strict("lt", "Prod(Real,Real)", |arguments, _| {
+        binary(arguments, lt)
+    }),
+    strict("le", "Prod(Real,Real)", |arguments, _| {
+        binary(arguments, le)
+    }),
+    strict("gt", "Prod(Real,Real)", |arguments, _| {
+        binary(arguments, gt)
+    }),
+    strict("ge", "Prod(Real,Real)", |arguments, _| {
+        binary(arguments, ge)
+    }),
+    strict("toString", "Real", TO_STRING),
+    strict("floor", "Real", |arguments, _| unary(arguments, floor)),
+    strict("round", "Real", |arguments, _| unary(arguments, round)),
+    strict("rtoi", "Real", |arguments, _| unary(arguments, to_integer)),
+    strict("rton", "Real", |arguments, _| unary(arguments, to_natural)),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn arithmetic() {
+        let two = |name, left, right, expected| {
+            check(
+                name,
+                "Prod(Real,Real)",
+                &[real(left), real(right)],
+                expected,
+            );
+        };
+        two("plus", 0.1, 0.2, "0.30000000000000004");
+        two("minus", 1.0, 1.5, "-0.5");
+        two("mult", -0.0, 3.0, "-0.0");
+        two("div", 1.0, 0.0, "inf");
+        two("div", 1.0, -0.0, "-inf");
+        two("div", 0.0, 0.0, "NaN");
+        two("pwr", -2.0, 2.0, "4.0");
+        two("pwr", 2.0, 0.5, "1.4142135623730951");
+        two("max", 1.0, 2.0, "2.0");
+        two("max", -0.0, 0.0, "0.0");
+        two("max", f64::NAN, 0.0, "NaN");
+        two("min", 0.0, -0.0, "-0.0");
+        two("min", 0.0, f64::NAN, "NaN");
+        let one = |name, operand, expected| check(name, "Real", &[real(operand)], expected);
+        one("plus", -1.5, "-1.5");
+        one("minus", 0.0, "-0.0");
+        one("abs", -1.5, "1.5");
+        one("sqrt", 2.25, "1.5");
+        one("sqrt", -1.0, "NaN");
+        check("plus", "Prod(Real,Real)", &[UNDEF, real(1.0)], "undef");
+        check(
+            "plus",
+            "Prod(Real,Real)",
+            &[int(1), real(1.0)],
+            "expected a Real, found an Integer",
+        );
+    }
+
+    #[test]
+    fn comparison_is_that_of_ieee() {
+        // The left operand against 0.0: lt, le, gt, ge.
+        for (left, results) in [
+            (-1.0, "true true false false"),
+            (0.0, "false true false true"),
+            (-0.0, "false true false true"),
+            (1.0, "false false true true"),
+            (f64::NAN, "false false false false"),
+        ] {
+            for (name, expected) in ["lt", "le", "gt", "ge"].into_iter().zip(results.split(' ')) {
+                check(name, "Prod(Real,Real)", &[real(left), real(0.0)], expected);
+            }
+        }
+    }
+
+    #[test]
+    fn conversion() {
+        let one = |name, operand, expected| check(name, "Real", &[real(operand)], expected);
+        one("floor", -2.5, "-3");
+        one(
+            "floor",
+            -9_223_372_036_854_775_808.0,
+            "-9223372036854775808",
+        );
+        one(
+            "floor",
+            9_223_372_036_854_775_808.0,
+            "`floor(9.223372036854776e18)` is outside the integers of 64 bits",
+        );
+        one(
+            "floor",
+            f64::NAN,
+            "`floor(NaN)` is outside the integers of 64 bits",
+        );
+        one("round", 2.5, "3");
+        one("round", -2.5, "-3");
+        one("round", 0.499_999_999_999_999_94, "0");
+        one(
+            "round",
+            f64::INFINITY,
+            "`round(inf)` is outside the integers of 64 bits",
+        );
+        one("rtoi", -2.5, "-2");
+        one("rtoi", -0.0, "0");
+        one(
+            "rtoi",
+            1e300,
+            "`rtoi(1e300)` is outside the integers of 64 bits",
+        );
+        one("rton", 2.5, "2");
+        one("rton", -0.5, "0");
+        one(
+            "rton",
+            -2.5,
+            "`rton` meets -2, and a Natural is not negative",
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn floor_is_the_integer_below(number in -1e15..1e15) {
+            let floor = floor(number).map(|whole| whole as f64);
+            prop_assert!(floor.is_ok_and(|whole| whole <= number && number < whole + 1.0));
+        }
+
+        #[test]
+        fn an_integer_survives_the_way_there_and_back(number in -(1_i64 << 53)..(1 << 53)) {
+            prop_assert_eq!(to_integer(number as f64), Ok(number));
+            prop_assert_eq!(round(number as f64), Ok(number));
+        }
+    }
+}

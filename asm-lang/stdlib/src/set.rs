@@ -1,0 +1,333 @@
+//! Finite sets. An element may be `undef`; a set that is `undef` makes the result `undef`, except
+//! that nothing is contained in it.
+
+use crate::argument::{binary, unary};
+use crate::bag::Bag;
+use crate::builtin::{Builtin, strict, total};
+use crate::{bag, integer};
+use std::collections::BTreeSet;
+use value::Value;
+
+/// A finite set.
+pub type Set = BTreeSet<Value>;
+
+/// How many elements.
+pub fn size(set: &Set) -> i64 {
+    integer::of(set.len())
+}
+
+/// Whether there is no element.
+pub fn is_empty(set: &Set) -> bool {
+    set.is_empty()
+}
+
+/// Whether `element` is in `set`.
+pub fn contains(set: &Set, element: &Value) -> bool {
+    set.contains(element)
+}
+
+/// How often `element` is in `set`: 0 or 1.
+pub fn count(set: &Set, element: &Value) -> i64 {
+    i64::from(set.contains(element))
+}
+
+/// Whether all of `part` is in `whole`. Mind the order: the subset comes second.
+pub fn all_in(whole: &Set, part: &Set) -> bool {
+    part.is_subset(whole)
+}
+
+/// The elements of either.
+pub fn union(left: &Set, right: &Set) -> Set {
+    left.union(right).cloned().collect()
+}
+
+/// The elements of both.
+pub fn intersection(left: &Set, right: &Set) -> Set {
+    left.intersection(right).cloned().collect()
+}
+
+/// The elements of `set` that are in `bag`.
+pub fn intersection_with_bag(set: &Set, bag: &Bag) -> Set {
+    set.iter()
+        .filter(|element| bag.contains_key(element))
+        .cloned()
+        .collect()
+}
+
+/// The elements of `left` that are not in `right`.
+pub fn difference(left: &Set, right: &Set) -> Set {
+    left.difference(right).cloned().collect()
+}
+
+/// The elements of exactly one of the two.
+pub fn symmetric_difference(left: &Set, right: &Set) -> Set {
+    left.symmetric_difference(right).cloned().collect()
+}
+
+/// `set` with `element`.
+pub fn including(set: &Set, element: &Value) -> Set {
+    let mut set = set.clone();
+    set.insert(element.clone());
+    set
+}
+
+/// `set` without `element`.
+pub fn excluding(set: &Set, element: &Value) -> Set {
+    let mut set = set.clone();
+    set.remove(element);
+    set
+}
+
+/// The smallest element; `None` of the empty set.
+pub fn choose_one(set: &Set) -> Option<Value> {
+    set.first().cloned()
+}
+
+/// The elements in ascending order.
+pub fn as_sequence(set: &Set) -> Vec<Value> {
+    set.iter().cloned().collect()
+}
+
+/// Each element once.
+pub fn as_bag(set: &Set) -> Bag {
+    set.iter().map(|element| (element.clone(), 1)).collect()
+}
+
+pub(crate) const TABLE: &[Builtin] = &[
+    strict("size", "Powerset(D)", |arguments, _| unary(arguments, size)),
+    strict("isEmpty", "Powerset(D)", |arguments, _| {
+        unary(arguments, is_empty)
+    }),
+    strict("notEmpty", "Powerset(D)", |arguments, _| {
+        unary(arguments, |set| !is_empty(set))
+    }),
+    total("contains", "Prod(Powerset(D),D)", |arguments, _| {
+        binary(arguments, |set: Option<_>, element| {
+            set.is_some_and(|set| contains(set, element))
+        })
+    }),
+    total("notin", "Prod(Powerset(D),D)", |arguments, _| {
+        binary(arguments, |set: Option<_>, element| {
+            !set.is_some_and(|set| contains(set, element))
+        })
+    }),
+    total("count", "Prod(Powerset(D),D)", |arguments, _| {
+        binary(arguments, |set: Option<_>, element| {
+            set.map(|set| count(set, element))
+        })
+    }),
+    strict("allin", "Prod(Powerset(D),Powerset(D))", |arguments, _| {
+        binary(arguments, all_in)
+    }),
+    strict(
+        "notallin",
+        "Prod(Powerset(D),Powerset(D))",
+        |arguments, _| binary(arguments, |whole, part| !all_in(whole, part)),
+    ),
+    strict(
+        "equality",
+        "Prod(Powerset(D),Powerset(D))",
+        |arguments, _| binary(arguments, |left: &Set, right: &Set| left == right),
+    ),
+    strict("union", "Prod(Powerset(D),Powerset(D))", |arguments, _| {
+        binary(arguments, union)
+    }),
+    strict("union", "Prod(Powerset(D),Powerset(D1))", |arguments, _| {
+        binary(arguments, union)
+    }),
+    strict("union", "Prod(Powerset(D),Bag(D))", |arguments, _| {
+        binary(arguments, |set, bag| bag::union(bag, &as_bag(set)))
+    }),
+    strict(
+        "intersection",
+        "Prod(Powerset(D),Powerset(D))",
+        |arguments, _| binary(arguments, intersection),
+    ),
+    strict(
+        "intersection",
+        "Prod(Powerset(D),Bag(D))",
+        |arguments, _| binary(arguments, intersection_with_bag),
+    ),
+    strict(
+        "difference",
+        "Prod(Powerset(D),Powerset(D))",
+        |arguments, _| binary(arguments, difference),
+    ),
+    strict(
+        "symmetricDifference",
+        "Prod(Powerset(D),Powerset(D))",
+        |arguments, _| binary(arguments, symmetric_difference),
+    ),
+    total("including", "Prod(Powerset(D),D)", |arguments, _| {
+        binary(arguments, |set: Option<_>, element| {
+            set.map(|set| including(set, element))
+        })
+    }),
+    total("excluding", "Prod(Powerset(D),D)", |arguments, _| {
+        binary(arguments, |set: Option<_>, element| {
+            set.map(|set| excluding(set, element))
+        })
+    }),
+    strict("chooseone", "Powerset(D)", |arguments, _| {
+        unary(arguments, choose_one)
+    }),
+    strict("asSequence", "Powerset(D)", |arguments, _| {
+        unary(arguments, as_sequence)
+    }),
+    strict("asBag", "Powerset(D)", |arguments, _| {
+        unary(arguments, as_bag)
+    }),
+];
+
+/// What the reference tool computes instead.
+pub(crate) const COMPATIBLE: &[Builtin] = &[strict(
+    "difference",
+    "Prod(Powerset(D),Powerset(D))",
+    |arguments, _| binary(arguments, symmetric_difference),
+)];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::*;
+    use proptest::prelude::*;
+
+    fn set<const N: usize>(numbers: [i64; N]) -> Value {
+        Value::set(ints(numbers))
+    }
+
+    #[test]
+    fn questions() {
+        check("size", "Powerset(D)", &[set([3, 1, 3])], "2");
+        check("isEmpty", "Powerset(D)", &[set([])], "true");
+        check("notEmpty", "Powerset(D)", &[set([])], "false");
+        check("isEmpty", "Powerset(D)", &[UNDEF], "undef");
+        check("chooseone", "Powerset(D)", &[set([3, 1, 2])], "1");
+        check("chooseone", "Powerset(D)", &[set([])], "undef");
+        // set, element: contains, notin, count
+        for (whole, element, results) in [
+            (set([1, 2]), int(2), ["true", "false", "1"]),
+            (set([1, 2]), int(3), ["false", "true", "0"]),
+            (set([1, 2]), UNDEF, ["false", "true", "0"]),
+            (Value::set([UNDEF]), UNDEF, ["true", "false", "1"]),
+            (UNDEF, int(1), ["false", "true", "undef"]),
+        ] {
+            for (name, expected) in ["contains", "notin", "count"].into_iter().zip(results) {
+                let arguments = [whole.clone(), element.clone()];
+                check(name, "Prod(Powerset(D),D)", &arguments, expected);
+            }
+        }
+        for (whole, part, all, equal) in [
+            (set([1, 2]), set([1]), "true", "false"),
+            (set([1]), set([1, 2]), "false", "false"),
+            (set([1, 2]), set([2, 1]), "true", "true"),
+            (set([1]), set([]), "true", "false"),
+            (UNDEF, set([]), "undef", "undef"),
+        ] {
+            let arguments = [whole, part];
+            check("allin", "Prod(Powerset(D),Powerset(D))", &arguments, all);
+            check(
+                "equality",
+                "Prod(Powerset(D),Powerset(D))",
+                &arguments,
+                equal,
+            );
+        }
+        check(
+            "notallin",
+            "Prod(Powerset(D),Powerset(D))",
+            &[set([1]), set([2])],
+            "true",
+        );
+    }
+
+    #[test]
+    fn algebra() {
+        let two =
+            |name, domain, left, right, expected| check(name, domain, &[left, right], expected);
+        let sets = "Prod(Powerset(D),Powerset(D))";
+        two("union", sets, set([1, 2]), set([2, 3]), "{1, 2, 3}");
+        two(
+            "union",
+            "Prod(Powerset(D),Powerset(D1))",
+            set([1]),
+            Value::set([TRUE]),
+            "{true, 1}",
+        );
+        two(
+            "union",
+            "Prod(Powerset(D),Bag(D))",
+            set([1]),
+            Value::bag(ints([1, 2])),
+            "<1, 1, 2>",
+        );
+        two("intersection", sets, set([1, 2]), set([2, 3]), "{2}");
+        two(
+            "intersection",
+            "Prod(Powerset(D),Bag(D))",
+            set([1, 2]),
+            Value::bag(ints([2, 2])),
+            "{2}",
+        );
+        two("difference", sets, set([1, 2]), set([2, 3]), "{1}");
+        two(
+            "symmetricDifference",
+            sets,
+            set([1, 2]),
+            set([2, 3]),
+            "{1, 3}",
+        );
+        two("union", sets, set([1]), UNDEF, "undef");
+        let one = "Prod(Powerset(D),D)";
+        two("including", one, set([1]), int(2), "{1, 2}");
+        two("including", one, set([1]), UNDEF, "{undef, 1}");
+        two("including", one, UNDEF, int(1), "undef");
+        two("excluding", one, set([1, 2]), int(2), "{1}");
+        two("excluding", one, set([1]), int(2), "{1}");
+        check("asSequence", "Powerset(D)", &[set([3, 1, 2])], "[1, 2, 3]");
+        check("asBag", "Powerset(D)", &[set([3, 1, 2])], "<1, 2, 3>");
+    }
+
+    #[test]
+    fn the_reference_has_another_difference() {
+        let sets = "Prod(Powerset(D),Powerset(D))";
+        let arguments = [set([1, 2]), set([2, 3])];
+        check("difference", sets, &arguments, "{1}");
+        check_compatible("difference", sets, &arguments, "{1, 3}");
+        check_compatible("union", sets, &arguments, "{1, 2, 3}");
+    }
+
+    fn sets() -> impl Strategy<Value = Set> {
+        prop::collection::btree_set((0_i64..8).prop_map(Value::Int), 0..8)
+    }
+
+    proptest! {
+        #[test]
+        fn sets_are_a_boolean_algebra(a in sets(), b in sets(), c in sets()) {
+            prop_assert_eq!(union(&a, &b), union(&b, &a));
+            prop_assert_eq!(intersection(&a, &b), intersection(&b, &a));
+            prop_assert_eq!(union(&a, &intersection(&a, &b)), a.clone());
+            prop_assert_eq!(
+                intersection(&a, &union(&b, &c)),
+                union(&intersection(&a, &b), &intersection(&a, &c))
+            );
+            prop_assert_eq!(difference(&a, &union(&b, &c)), difference(&difference(&a, &b), &c));
+            prop_assert_eq!(
+                symmetric_difference(&a, &b),
+                union(&difference(&a, &b), &difference(&b, &a))
+            );
+            prop_assert_eq!(all_in(&a, &b), union(&a, &b) == a);
+            prop_assert_eq!(union(&difference(&a, &b), &intersection(&a, &b)), a);
+        }
+
+        #[test]
+        fn including_and_excluding_undo_each_other(a in sets(), n in 0_i64..8) {
+            let n = Value::Int(n);
+            prop_assert!(contains(&including(&a, &n), &n));
+            prop_assert_eq!(excluding(&including(&a, &n), &n), excluding(&a, &n));
+            prop_assert_eq!(size(&including(&a, &n)), size(&a) + i64::from(!contains(&a, &n)));
+            prop_assert_eq!(crate::sequence::as_set(&as_sequence(&a)), a.clone());
+            prop_assert!(choose_one(&a).is_none_or(|one| a.iter().all(|each| one <= *each)));
+        }
+    }
+}

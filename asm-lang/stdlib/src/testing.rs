@@ -1,0 +1,75 @@
+//! What the tests of the topics share: short names for values, and a call as the machine makes it.
+
+use crate::{Builtin, Context, builtin, compatible};
+use std::fmt;
+use value::{Atom, Names, RuleId, Value};
+
+pub(crate) const UNDEF: Value = Value::Undef;
+pub(crate) const TRUE: Value = Value::Bool(true);
+pub(crate) const FALSE: Value = Value::Bool(false);
+pub(crate) const MIN: Value = Value::Int(i64::MIN);
+pub(crate) const MAX: Value = Value::Int(i64::MAX);
+
+pub(crate) fn int(number: i64) -> Value {
+    Value::Int(number)
+}
+
+pub(crate) fn real(number: f64) -> Value {
+    Value::real(number)
+}
+
+pub(crate) fn text(text: &str) -> Value {
+    Value::text(text)
+}
+
+pub(crate) fn ints<const N: usize>(numbers: [i64; N]) -> impl Iterator<Item = Value> {
+    numbers.into_iter().map(Value::Int)
+}
+
+/// Atoms `a0`, `a1`, …, rules `r_0`, `r_1`, ….
+struct Numbered;
+
+impl Names for Numbered {
+    fn atom(&self, atom: Atom, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(to, "a{}", atom.0)
+    }
+
+    fn rule(&self, rule: RuleId, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(to, "r_{}", rule.0)
+    }
+}
+
+/// Calls a function as the machine does and compares what it shows: the value, or the fault.
+#[track_caller]
+pub(crate) fn check(name: &str, domain: &str, arguments: &[Value], expected: &str) {
+    let (shown, _) = call(builtin(name, domain), arguments);
+    assert_eq!(shown, expected, "{name}: {domain} of {arguments:?}");
+}
+
+/// The same with `--compat asmeta`.
+#[track_caller]
+pub(crate) fn check_compatible(name: &str, domain: &str, arguments: &[Value], expected: &str) {
+    let (shown, _) = call(compatible(name, domain), arguments);
+    assert_eq!(shown, expected, "{name}: {domain} of {arguments:?}");
+}
+
+/// The value or the fault as text, and what was printed.
+pub(crate) fn call(function: Option<&Builtin>, arguments: &[Value]) -> (String, Vec<String>) {
+    let mut printed = Vec::new();
+    let mut context = Context {
+        names: &Numbered,
+        now_ns: 1_999_999_999,
+        printed: &mut printed,
+    };
+    let shown = match function {
+        None => "no such function".to_owned(),
+        Some(function) if function.strict && arguments.iter().any(Value::is_undef) => {
+            "undef".to_owned()
+        }
+        Some(function) => match (function.body)(arguments, &mut context) {
+            Ok(value) => value.show(&Numbered).to_string(),
+            Err(fault) => fault.to_string(),
+        },
+    };
+    (shown, printed)
+}

@@ -1,0 +1,387 @@
+//! Texts: sequences of characters (Unicode scalar values), counted from 0.
+
+use crate::argument::{binary, ternary, unary};
+use crate::builtin::{Builtin, strict};
+use crate::complex::Complex;
+use crate::{Fault, LIMIT, integer};
+use value::Value;
+
+/// How many characters.
+pub fn size(text: &str) -> i64 {
+    integer::of(text.chars().count())
+}
+
+/// The second text after the first.
+///
+/// # Errors
+/// [`Fault::TooLarge`] beyond [`LIMIT`] bytes.
+pub fn concat(left: &str, right: &str) -> Result<String, Fault> {
+    let size = left.len().saturating_add(right.len());
+    if size > LIMIT {
+        return Err(Fault::TooLarge {
+            function: "concat",
+            size,
+        });
+    }
+    Ok([left, right].concat())
+}
+
+/// The text in capitals, as Unicode has them: `ß` becomes `SS`.
+pub fn to_upper(text: &str) -> String {
+    text.to_uppercase()
+}
+
+/// The text in small letters.
+pub fn to_lower(text: &str) -> String {
+    text.to_lowercase()
+}
+
+/// The characters at `from`, `from + 1`, …, `to - 1`.
+///
+/// # Errors
+/// [`Fault::Part`] unless `0 <= from <= to <= size`.
+pub fn sub_string(text: &str, from: i64, to: i64) -> Result<String, Fault> {
+    let length = text.chars().count();
+    let part = || Fault::Part {
+        function: "subString",
+        from,
+        to,
+        length,
+    };
+    let start = usize::try_from(from).map_err(|_| part())?;
+    let end = usize::try_from(to).map_err(|_| part())?;
+    if start > end || end > length {
+        return Err(part());
+    }
+    Ok(text.chars().skip(start).take(end - start).collect())
+}
+
+/// Whether `part` stands in `text`.
+pub fn contains(text: &str, part: &str) -> bool {
+    text.contains(part)
+}
+
+/// The parts of `text` between the separators. The separator is a text, not a pattern; parts at
+/// the end that are empty are left out; an empty separator stands between any two characters.
+pub fn split(text: &str, separator: &str) -> Vec<Value> {
+    if text.is_empty() {
+        return vec![Value::text("")];
+    }
+    if separator.is_empty() {
+        return text.chars().map(Value::text).collect();
+    }
+    let mut parts: Vec<&str> = text.split(separator).collect();
+    while parts.last().is_some_and(|part| part.is_empty()) {
+        parts.pop();
+    }
+    parts.into_iter().map(Value::text).collect()
+}
+
+/// The integer written in the text; blanks around it are lawful.
+///
+/// # Errors
+/// [`Fault::Unreadable`].
+pub fn to_integer(text: &str) -> Result<i64, Fault> {
+    text.trim()
+        .parse()
+        .map_err(|_| unreadable("toInteger", text, "an integer of 64 bits"))
+}
+
+/// The natural written in the text, with or without the `n` of a literal.
+///
+/// # Errors
+/// [`Fault::Unreadable`]; [`Fault::Negative`].
+pub fn to_natural(text: &str) -> Result<i64, Fault> {
+    let digits = text.trim();
+    let digits = digits.strip_suffix('n').unwrap_or(digits);
+    let number = digits
+        .parse()
+        .map_err(|_| unreadable("toNatural", text, "a natural of 64 bits"))?;
+    if number < 0 {
+        return Err(Fault::Negative {
+            function: "toNatural",
+            number,
+        });
+    }
+    Ok(number)
+}
+
+/// The real written in the text; an exponent, `Infinity` and `NaN` are lawful.
+///
+/// # Errors
+/// [`Fault::Unreadable`].
+pub fn to_real(text: &str) -> Result<f64, Fault> {
+    text.trim()
+        .parse()
+        .map_err(|_| unreadable("toReal", text, "a real"))
+}
+
+/// The complex number written in the text as a literal is: `1.5`, `i2.0`, `1.5-i2.0`, and `i` for
+/// `i1`.
+///
+/// # Errors
+/// [`Fault::Unreadable`].
+pub fn to_complex(text: &str) -> Result<Complex, Fault> {
+    parse_complex(text.trim()).ok_or_else(|| unreadable("toComplex", text, "a complex number"))
+}
+
+/// The first character.
+///
+/// # Errors
+/// [`Fault::Empty`].
+pub fn to_char(text: &str) -> Result<char, Fault> {
+    text.chars()
+        .next()
+        .ok_or(Fault::Empty { function: "toChar" })
+}
+
+/// `re`, `±i im` or both; the imaginary part begins at the only `i` that a sign, or nothing, precedes.
+fn parse_complex(text: &str) -> Option<Complex> {
+    let Some((before, imaginary)) = split_imaginary(text) else {
+        return Some(Complex::new(text.parse().ok()?, 0.0));
+    };
+    let (real, sign) = match before.strip_suffix('-') {
+        Some(real) => (real, -1.0),
+        None => (before.strip_suffix('+').unwrap_or(before), 1.0),
+    };
+    let re = if real.is_empty() {
+        0.0
+    } else {
+        real.parse().ok()?
+    };
+    let size: f64 = if imaginary.is_empty() {
+        1.0
+    } else {
+        imaginary.parse().ok()?
+    };
+    Some(Complex::new(re, sign * size))
+}
+
+/// What stands before and after the `i` of the imaginary unit (not that of `inf`).
+fn split_imaginary(text: &str) -> Option<(&str, &str)> {
+    let at_each = text.match_indices('i');
+    at_each
+        .map(|(at, unit)| (&text[..at], &text[at + unit.len()..]))
+        .find(|(before, after)| {
+            (before.is_empty() || before.ends_with(['+', '-'])) && !after.starts_with("nf")
+        })
+}
+
+fn unreadable(function: &'static str, text: &str, expected: &'static str) -> Fault {
+    Fault::Unreadable {
+        function,
+        text: text.into(),
+        expected,
+    }
+}
+
+pub(crate) const TABLE: &[Builtin] = &[
+    strict("size", "String", |arguments, _| unary(arguments, size)),
+    strict("plus", "Prod(String,String)", |arguments, _| {
+        binary(arguments, concat)
+    }),
+    strict("concat", "Prod(String,String)", |arguments, _| {
+        binary(arguments, concat)
+    }),
+    strict("toUpper", "String", |arguments, _| {
+        unary(arguments, to_upper)
+    }),
+    strict("toLower", "String", |arguments, _| {
+        unary(arguments, to_lower)
+    }),
+    strict(
+        "subString",
+        "Prod(String,Integer,Integer)",
+        |arguments, _| ternary(arguments, sub_string),
+    ),
+    strict("contains", "Prod(String,String)", |arguments, _| {
+        binary(arguments, contains)
+    }),
+    strict("split", "Prod(String,String)", |arguments, _| {
+        binary(arguments, split)
+    }),
+    strict("toInteger", "String", |arguments, _| {
+        unary(arguments, to_integer)
+    }),
+    strict("toNatural", "String", |arguments, _| {
+        unary(arguments, to_natural)
+    }),
+    strict("toReal", "String", |arguments, _| unary(arguments, to_real)),
+    strict("toComplex", "String", |arguments, _| {
+        unary(arguments, to_complex)
+    }),
+    strict("toChar", "String", |arguments, _| unary(arguments, to_char)),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::*;
+    use proptest::prelude::*;
+    use value::Names;
+
+    #[test]
+    fn parts() {
+        check("size", "String", &[text("äbc")], "3");
+        check("size", "String", &[text("")], "0");
+        check(
+            "plus",
+            "Prod(String,String)",
+            &[text("a"), text("b")],
+            r#""ab""#,
+        );
+        check(
+            "concat",
+            "Prod(String,String)",
+            &[text("a"), text("")],
+            r#""a""#,
+        );
+        check(
+            "concat",
+            "Prod(String,String)",
+            &[text("a"), UNDEF],
+            "undef",
+        );
+        check("toUpper", "String", &[text("straße")], r#""STRASSE""#);
+        check("toLower", "String", &[text("ÄB")], r#""äb""#);
+        check(
+            "contains",
+            "Prod(String,String)",
+            &[text("abc"), text("bc")],
+            "true",
+        );
+        check(
+            "contains",
+            "Prod(String,String)",
+            &[text("abc"), text("")],
+            "true",
+        );
+        check(
+            "contains",
+            "Prod(String,String)",
+            &[text("abc"), text("ac")],
+            "false",
+        );
+        let part = |from, to, expected| {
+            let arguments = [text("äbcd"), int(from), int(to)];
+            check(
+                "subString",
+                "Prod(String,Integer,Integer)",
+                &arguments,
+                expected,
+            );
+        };
+        part(0, 2, r#""äb""#);
+        part(4, 4, r#""""#);
+        part(2, 5, "`subString` asks for 2 to 5 of 4");
+        part(-1, 2, "`subString` asks for -1 to 2 of 4");
+        part(3, 2, "`subString` asks for 3 to 2 of 4");
+    }
+
+    #[test]
+    fn splitting_takes_the_separator_literally() {
+        let parts = |whole, separator, expected| {
+            check(
+                "split",
+                "Prod(String,String)",
+                &[text(whole), text(separator)],
+                expected,
+            );
+        };
+        parts("a,b,c", ",", r#"["a", "b", "c"]"#);
+        parts("a.b", ".", r#"["a", "b"]"#);
+        parts("abc", ",", r#"["abc"]"#);
+        parts(",a,,b,,", ",", r#"["", "a", "", "b"]"#);
+        parts(",", ",", "[]");
+        parts("", ",", r#"[""]"#);
+        parts("äb", "", r#"["ä", "b"]"#);
+    }
+
+    #[test]
+    fn numbers_are_read() {
+        let read = |name, written, expected| check(name, "String", &[text(written)], expected);
+        read("toInteger", "12", "12");
+        read("toInteger", " -12 ", "-12");
+        read(
+            "toInteger",
+            "x",
+            r#"`toInteger` cannot read "x" as an integer of 64 bits"#,
+        );
+        read(
+            "toInteger",
+            "9223372036854775808",
+            r#"`toInteger` cannot read "9223372036854775808" as an integer of 64 bits"#,
+        );
+        read("toNatural", "12", "12");
+        read("toNatural", "12n", "12");
+        read(
+            "toNatural",
+            "-1",
+            "`toNatural` meets -1, and a Natural is not negative",
+        );
+        read(
+            "toNatural",
+            "",
+            r#"`toNatural` cannot read "" as a natural of 64 bits"#,
+        );
+        read("toReal", "1.5", "1.5");
+        read("toReal", "1e3", "1000.0");
+        read("toReal", "Infinity", "inf");
+        read("toReal", "one", r#"`toReal` cannot read "one" as a real"#);
+        read("toComplex", "1.5", "1.5+i0.0");
+        read("toComplex", "1.5-i2.0", "1.5-i2.0");
+        read("toComplex", "-i", "0.0-i1.0");
+        read("toComplex", "i2", "0.0+i2.0");
+        read("toComplex", "-inf+iinf", "-inf+iinf");
+        read(
+            "toComplex",
+            "2i",
+            r#"`toComplex` cannot read "2i" as a complex number"#,
+        );
+        read(
+            "toComplex",
+            "i2i3",
+            r#"`toComplex` cannot read "i2i3" as a complex number"#,
+        );
+        read("toChar", "äb", "'ä'");
+        read("toChar", "", "`toChar` of nothing: the argument is empty");
+    }
+
+    #[test]
+    fn a_text_cannot_fill_the_memory() {
+        let half = Value::text("x".repeat(LIMIT / 2 + 1));
+        check(
+            "concat",
+            "Prod(String,String)",
+            &[half.clone(), half],
+            "`concat` would make 16777218 elements, more than 16777216",
+        );
+    }
+
+    struct Nameless;
+    impl Names for Nameless {
+        fn atom(&self, _: value::Atom, _: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            Ok(())
+        }
+        fn rule(&self, _: value::RuleId, _: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            Ok(())
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn numbers_survive_their_text(integer: i64, re: f64, im: f64) {
+            let shown = |value: Value| crate::any::to_string(&value, &Nameless);
+            prop_assert_eq!(to_integer(&shown(Value::Int(integer))), Ok(integer));
+            prop_assert_eq!(to_real(&shown(Value::real(re))).map(Value::real), Ok(Value::real(re)));
+            let complex = Complex::new(re, im).value();
+            prop_assert_eq!(to_complex(&shown(complex.clone())).map(Complex::value), Ok(complex));
+        }
+
+        #[test]
+        fn what_was_split_joins_again(parts in prop::collection::vec("[a-zä]+", 1..6)) {
+            let texts: Vec<Value> = parts.iter().map(Value::text).collect();
+            prop_assert_eq!(split(&parts.join("--"), "--"), texts);
+        }
+    }
+}

@@ -1,0 +1,361 @@
+//! What can be wrong with a text: the facts, then the words.
+
+use crate::lexer::Keyword;
+use source::{Diagnostic, Span};
+use thiserror::Error;
+
+/// A word or a sign of the text and where it stands.
+pub(crate) type Place = (String, Span);
+
+/// Everything the lexer and the parser have to say. The codes are stable: a new fact takes a new
+/// number at the end of its group.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub(crate) enum SyntaxError {
+    // ── tokens ──
+    #[error("`{characters}` is not part of the language")]
+    UnknownCharacters { characters: String, at: Span },
+
+    #[error("`{word}` has letters a name cannot have")]
+    ForeignLetters { word: String, at: Span },
+
+    #[error("this comment has no end")]
+    OpenComment { open: Span },
+
+    #[error("the closing `{quote}` is missing")]
+    OpenQuote { quote: char, open: Span },
+
+    #[error("a character stands between the quotes, neither none nor several")]
+    CharLength { text: String, at: Span },
+
+    #[error("`{digits}` does not fit into 64 bits")]
+    TooLarge { digits: String, at: Span },
+
+    #[error("numbers have no exponent")]
+    Exponent { number: String, at: Span },
+
+    #[error("digits are missing after the point")]
+    BarePoint { number: String, at: Span },
+
+    #[error("`{found}` is written `{meant}`")]
+    Foreign { found: String, meant: &'static str, at: Span },
+
+    #[error("`;` does not separate rules")]
+    Semicolon { at: Span },
+
+    // ── files ──
+    #[error("the file is empty: it begins with `asm` and a name")]
+    Empty { at: Span },
+
+    #[error("the file does not begin with `asm` or `module` and a name")]
+    NoHeading { at: Span },
+
+    #[error("the file is named a second time")]
+    SecondHeading { at: Span, first: Span },
+
+    #[error("`export` stands twice")]
+    SecondExport { at: Span, first: Span },
+
+    #[error("there are two main rules")]
+    SecondMain { at: Span, first: Span },
+
+    #[error("`agent` stands outside an initial state")]
+    AgentOutsideInit { at: Span },
+
+    // ── structure ──
+    #[error("the file ends before {missing}")]
+    CutOff { missing: String, at: Span, open: Vec<Place> },
+
+    #[error("`{missing}` is missing: this `{}` is still open", open.0)]
+    Unclosed { missing: String, found: Place, open: Place, misaligned: Option<(Place, Place)> },
+
+    #[error("`else if` needs one `endif` for each `if`")]
+    ElseIf { found: Place, outer: Span, inner: Span },
+
+    #[error("`{}` closes nothing", found.0)]
+    ClosesNothing { found: Place },
+
+    #[error("several rules stand where one belongs")]
+    SeveralRules { first: Span, second: Span, all: Option<(Span, String)> },
+
+    #[error("a rule is missing before `{}`", found.0)]
+    NoRule { found: Place, after: Option<Place> },
+
+    #[error("rules stand without brackets")]
+    BracketedRule { at: Span },
+
+    #[error("`{rule}` is called without brackets")]
+    CallWithoutBrackets { rule: String, at: Span },
+
+    #[error("`{word}` stands in brackets of its own")]
+    BareQuantifier { word: String, at: Span },
+
+    #[error("nested too deep")]
+    TooDeep { at: Span },
+
+    // ── words ──
+    #[error("`=` compares; an update is written `:=`")]
+    EqualsForUpdate { at: Span },
+
+    #[error("`:=` updates; a comparison is written `=`")]
+    UpdateForEquals { at: Span },
+
+    #[error("expected `{word}` after {after}")]
+    MissingWord { word: &'static str, after: String, found: Place, opener: Option<Place> },
+
+    #[error("unknown word `{}`", found.0)]
+    UnknownWord { found: Place, meant: String },
+
+    #[error("`{}` is a reserved word and cannot name {what}", found.0)]
+    ReservedName { found: Place, what: &'static str },
+
+    #[error("`{}` is a complex number and cannot name {what}", found.0)]
+    ComplexName { found: Place, what: &'static str },
+
+    #[error("the name of {what} begins with {beginning}")]
+    Misnamed { what: &'static str, beginning: &'static str, found: Place, better: Option<String> },
+
+    #[error("`{}` is reserved and means nothing", found.0)]
+    Unused { found: Place },
+
+    #[error("expected {what}, found `{}`", found.0)]
+    Expected { what: String, found: Place, after: Option<Place>, open: Option<Place> },
+
+    #[error("too many errors: the rest of the file was not read")]
+    TooMany { at: Span },
+
+    // ── warnings ──
+    #[error("`exist` is now written `exists`")]
+    OldExists { at: Span },
+
+    #[error("`..` is now written `:`")]
+    OldInterval { at: Span },
+
+    #[error("`{block}` with {count}")]
+    FewRules { block: &'static str, count: &'static str, at: Span },
+
+    #[error("{what} after {before}")]
+    OutOfOrder { what: &'static str, before: &'static str, at: Span, earlier: Span },
+
+    #[error("`{section}:` is missing before {what}")]
+    NoSection { section: &'static str, what: &'static str, at: Span },
+
+    #[error("`{name}` does not begin with `{prefix}`")]
+    PropertyPrefix { prefix: &'static str, name: String, at: Span },
+}
+
+impl SyntaxError {
+    /// The words for people, and the fix for tools.
+    pub(crate) fn diagnostic(&self) -> Diagnostic {
+        let error = |code| Diagnostic::error(code, self);
+        let warning = |code| Diagnostic::warning(code, self);
+        match self {
+            Self::UnknownCharacters { at, .. } => error("L001").label(*at, "not understood"),
+            Self::ForeignLetters { at, .. } => error("L002")
+                .label(*at, "not a name")
+                .help("names are written with the letters a to z, digits and `_`"),
+            Self::OpenComment { open } => error("L003")
+                .label(*open, "begins here and reaches to the end of the file")
+                .help("close it with `*/`"),
+            Self::OpenQuote { quote, open } => error("L004")
+                .label(*open, "reaches to the end of the line")
+                .help(format!("close it with `{quote}`; a text cannot go on in the next line")),
+            Self::CharLength { text, at } => {
+                let found = error("L005").label(*at, "not one character");
+                if text.is_empty() {
+                    found
+                } else {
+                    found.fix("a text stands in double quotes", *at, format!("\"{text}\""))
+                }
+            }
+            Self::TooLarge { at, .. } => error("L006")
+                .label(*at, "too large")
+                .note(format!("the largest number is {}", i64::MAX)),
+            Self::Exponent { number, at } => exponent(error("L007"), number, *at),
+            Self::BarePoint { number, at } => error("L008")
+                .label(*at, "not a number")
+                .fix("write at least one digit", *at, format!("{number}0")),
+            Self::Foreign { found, meant, at } => foreign(error("L009"), found, meant, *at),
+            Self::Semicolon { at } => error("L010")
+                .label(*at, "not part of the language")
+                .help("rules stand side by side in `par … endpar`, one after the other in `seq … endseq`")
+                .fix("leave it out, here and elsewhere", *at, ""),
+
+            Self::Empty { at } => error("L011")
+                .label(*at, "nothing to read")
+                .help("the smallest file is `asm name signature: definitions:`"),
+            Self::NoHeading { at } => error("L012")
+                .label(*at, "begins here")
+                .help("write `asm name` first, with the name of the file"),
+            Self::SecondHeading { at, first } => error("L013")
+                .label(*at, "named again")
+                .label(*first, "named here")
+                .help("a file holds one `asm` or one `module`; put the other into its own file"),
+            Self::SecondExport { at, first } => error("L014")
+                .label(*at, "the second one")
+                .label(*first, "the first one")
+                .help("name everything in one `export`, with commas between"),
+            Self::SecondMain { at, first } => error("L015")
+                .label(*at, "the second one")
+                .label(*first, "the first one")
+                .help("remove `main` from one of them"),
+            Self::AgentOutsideInit { at } => error("L016")
+                .label(*at, "belongs to no initial state")
+                .help("put it after `default init name:`"),
+
+            Self::CutOff { missing, at, open } => {
+                let found = error("L020").label(*at, format!("expected {missing}, found the end"));
+                open.iter().fold(found, |found, (word, span)| {
+                    found.label(*span, format!("this `{word}` is still open"))
+                })
+            }
+            Self::Unclosed { missing, found, open, misaligned } => {
+                let unclosed = error("L021")
+                    .label(found.1, format!("expected `{missing}` before this"))
+                    .label(open.1, "opened here");
+                match misaligned {
+                    Some((inner, end)) => unclosed
+                        .label(inner.1, format!("perhaps it is this `{}` that was not closed", inner.0))
+                        .label(end.1, format!("for the `{}` that closes it is indented otherwise", end.0)),
+                    None => unclosed,
+                }
+            }
+            Self::ElseIf { found, outer, inner } => error("L022")
+                .label(found.1, "expected another `endif` before this")
+                .label(*outer, "this `if` is still open")
+                .label(*inner, "this one is an `if` of its own"),
+            Self::ClosesNothing { found } => {
+                error("L023").label(found.1, "nothing is open that this could close")
+            }
+            Self::SeveralRules { first, second, all } => {
+                let found = error("L024").label(*second, "the second rule");
+                let found = match all {
+                    Some(_) => found.label(*first, "the first rule"),
+                    None => found.label(*first, "declares one rule"),
+                };
+                let found = found.help("put them into `par … endpar`, or into `seq … endseq` if one follows the other");
+                match all {
+                    Some((span, text)) => {
+                        found.fix("do them in parallel", *span, format!("par {text} endpar"))
+                    }
+                    None => found,
+                }
+            }
+            Self::NoRule { found, after } => {
+                let missing = error("L025").label(found.1, "expected a rule before this");
+                let missing = match after {
+                    Some((word, span)) => missing.label(*span, format!("`{word}` wants a rule")),
+                    None => missing,
+                };
+                missing.help("`skip` is the rule that does nothing")
+            }
+            Self::BracketedRule { at } => error("L026")
+                .label(*at, "not the beginning of a rule")
+                .help("leave the brackets out, or write `par … endpar`"),
+            Self::CallWithoutBrackets { rule, at } => error("L027")
+                .label(*at, "expected `[` after this")
+                .help("a turbo rule is called with round brackets")
+                .fix("call it", *at, format!("{rule}[]")),
+            Self::BareQuantifier { word, at } => error("L028")
+                .label(*at, "not the beginning of a term")
+                .help(format!("write `({word} $x in D with …)`")),
+            Self::TooDeep { at } => error("L029")
+                .label(*at, format!("more than {} levels", crate::MAX_DEPTH))
+                .help("name a part of it by a function or a rule of its own"),
+
+            Self::EqualsForUpdate { at } => error("L030")
+                .label(*at, "compares")
+                .fix("write an update", *at, ":="),
+            Self::UpdateForEquals { at } => error("L031")
+                .label(*at, "updates")
+                .fix("write a comparison", *at, "="),
+            Self::MissingWord { word, found, opener, .. } => {
+                let missing = error("L032").label(found.1, format!("expected `{word}` before this"));
+                match opener {
+                    Some((word, span)) => missing.label(*span, format!("this `{word}`")),
+                    None => missing,
+                }
+            }
+            Self::UnknownWord { found, meant } => error("L033")
+                .label(found.1, "not understood here")
+                .fix(format!("did you mean `{meant}`?"), found.1, meant.clone()),
+            Self::ReservedName { found, .. } => {
+                error("L034").label(found.1, "reserved").help("take another name")
+            }
+            Self::ComplexName { found, .. } => error("L035")
+                .label(found.1, "a number")
+                .note("`i` is the imaginary unit: `i`, `i2` and `1+i2` are numbers")
+                .help("take another name"),
+            Self::Misnamed { found, better, .. } => {
+                let misnamed = error("L036").label(found.1, "not such a name");
+                match better {
+                    Some(better) => {
+                        misnamed.fix(format!("call it `{better}`"), found.1, better.clone())
+                    }
+                    None => misnamed,
+                }
+            }
+            Self::Unused { found } => unused(error("L037"), found),
+            Self::Expected { what, found, after, open } => {
+                let mut expected = error("L038").label(found.1, "not expected here");
+                if let Some((_, span)) = after {
+                    expected = expected.label(*span, format!("expected {what} after this"));
+                }
+                if let Some((word, span)) = open {
+                    expected = expected.label(*span, format!("this `{word}` is still open"));
+                }
+                if Keyword::spelled(&found.0).is_some() {
+                    expected = expected.note(format!("`{}` is a reserved word", found.0));
+                }
+                expected
+            }
+            Self::TooMany { at } => error("L039").label(*at, "reading stopped here"),
+
+            Self::OldExists { at } => warning("L050")
+                .label(*at, "the spelling before AsmetaS 26.06")
+                .fix("write it the new way", *at, "exists"),
+            Self::OldInterval { at } => warning("L051")
+                .label(*at, "an old spelling, AsmetaS refuses it")
+                .fix("write it the new way", *at, " : "),
+            Self::FewRules { at, .. } => warning("L052")
+                .label(*at, "AsmetaS wants at least two rules here")
+                .help("a rule alone needs no block; `skip` is the rule that does nothing"),
+            Self::OutOfOrder { at, earlier, .. } => warning("L053")
+                .label(*at, "AsmetaS wants this first")
+                .label(*earlier, "and this after it"),
+            Self::NoSection { section, at, .. } => warning("L054")
+                .label(*at, "AsmetaS wants the heading before this")
+                .help(format!("write `{section}:`")),
+            Self::PropertyPrefix { prefix, name, at } => warning("L055")
+                .label(*at, "AsmetaS refuses this name")
+                .fix("rename it", *at, format!("{prefix}{name}")),
+        }
+    }
+}
+
+fn exponent(found: Diagnostic, number: &str, at: Span) -> Diagnostic {
+    let found = found.label(at, "not a number of the language");
+    let plain = number.parse::<f64>().map(|value| format!("{value:?}")).unwrap_or_default();
+    if plain.is_empty() || plain.contains(['e', 'i', 'N']) {
+        found.help("write all the digits")
+    } else {
+        found.fix("write all the digits", at, plain)
+    }
+}
+
+fn foreign(diagnostic: Diagnostic, found: &str, meant: &str, at: Span) -> Diagnostic {
+    let diagnostic = diagnostic.label(at, "as other languages write it");
+    let diagnostic = match found {
+        "=>" => diagnostic.help("to compare, write `>=`"),
+        _ => diagnostic,
+    };
+    diagnostic.fix(format!("write `{meant}`"), at, format!(" {meant} "))
+}
+
+fn unused(diagnostic: Diagnostic, found: &Place) -> Diagnostic {
+    let diagnostic = diagnostic.label(found.1, "AsmetaL reserves this word and never uses it");
+    match found.0.as_str() {
+        "endcase" => diagnostic.help("a case ends where the next one begins, the last at `endswitch`"),
+        "FAIRNESS" | "fairness" => diagnostic.help("write `JUSTICE` or `COMPASSION`"),
+        _ => diagnostic,
+    }
+}

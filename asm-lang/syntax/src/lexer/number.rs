@@ -1,0 +1,82 @@
+//! Numbers, and where a complex number ends.
+
+use super::Token;
+
+/// The number `text` begins with, and its length.
+///
+/// `1..3` is an interval of old, so a point belongs to the number only before a digit, or where
+/// nothing else can be meant.
+pub(super) fn read(text: &str) -> (Token<'_>, usize) {
+    if let Some(length) = complex_length(text) {
+        return (Token::Complex(text.get(..length).unwrap_or(text)), length);
+    }
+    let whole = digits(text);
+    let real = real_length(text);
+    let real = real + exponent_length(text.get(real..).unwrap_or(""));
+    let after = text.get(whole..).unwrap_or("");
+    if real > whole {
+        (Token::Real(text.get(..real).unwrap_or(text)), real)
+    } else if after.starts_with('n') && word_ends(after.get(1..)) {
+        (Token::Natural(text.get(..whole).unwrap_or(text)), whole + 1)
+    } else if after.starts_with('.') && !after.starts_with("..") {
+        (Token::Real(text.get(..=whole).unwrap_or(text)), whole + 1)
+    } else {
+        (Token::Integer(text.get(..whole).unwrap_or(text)), whole)
+    }
+}
+
+/// The length of the complex number `text` begins with: a sign where it has one, a real part, a
+/// sign, an imaginary part. Both parts may be missing, not both at once.
+///
+/// `5+index` is a sum: no letter may follow the imaginary part.
+pub(super) fn complex_length(text: &str) -> Option<usize> {
+    let sign = usize::from(text.starts_with(['+', '-']));
+    let real = sign + real_length(text.get(sign..)?);
+    let between = if real > sign { usize::from(text.get(real..)?.starts_with(['+', '-'])) } else { 0 };
+    if real > sign && between == 0 {
+        return None;
+    }
+    Some(real + between + imaginary_length(text.get(real + between..)?)?)
+}
+
+/// The length of `i`, `i2` or `i2.5`.
+pub(super) fn imaginary_length(text: &str) -> Option<usize> {
+    let part = text.strip_prefix('i')?;
+    let length = real_length(part);
+    word_ends(part.get(length..)).then_some(1 + length)
+}
+
+/// Both parts of a complex number as it was read.
+pub(crate) fn complex_parts(text: &str) -> (f64, f64) {
+    let (real, imaginary) = text.split_once('i').unwrap_or((text, "0"));
+    let size = if imaginary.is_empty() { 1.0 } else { imaginary.parse().unwrap_or(f64::NAN) };
+    let sign = if real.ends_with('-') { -1.0 } else { 1.0 };
+    // What is left of a lone sign is empty: `-i2` has no real part.
+    let real = real.strip_suffix(['+', '-']).unwrap_or(real);
+    let real = if real.is_empty() { 0.0 } else { real.parse().unwrap_or(f64::NAN) };
+    (real, sign * size)
+}
+
+/// Digits, or digits, a point and digits.
+fn real_length(text: &str) -> usize {
+    let whole = digits(text);
+    let fraction = text.get(whole..).and_then(|rest| rest.strip_prefix('.')).map_or(0, digits);
+    if whole > 0 && fraction > 0 { whole + 1 + fraction } else { whole }
+}
+
+/// `E3`, `e-3`: the language has none, so it is read only to be reported.
+fn exponent_length(text: &str) -> usize {
+    let Some(rest) = text.strip_prefix(['e', 'E']) else { return 0 };
+    let sign = usize::from(rest.starts_with(['+', '-']));
+    let size = rest.get(sign..).map_or(0, digits);
+    let ends = word_ends(rest.get(sign + size..));
+    if size > 0 && ends { 1 + sign + size } else { 0 }
+}
+
+fn digits(text: &str) -> usize {
+    text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len())
+}
+
+fn word_ends(rest: Option<&str>) -> bool {
+    !rest.unwrap_or("").starts_with(|c: char| c == '_' || c.is_alphanumeric())
+}

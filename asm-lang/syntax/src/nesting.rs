@@ -1,0 +1,292 @@
+//! What is open at a token: bounds the parser's stack, and tells messages where they are.
+
+use crate::MAX_DEPTH;
+use crate::error::SyntaxError;
+use crate::findings::Findings;
+use crate::lexer::{Keyword, Lexer, Sign, Spanned, Token, ends_operand};
+use crate::spelling::nearest;
+
+/// A bracket, a block or a declaration that has begun and not ended.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Open<'input> {
+    /// What began it.
+    pub(crate) opener: Spanned<'input>,
+    /// The first word of a rule that ends with another rule: `forall`, as long as it is unfinished.
+    pub(crate) prefix: Option<Spanned<'input>>,
+    /// The `if` that directly follows this one's `else`.
+    pub(crate) else_if: Option<Spanned<'input>>,
+    /// A name directly inside that is nearly the end, or a word before it.
+    pub(crate) suspect: Option<Spanned<'input>>,
+    /// Where the opener stands in its line, when it is the first of it.
+    indent: Option<usize>,
+    /// How many rules ending with a rule are nested here, directly.
+    chain: u32,
+    /// How deep everything outside nests.
+    outside: u32,
+    /// Whether `>` compares: so in the range and the guard of a bag.
+    compares: bool,
+}
+
+/// What is open after the tokens seen so far.
+#[derive(Debug)]
+pub(crate) struct Nesting<'input> {
+    text: &'input str,
+    /// From the outside in; the first one is the declaration.
+    open: Vec<Open<'input>>,
+    /// The token seen last.
+    pub(crate) previous: Option<Spanned<'input>>,
+    /// An end and what it ended although it is indented otherwise.
+    pub(crate) misaligned: Option<(Spanned<'input>, Spanned<'input>)>,
+    /// Signs and `not` in a row.
+    signs: u32,
+}
+
+impl<'input> Nesting<'input> {
+    pub(crate) fn new(text: &'input str) -> Self {
+        Self { text, open: Vec::new(), previous: None, misaligned: None, signs: 0 }
+    }
+
+    /// What began the current declaration.
+    pub(crate) fn declaration(&self) -> Option<Spanned<'input>> {
+        self.open.first().map(|open| open.opener)
+    }
+
+    /// What is open, from the inside out, without the declaration itself.
+    pub(crate) fn open(&self) -> impl Iterator<Item = &Open<'input>> {
+        self.open.iter().skip(1).rev()
+    }
+
+    /// The innermost bracket, block or declaration.
+    pub(crate) fn innermost(&self) -> Option<&Open<'input>> {
+        self.open.last()
+    }
+
+    /// How deep the next token nests; the parser's stack is a small multiple of it.
+    fn depth(&self) -> u32 {
+        self.signs + self.open.last().map_or(0, |open| open.outside + open.chain)
+    }
+
+    /// Takes a token into account.
+    pub(crate) fn step(&mut self, spanned: Spanned<'input>) {
+        let (_, token, _) = spanned;
+        let operand_before = self.previous.is_some_and(|(_, token, _)| ends_operand(token));
+        if starts_item(token) {
+            self.open.clear();
+            self.misaligned = None;
+            self.push(spanned);
+        } else if let Some(opener) = opener(token) {
+            self.close(opener, spanned);
+        } else if closer(token).is_some() || (is_lt(token) && !operand_before) {
+            self.mark_else_if(spanned);
+            self.push(spanned);
+        } else {
+            self.inside(token, spanned);
+        }
+        let sign = matches!(
+            token,
+            Token::Keyword(Keyword::Not) | Token::Sign(Sign::Plus | Sign::Minus)
+        );
+        self.signs = if sign && !operand_before { self.signs + 1 } else { 0 };
+        self.previous = Some(spanned);
+    }
+
+    fn push(&mut self, opener: Spanned<'input>) {
+        let outside = 1 + self.depth();
+        if outside > MAX_DEPTH + 1 {
+            return; // deeper than anybody looks
+        }
+        self.open.push(Open {
+            opener,
+            prefix: None,
+            else_if: None,
+            suspect: None,
+            indent: self.indent(opener),
+            chain: 0,
+            outside,
+            compares: false,
+        });
+    }
+
+    /// How far a token is indented, where it is the first of its line.
+    fn indent(&self, (start, _, _): Spanned<'_>) -> Option<usize> {
+        let before = self.text.as_bytes().get(..start)?;
+        let blanks = before.iter().rev().take_while(|&&byte| byte == b' ' || byte == b'\t').count();
+        before.get(..start - blanks)?.last().is_none_or(|&byte| byte == b'\n').then_some(blanks)
+    }
+
+    /// Closes the innermost `opener`, and with it what was left open inside.
+    fn close(&mut self, opener: Token<'_>, closer: Spanned<'input>) {
+        let same = |open: &Open<'_>| open.opener.1 == opener;
+        let Some(at) = self.open.iter().rposition(same).filter(|&at| at > 0) else { return };
+        let bag = is_lt(opener);
+        if bag && (at + 1 < self.open.len() || self.open.get(at).is_some_and(|open| open.compares)) {
+            return;
+        }
+        let indent = self.indent(closer);
+        if let Some(open) = self.open.get(at)
+            && open.indent.is_some()
+            && indent.is_some()
+            && open.indent != indent
+            && self.misaligned.is_none()
+        {
+            self.misaligned = Some((open.opener, closer));
+        }
+        self.open.truncate(at);
+    }
+
+    fn mark_else_if(&mut self, spanned: Spanned<'input>) {
+        let after_else =
+            matches!(self.previous, Some((_, Token::Keyword(Keyword::Else), _)));
+        if let Some(open) = self.open.last_mut()
+            && after_else
+            && spanned.1 == Token::Keyword(Keyword::If)
+        {
+            open.else_if = Some(spanned);
+        }
+    }
+
+    /// A token that opens and closes nothing.
+    fn inside(&mut self, token: Token<'input>, spanned: Spanned<'input>) {
+        let nested = matches!(
+            self.previous,
+            Some((_, Token::Keyword(Keyword::Do | Keyword::Ifnone), _))
+        );
+        let Some(open) = self.open.last_mut() else { return };
+        match token {
+            Token::Keyword(
+                Keyword::Choose
+                | Keyword::Forall
+                | Keyword::Extend
+                | Keyword::While
+                | Keyword::Whilerec,
+            ) => {
+                open.chain = if nested { open.chain + 1 } else { 1 };
+                open.prefix = Some(spanned);
+            }
+            // What follows `local f: D [R]` cannot be told from what follows a call.
+            Token::Keyword(Keyword::Local) => open.chain += 1,
+            Token::Keyword(Keyword::Do) => open.prefix = None,
+            Token::Name(name) if name.starts_with('e') => {
+                let end = closer(open.opener.1).map(|end| end.to_string());
+                if nearest(name, end.as_deref()).is_some() {
+                    open.suspect = Some(spanned);
+                }
+            }
+            Token::Keyword(Keyword::In) => open.compares = true,
+            Token::Sign(Sign::Colon) => open.compares = false,
+            _ => {}
+        }
+    }
+}
+
+/// The tokens of a text, as the parser gets them: never nested too deep, never endless.
+#[derive(Debug)]
+pub(crate) struct Tokens<'input, 'run> {
+    pub(crate) lexer: Lexer<'input, 'run>,
+    nesting: Nesting<'input>,
+    findings: &'run Findings,
+}
+
+impl<'input, 'run> Tokens<'input, 'run> {
+    pub(crate) fn new(text: &'input str, findings: &'run Findings) -> Self {
+        Self { lexer: Lexer::new(text, findings), nesting: Nesting::new(text), findings }
+    }
+
+    /// Leaves out what cannot be read, up to the next declaration.
+    fn next_item(&mut self) -> Option<Spanned<'input>> {
+        self.lexer.by_ref().find(|&(_, token, _)| starts_item(token))
+    }
+}
+
+impl<'input> Iterator for Tokens<'input, '_> {
+    type Item = Spanned<'input>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.findings.is_full() {
+            return None;
+        }
+        let mut spanned = self.lexer.next()?;
+        self.nesting.step(spanned);
+        let too_deep = self.nesting.depth() > MAX_DEPTH;
+        if too_deep {
+            let at = self.findings.span(spanned.0, spanned.2);
+            self.findings.report(SyntaxError::TooDeep { at });
+        }
+        if too_deep || self.findings.token_taken() {
+            spanned = self.next_item()?;
+            self.nesting.step(spanned);
+        }
+        Some(spanned)
+    }
+}
+
+/// Whether a declaration, a section or a part of one begins with this token, and nothing else does.
+pub(crate) fn starts_item(token: Token<'_>) -> bool {
+    let Token::Keyword(word) = token else { return false };
+    matches!(
+        word,
+        Keyword::Asm
+            | Keyword::Module
+            | Keyword::Asyncr
+            | Keyword::Import
+            | Keyword::Export
+            | Keyword::Signature
+            | Keyword::Definitions
+            | Keyword::Default
+            | Keyword::Init
+            | Keyword::Agent
+            | Keyword::Domain
+            | Keyword::Anydomain
+            | Keyword::Basic
+            | Keyword::Abstract
+            | Keyword::Enum
+            | Keyword::Function
+            | Keyword::Static
+            | Keyword::Derived
+            | Keyword::Monitored
+            | Keyword::Controlled
+            | Keyword::Shared
+            | Keyword::Out
+            | Keyword::Rule
+            | Keyword::Macro
+            | Keyword::Turbo
+            | Keyword::Main
+            | Keyword::Invariant
+            | Keyword::Invar
+            | Keyword::Justice
+            | Keyword::Compassion
+            | Keyword::Ctlspec
+            | Keyword::Ltlspec
+    )
+}
+
+/// Pairs of beginnings and ends.
+const PAIRS: &[(Token<'static>, Token<'static>)] = &[
+    (Token::Sign(Sign::Open), Token::Sign(Sign::Close)),
+    (Token::Sign(Sign::OpenBrace), Token::Sign(Sign::CloseBrace)),
+    (Token::Sign(Sign::OpenBracket), Token::Sign(Sign::CloseBracket)),
+    (Token::Sign(Sign::OpenRule), Token::Sign(Sign::CloseRule)),
+    (Token::Keyword(Keyword::If), Token::Keyword(Keyword::Endif)),
+    (Token::Keyword(Keyword::Switch), Token::Keyword(Keyword::Endswitch)),
+    (Token::Keyword(Keyword::Par), Token::Keyword(Keyword::Endpar)),
+    (Token::Keyword(Keyword::Seq), Token::Keyword(Keyword::Endseq)),
+    (Token::Keyword(Keyword::Let), Token::Keyword(Keyword::Endlet)),
+    (Token::Keyword(Keyword::Iterate), Token::Keyword(Keyword::Enditerate)),
+];
+
+/// What ends the thing this token begins.
+pub(crate) fn closer(opener: Token<'_>) -> Option<Token<'static>> {
+    PAIRS.iter().find(|(begin, _)| *begin == opener).map(|&(_, end)| end)
+}
+
+/// What begins the thing this token ends; `>` may end a bag.
+pub(crate) fn opener(closer: Token<'_>) -> Option<Token<'static>> {
+    if closer == Token::Sign(Sign::Gt) {
+        return Some(Token::Sign(Sign::Lt));
+    }
+    PAIRS.iter().find(|(_, end)| *end == closer).map(|&(begin, _)| begin)
+}
+
+fn is_lt(token: Token<'_>) -> bool {
+    token == Token::Sign(Sign::Lt)
+}

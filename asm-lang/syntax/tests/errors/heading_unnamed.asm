@@ -1,0 +1,4 @@
+asm
+signature: //~ L038
+definitions:
+  main rule r_Main = skip

@@ -1,0 +1,4 @@
+asm misnamed_function
+signature:
+  controlled Speed: Integer //~ L036
+definitions:

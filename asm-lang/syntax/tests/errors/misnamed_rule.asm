@@ -1,0 +1,4 @@
+asm misnamed_rule
+signature:
+definitions:
+  rule a = skip //~ L036

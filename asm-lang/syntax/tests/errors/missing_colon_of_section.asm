@@ -1,0 +1,4 @@
+asm missing_colon_of_section
+signature
+  controlled a: Integer //~ L032
+definitions:

@@ -1,0 +1,5 @@
+asm missing_over
+signature:
+definitions:
+  invariant inv_a: a > 1 //~ L032
+  main rule r_Main = skip

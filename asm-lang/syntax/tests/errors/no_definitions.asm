@@ -1,0 +1,3 @@
+asm no_definitions
+signature:
+  main rule r_Main = skip //~ L054

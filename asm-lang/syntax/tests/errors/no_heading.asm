@@ -1,0 +1,3 @@
+signature: //~ L012
+definitions:
+  main rule r_Main = skip

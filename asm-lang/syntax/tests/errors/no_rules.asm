@@ -1,0 +1,4 @@
+asm no_rules
+signature:
+definitions:
+  main rule r_Main = seq endseq //~ L052

@@ -1,0 +1,3 @@
+asm no_signature
+controlled a: Integer //~ L054
+definitions:

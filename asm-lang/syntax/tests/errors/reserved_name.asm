@@ -1,0 +1,4 @@
+asm reserved_name
+signature:
+  controlled agent: Integer //~ L034
+definitions:

@@ -1,0 +1,4 @@
+asm a
+signature:
+definitions:
+asm b //~ L013

@@ -1,0 +1,7 @@
+asm several_rules_in_declaration
+signature:
+definitions:
+  rule r_a =
+    a := 1
+    b := 2 //~ L024
+  main rule r_Main = skip

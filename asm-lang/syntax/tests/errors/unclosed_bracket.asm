@@ -1,0 +1,8 @@
+asm unclosed_bracket
+signature:
+definitions:
+  main rule r_Main =
+    par
+      a := (1 + b * 2
+      b := 2 //~ L021
+    endpar

@@ -1,0 +1,4 @@
+asm unknown_characters
+signature:
+definitions:
+  main rule r_Main = a := # 1 //~ L001

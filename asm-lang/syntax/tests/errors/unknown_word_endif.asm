@@ -1,0 +1,8 @@
+asm unknown_word_endif
+signature:
+definitions:
+  main rule r_Main =
+    par
+      if a = 1 then b := 1 end //~ L033
+      a := 1
+    endpar

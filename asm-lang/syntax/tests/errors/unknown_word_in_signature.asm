@@ -1,0 +1,5 @@
+asm unknown_word_in_signature
+signature:
+  controled a: Integer //~ L033
+  controlled b: Integer
+definitions:

@@ -1,0 +1,125 @@
+//! Values as text, in the notation of AsmetaL literals.
+
+use crate::{Atom, RuleId, Value};
+use std::fmt::{self, Write};
+
+/// What the atoms and rules of a machine are called.
+pub trait Names {
+    /// Writes the name of an atom, as in `IDLE` or `order!3`.
+    ///
+    /// # Errors
+    /// Only what the writer reports.
+    fn atom(&self, atom: Atom, to: &mut fmt::Formatter<'_>) -> fmt::Result;
+
+    /// Writes the name of a rule, as in `r_work`.
+    ///
+    /// # Errors
+    /// Only what the writer reports.
+    fn rule(&self, rule: RuleId, to: &mut fmt::Formatter<'_>) -> fmt::Result;
+}
+
+/// A value together with the names it needs to be read.
+pub struct Shown<'a> {
+    value: &'a Value,
+    names: &'a dyn Names,
+}
+
+impl Value {
+    /// This value as text: integers decimal, reals so that they read back, texts and characters
+    /// quoted as JSON quotes, sets, bags and maps in the order of the values.
+    pub fn show<'a>(&'a self, names: &'a dyn Names) -> Shown<'a> {
+        Shown { value: self, names }
+    }
+}
+
+impl fmt::Display for Shown<'_> {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let show = |value| Shown {
+            value,
+            names: self.names,
+        };
+        match self.value {
+            Value::Undef => to.write_str("undef"),
+            Value::Bool(truth) => write!(to, "{truth}"),
+            Value::Int(number) => write!(to, "{number}"),
+            Value::Real(number) => write!(to, "{:?}", number.get()),
+            Value::Char(character) => quoted(to, '\'', std::iter::once(*character)),
+            Value::Atom(atom) => self.names.atom(*atom, to),
+            Value::Rule(rule) => self.names.rule(*rule, to),
+            Value::Text(text) => quoted(to, '"', text.chars()),
+            Value::Complex(number) => {
+                let (re, im) = (number.0.get(), number.1.get());
+                let sign = if im.is_sign_negative() { '-' } else { '+' };
+                write!(to, "{re:?}{sign}i{:?}", im.abs())
+            }
+            Value::Tuple(items) => list(to, "(", items.iter().map(show), ")"),
+            Value::Seq(items) => list(to, "[", items.iter().map(show), "]"),
+            Value::Set(items) => list(to, "{", items.iter().map(show), "}"),
+            Value::Bag(items) => {
+                let each = items
+                    .iter()
+                    .flat_map(|(item, &count)| std::iter::repeat_n(item, count));
+                list(to, "<", each.map(show), ">")
+            }
+            // `{}` is the empty set.
+            Value::Map(pairs) if pairs.is_empty() => to.write_str("{->}"),
+            Value::Map(pairs) => {
+                let pairs = pairs
+                    .iter()
+                    .map(|(key, value)| Pair(show(key), show(value)));
+                list(to, "{", pairs, "}")
+            }
+        }
+    }
+}
+
+/// `key -> value`.
+struct Pair<'a>(Shown<'a>, Shown<'a>);
+
+impl fmt::Display for Pair<'_> {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(to, "{} -> {}", self.0, self.1)
+    }
+}
+
+fn list(
+    to: &mut fmt::Formatter<'_>,
+    open: &str,
+    items: impl Iterator<Item = impl fmt::Display>,
+    close: &str,
+) -> fmt::Result {
+    to.write_str(open)?;
+    for (index, item) in items.enumerate() {
+        if index > 0 {
+            to.write_str(", ")?;
+        }
+        write!(to, "{item}")?;
+    }
+    to.write_str(close)
+}
+
+/// The characters between quotes: the quote, the backslash and control characters escaped.
+fn quoted(
+    to: &mut fmt::Formatter<'_>,
+    quote: char,
+    characters: impl Iterator<Item = char>,
+) -> fmt::Result {
+    to.write_char(quote)?;
+    for character in characters {
+        match character {
+            '\n' => to.write_str("\\n")?,
+            '\r' => to.write_str("\\r")?,
+            '\t' => to.write_str("\\t")?,
+            '\\' => to.write_str("\\\\")?,
+            // Below U+10000 all of them, so four digits do.
+            control if control.is_control() => write!(to, "\\u{:04x}", u32::from(control))?,
+            plain => {
+                if plain == quote {
+                    to.write_char('\\')?;
+                }
+                to.write_char(plain)?;
+            }
+        }
+    }
+    to.write_char(quote)
+}

@@ -1,0 +1,64 @@
+//! Points to discs: what belongs together is covered by as few discs as its shape allows.
+
+use geometry::{Disc, Point, Vector};
+
+/// m, points closer than this belong to one thing.
+const GAP: f64 = 0.15;
+
+/// m, added to every disc: what the laser saw is the surface of something.
+const SKIN: f64 = 0.02;
+
+/// Groups points that are connected by steps of less than [`GAP`]; groups and points keep the order they came in.
+pub fn clusters(points: &[Point]) -> Vec<Vec<Point>> {
+    let mut groups = Vec::new();
+    let mut left: Vec<Point> = points.to_vec();
+    while !left.is_empty() {
+        let mut group = vec![left.remove(0)];
+        let mut grown = 0;
+        while grown < group.len() {
+            let near = group[grown];
+            left.retain(|point| {
+                let joins = (point - near).norm_squared() < GAP * GAP;
+                if joins {
+                    group.push(*point);
+                }
+                !joins
+            });
+            grown += 1;
+        }
+        groups.push(group);
+    }
+    groups
+}
+
+/// Covers points by discs of at most `radius` metres (and [`SKIN`]): halves them across their longer side until each
+/// half fits one.
+pub fn cover(mut points: Vec<Point>, radius: f64, discs: &mut Vec<Disc>) {
+    let Some(first) = points.first() else {
+        return;
+    };
+    let (low, high) = points
+        .iter()
+        .fold((*first, *first), |(low, high), point| (low.inf(point), high.sup(point)));
+    let centre = middle(low, high);
+    let reach = points
+        .iter()
+        .map(|point| (point - centre).norm())
+        .fold(0.0, f64::max);
+    if reach <= radius || points.len() == 1 {
+        discs.push(Disc {
+            centre,
+            radius: reach + SKIN,
+        });
+        return;
+    }
+    let size: Vector = high - low;
+    let along = |point: &Point| if size.x >= size.y { point.x - centre.x } else { point.y - centre.y };
+    let upper = points.extract_if(.., |point| along(point) > 0.0).collect();
+    cover(points, radius, discs);
+    cover(upper, radius, discs);
+}
+
+fn middle(low: Point, high: Point) -> Point {
+    low + (high - low) / 2.0
+}

@@ -1,0 +1,54 @@
+//! Where the robot was lately, so that a scan is placed where it was taken and not where the robot is by now.
+
+use std::collections::VecDeque;
+
+use geometry::{Pose, heading, turn, yaw};
+
+/// The last poses with their instants.
+#[derive(Debug, Clone, Default)]
+pub struct Trail {
+    /// (ns, pose), oldest first.
+    poses: VecDeque<(i64, Pose)>,
+}
+
+/// How many poses are kept: more than a second at 50 Hz.
+const KEPT: usize = 64;
+
+/// ns, how far before or beyond the known poses the nearest of them still serves.
+const TOLERANCE: i64 = 200_000_000;
+
+impl Trail {
+    /// Adds where the robot was at `nanos`; what does not come in order is left out.
+    pub fn add(&mut self, nanos: i64, pose: Pose) {
+        if self.poses.back().is_some_and(|(last, _)| *last >= nanos) {
+            return;
+        }
+        if self.poses.len() == KEPT {
+            self.poses.pop_front();
+        }
+        self.poses.push_back((nanos, pose));
+    }
+
+    /// Where the robot is, as far as known.
+    pub fn newest(&self) -> Option<&Pose> {
+        self.poses.back().map(|(_, pose)| pose)
+    }
+
+    /// Where the robot was at `nanos`, between two known poses on the straight way; none if that is not known.
+    pub fn at(&self, nanos: i64) -> Option<Pose> {
+        let after = self.poses.partition_point(|(at, _)| *at <= nanos);
+        let (before, after) = (after.checked_sub(1).and_then(|at| self.poses.get(at)), self.poses.get(after));
+        match (before, after) {
+            (Some((from, a)), Some((to, b))) => {
+                let share = (nanos - from) as f64 / (to - from) as f64;
+                let place = a.translation.vector.lerp(&b.translation.vector, share);
+                let heading_there = yaw(a) + share * turn(yaw(a), yaw(b));
+                Some(heading(place.into(), heading_there))
+            }
+            (Some((at, pose)), None) | (None, Some((at, pose))) => {
+                ((nanos - at).abs() <= TOLERANCE).then_some(*pose)
+            }
+            (None, None) => None,
+        }
+    }
+}

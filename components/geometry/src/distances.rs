@@ -1,0 +1,204 @@
+//! How far each cell is from the nearest obstacle: the exact Euclidean distance transform in linear time
+//! (Meijster, Roerdink, Hesselink: *A general algorithm for computing distance transforms in linear time*, 2000).
+
+use crate::{Cell, Grid, Layout, Occupancy};
+
+/// Squared distances to the nearest obstacle cell, centre to centre.
+///
+/// A value to keep: [`Distances::compute`] reuses its buffers.
+#[derive(Clone, Debug)]
+pub struct Distances {
+    layout: Layout,
+    /// In cells², row-major; [`Distances::NONE`] where the grid has no obstacle at all.
+    squared: Vec<u32>,
+    /// Within its column, cells to the nearest obstacle; the first pass' result.
+    columns: Vec<u32>,
+    /// The lower envelope of the second pass: which column, and from where on it rules.
+    envelope: Vec<(i64, i64)>,
+}
+
+impl Distances {
+    /// The distance where there is no obstacle.
+    pub const NONE: u32 = u32::MAX;
+
+    /// The distances to the occupied cells of a grid.
+    pub fn to_occupied(grid: &Grid) -> Self {
+        let mut distances = Self {
+            layout: *grid.layout(),
+            squared: Vec::new(),
+            columns: Vec::new(),
+            envelope: Vec::new(),
+        };
+        distances.compute(grid, |value| Occupancy::of(value) == Occupancy::Occupied);
+        distances
+    }
+
+    /// Computes anew, for cells whose value is an obstacle.
+    pub fn compute(&mut self, grid: &Grid, obstacle: impl Fn(i8) -> bool) {
+        self.layout = *grid.layout();
+        self.along_columns(grid.cells(), obstacle);
+        self.along_rows();
+    }
+
+    /// Size, scale and place of the grid the distances belong to.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Squared distances, cells², row-major; [`Distances::NONE`] where there is no obstacle.
+    pub fn squared(&self) -> &[u32] {
+        &self.squared
+    }
+
+    /// The distance of a cell, m: infinite without obstacles, none outside the grid.
+    pub fn metres(&self, cell: Cell) -> Option<f64> {
+        Some(match self.squared[self.layout.index(cell)?] {
+            Self::NONE => f64::INFINITY,
+            squared => f64::from(squared).sqrt() * self.layout.resolution(),
+        })
+    }
+
+    /// The largest squared distance, cells², that is still within `radius` metres.
+    pub fn limit(&self, radius: f64) -> u32 {
+        let cells = radius.max(0.0) / self.layout.resolution();
+        // a radius of a whole number of cells shall include that cell in spite of rounding
+        let squared = (cells * cells + 1e-6).floor();
+        squared.min(f64::from(Self::NONE - 1)) as u32
+    }
+
+    fn along_columns(&mut self, cells: &[i8], obstacle: impl Fn(i8) -> bool) {
+        let width = self.layout.width() as usize;
+        self.columns.clear();
+        self.columns.resize(cells.len(), Self::NONE);
+        for (index, value) in cells.iter().enumerate() {
+            self.columns[index] = if obstacle(*value) {
+                0
+            } else if index >= width {
+                self.columns[index - width].saturating_add(1)
+            } else {
+                Self::NONE
+            };
+        }
+        for index in (0..cells.len().saturating_sub(width)).rev() {
+            let below = self.columns[index + width].saturating_add(1);
+            self.columns[index] = self.columns[index].min(below);
+        }
+    }
+
+    fn along_rows(&mut self) {
+        let width = self.layout.width() as usize;
+        self.squared.clear();
+        self.squared.resize(self.columns.len(), Self::NONE);
+        if width == 0 {
+            return;
+        }
+        let rows = self.columns.chunks(width);
+        for (columns, squared) in rows.zip(self.squared.chunks_mut(width)) {
+            build_envelope(columns, &mut self.envelope);
+            read_envelope(columns, &self.envelope, squared);
+        }
+    }
+}
+
+/// The parabolas that are lowest somewhere, from left to right, each with the first column it rules.
+fn build_envelope(columns: &[u32], envelope: &mut Vec<(i64, i64)>) {
+    envelope.clear();
+    let width = columns.len() as i64;
+    for (at, depth) in columns.iter().enumerate() {
+        if *depth == Distances::NONE {
+            continue;
+        }
+        let at = at as i64;
+        let mut from = 0;
+        while let Some(&(other, since)) = envelope.last() {
+            let height = |column: i64, x: i64| {
+                let depth = i64::from(columns[column as usize]);
+                (x - column) * (x - column) + depth * depth
+            };
+            if height(at, since) <= height(other, since) {
+                envelope.pop();
+                continue;
+            }
+            // first column in which `at` is lower than `other`
+            let (far, near) = (height(at, 0), height(other, 0));
+            from = (far - near).div_euclid(2 * (at - other)) + 1;
+            break;
+        }
+        if from < width {
+            envelope.push((at, from));
+        }
+    }
+}
+
+fn read_envelope(columns: &[u32], envelope: &[(i64, i64)], squared: &mut [u32]) {
+    let mut rulers = envelope.iter().peekable();
+    let mut ruler = None;
+    for (x, cell) in squared.iter_mut().enumerate() {
+        let x = x as i64;
+        while let Some(next) = rulers.next_if(|(_, from)| *from <= x) {
+            ruler = Some(next.0);
+        }
+        if let Some(column) = ruler {
+            let depth = i64::from(columns[column as usize]);
+            let distance = (x - column) * (x - column) + depth * depth;
+            *cell = u32::try_from(distance).unwrap_or(Distances::NONE - 1);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{FREE, OCCUPIED, Pose};
+    use proptest::prelude::*;
+
+    fn by_brute_force(grid: &Grid) -> Vec<u32> {
+        let layout = grid.layout();
+        let obstacles: Vec<Cell> = (0..layout.len())
+            .filter(|index| grid.cells()[*index] == OCCUPIED)
+            .map(|index| layout.cell_at(index))
+            .collect();
+        let squared = |one: Cell, other: Cell| {
+            one.column.abs_diff(other.column).pow(2) + one.row.abs_diff(other.row).pow(2)
+        };
+        (0..layout.len())
+            .map(|index| {
+                let nearest = obstacles
+                    .iter()
+                    .map(|obstacle| squared(layout.cell_at(index), *obstacle));
+                nearest.min().unwrap_or(Distances::NONE)
+            })
+            .collect()
+    }
+
+    proptest! {
+        #[test]
+        fn it_is_exact(width in 1u32..24, height in 1u32..24, seed in prop::collection::vec(0u8..12, 576)) {
+            let layout = Layout::new(0.05, width, height, Pose::identity()).unwrap();
+            let cells = seed.iter().take(layout.len()).map(|dice| if *dice == 0 { OCCUPIED } else { FREE }).collect();
+            let grid = Grid::with_cells(layout, cells).unwrap();
+            let distances = Distances::to_occupied(&grid);
+            prop_assert_eq!(distances.squared(), &by_brute_force(&grid)[..]);
+        }
+    }
+
+    #[test]
+    fn it_counts_metres() {
+        let layout = Layout::new(0.5, 5, 5, Pose::identity()).unwrap();
+        let mut grid = Grid::new(layout, FREE);
+        assert_eq!(
+            Distances::to_occupied(&grid).metres(Cell::new(0, 0)),
+            Some(f64::INFINITY)
+        );
+        grid.set(Cell::new(4, 3), OCCUPIED);
+        let distances = Distances::to_occupied(&grid);
+        assert_eq!(distances.metres(Cell::new(0, 0)), Some(2.5));
+        assert_eq!(distances.metres(Cell::new(5, 0)), None);
+    }
+
+    #[test]
+    fn it_takes_an_empty_grid() {
+        let empty = Grid::new(Layout::new(1.0, 0, 0, Pose::identity()).unwrap(), FREE);
+        assert!(Distances::to_occupied(&empty).squared().is_empty());
+    }
+}

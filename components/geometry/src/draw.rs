@@ -1,0 +1,252 @@
+//! Drawing on a grid: polygons, strokes and discs in map coordinates become cells. What lies outside is cut off.
+
+use crate::{Grid, Layout, Point, Vector};
+
+impl Grid {
+    /// Gives `value` to every cell whose centre lies inside an odd number of rings: a polygon with holes, or several.
+    /// A ring's last corner joins its first.
+    pub fn fill(&mut self, rings: &[Vec<Point>], value: i8) {
+        let layout = *self.layout();
+        let edges = edges(&layout, rings);
+        let lowest = edges
+            .iter()
+            .map(|(from, _)| from.y)
+            .fold(f64::MAX, f64::min);
+        let highest = edges.iter().map(|(_, to)| to.y).fold(f64::MIN, f64::max);
+        let mut crossings = Vec::new();
+        for row in centres(lowest, highest, layout.height()) {
+            crossings.clear();
+            let y = f64::from(row) + 0.5;
+            crossings.extend(edges.iter().filter_map(|edge| crossing(edge, y)));
+            crossings.sort_by(f64::total_cmp);
+            for span in crossings.chunks_exact(2) {
+                self.fill_row(row, span[0], span[1], value);
+            }
+        }
+    }
+
+    /// Gives `value` to every cell a line through `points` touches, and to every cell whose centre is at most half of
+    /// `width` metres away from it. So a wall of no width is closed, and a wide one has round ends.
+    pub fn stroke(&mut self, points: &[Point], width: f64, value: i8) {
+        for pair in points.windows(2) {
+            self.trace(pair[0], pair[1], value);
+            if width > 0.0 {
+                self.fill(&[band(pair[0], pair[1], width)], value);
+            }
+        }
+        for point in points {
+            self.disc(*point, width / 2.0, value);
+        }
+    }
+
+    /// Gives `value` to the cell `centre` lies in and to every cell whose centre is at most `radius` metres away.
+    pub fn disc(&mut self, centre: Point, radius: f64, value: i8) {
+        let layout = *self.layout();
+        if let Some(cell) = layout.cell(centre) {
+            self.set(cell, value);
+        }
+        let (centre, radius) = (layout.to_cells(centre), radius / layout.resolution());
+        if !(radius > 0.0 && centre.coords.iter().all(|value| value.is_finite())) {
+            return;
+        }
+        for row in centres(centre.y - radius, centre.y + radius, layout.height()) {
+            let dy = f64::from(row) + 0.5 - centre.y;
+            let half = (radius * radius - dy * dy).max(0.0).sqrt();
+            self.fill_row(row, centre.x - half, centre.x + half, value);
+        }
+    }
+
+    /// The cells the line between two points touches, as far as it lies in the grid.
+    fn trace(&mut self, from: Point, to: Point, value: i8) {
+        let layout = *self.layout();
+        let Some((from, to)) = clip(&layout, layout.to_cells(from), layout.to_cells(to)) else {
+            return;
+        };
+        layout.line(layout.to_map(from), layout.to_map(to), |index| {
+            self.cells_mut()[index] = value;
+            true
+        });
+    }
+
+    /// The cells of a row whose centres lie between `from` and `to`, counted in cells.
+    fn fill_row(&mut self, row: u32, from: f64, to: f64, value: i8) {
+        let width = self.layout().width();
+        let columns = centres(from, to, width);
+        let start = row as usize * width as usize;
+        let (first, last) = (columns.start as usize, columns.end as usize);
+        if let Some(cells) = self.cells_mut().get_mut(start + first..start + last) {
+            cells.fill(value);
+        }
+    }
+}
+
+/// The cells along one axis whose centres lie in `from..=to`.
+fn centres(from: f64, to: f64, size: u32) -> std::ops::Range<u32> {
+    // casts saturate, and NaN becomes 0: the range is empty then
+    let first = (from - 0.5).ceil().max(0.0).min(f64::from(size)) as u32;
+    let end = ((to - 0.5).floor() + 1.0).max(0.0).min(f64::from(size)) as u32;
+    first..end.max(first)
+}
+
+/// The sides of the rings, counted in cells, each from its lower to its upper end; level and infinite ones left out.
+fn edges(layout: &Layout, rings: &[Vec<Point>]) -> Vec<(Point, Point)> {
+    let sides = rings.iter().flat_map(|ring| {
+        let next = ring.iter().cycle().skip(1);
+        ring.iter().zip(next)
+    });
+    sides
+        .map(|(from, to)| (layout.to_cells(*from), layout.to_cells(*to)))
+        .filter(|(from, to)| from.y != to.y && (to - from).norm().is_finite())
+        .map(|(from, to)| {
+            if from.y < to.y {
+                (from, to)
+            } else {
+                (to, from)
+            }
+        })
+        .collect()
+}
+
+/// Where an edge crosses the level `y`; its upper end is not part of it, so that a corner counts once.
+fn crossing((from, to): &(Point, Point), y: f64) -> Option<f64> {
+    (from.y <= y && y < to.y).then(|| from.x + (to.x - from.x) * (y - from.y) / (to.y - from.y))
+}
+
+/// The rectangle around a line.
+fn band(from: Point, to: Point, width: f64) -> Vec<Point> {
+    let along = to - from;
+    let side = match along.try_normalize(0.0) {
+        Some(unit) => Vector::new(-unit.y, unit.x) * (width / 2.0),
+        None => Vector::zeros(),
+    };
+    vec![from + side, to + side, to - side, from - side]
+}
+
+/// The part of a line, counted in cells, that lies in the grid (Liang and Barsky, 1984), a hair inside its rim.
+fn clip(layout: &Layout, from: Point, to: Point) -> Option<(Point, Point)> {
+    const RIM: f64 = 1e-6;
+    let way = to - from;
+    if !(way.norm().is_finite() && from.coords.norm().is_finite()) {
+        return None;
+    }
+    let high = [
+        f64::from(layout.width()) - RIM,
+        f64::from(layout.height()) - RIM,
+    ];
+    let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
+    for axis in 0..2 {
+        if way[axis] == 0.0 {
+            if !(0.0..=high[axis]).contains(&from[axis]) {
+                return None;
+            }
+            continue;
+        }
+        let first = (RIM - from[axis]) / way[axis];
+        let second = (high[axis] - from[axis]) / way[axis];
+        enter = enter.max(first.min(second));
+        leave = leave.min(first.max(second));
+    }
+    (enter <= leave).then(|| (from + way * enter, from + way * leave))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{FREE, OCCUPIED, Pose, heading};
+    use proptest::prelude::*;
+
+    fn grid(width: u32, height: u32) -> Grid {
+        Grid::new(
+            Layout::new(1.0, width, height, Pose::identity()).unwrap(),
+            FREE,
+        )
+    }
+
+    /// Rows from top to bottom, as a person draws them.
+    fn picture(grid: &Grid) -> Vec<String> {
+        let rows = grid.cells().chunks(grid.layout().width() as usize).rev();
+        rows.map(|row| {
+            row.iter()
+                .map(|value| if *value == OCCUPIED { '#' } else { '.' })
+                .collect()
+        })
+        .collect()
+    }
+
+    fn points(numbers: &[(f64, f64)]) -> Vec<Point> {
+        numbers.iter().map(|(x, y)| Point::new(*x, *y)).collect()
+    }
+
+    #[test]
+    fn it_fills_a_ring_with_a_hole() {
+        let mut grid = grid(6, 6);
+        let outer = points(&[(0.0, 0.0), (5.0, 0.0), (5.0, 5.0), (0.0, 5.0)]);
+        let inner = points(&[(2.0, 2.0), (3.0, 2.0), (3.0, 3.0), (2.0, 3.0)]);
+        grid.fill(&[outer, inner], OCCUPIED);
+        assert_eq!(
+            picture(&grid),
+            ["......", "#####.", "#####.", "##.##.", "#####.", "#####."]
+        );
+    }
+
+    #[test]
+    fn a_wall_without_width_is_closed() {
+        let mut grid = grid(6, 4);
+        grid.stroke(&points(&[(0.2, 0.3), (5.7, 3.6)]), 0.0, OCCUPIED);
+        assert_eq!(picture(&grid), ["....##", "...##.", ".###..", "##...."]);
+    }
+
+    #[test]
+    fn a_stroke_has_the_width_it_was_given_and_round_ends() {
+        let mut grid = grid(9, 7);
+        grid.stroke(&points(&[(2.5, 3.5), (6.5, 3.5)]), 5.0, OCCUPIED);
+        assert_eq!(
+            picture(&grid),
+            [
+                ".........",
+                ".#######.",
+                "#########",
+                "#########",
+                "#########",
+                ".#######.",
+                "........."
+            ]
+            .map(|row| row.to_owned())
+        );
+    }
+
+    #[test]
+    fn it_cuts_off_what_lies_outside() {
+        let mut grid = grid(4, 2);
+        grid.stroke(&points(&[(-1e9, 0.5), (1e9, 0.5)]), 0.0, OCCUPIED);
+        assert_eq!(picture(&grid), ["....", "####"]);
+        grid.fill(
+            &[points(&[
+                (-1e9, -1e9),
+                (1e9, -1e9),
+                (1e9, 1e9),
+                (-1e9, 1e9),
+            ])],
+            OCCUPIED,
+        );
+        assert_eq!(picture(&grid), ["####", "####"]);
+    }
+
+    #[test]
+    fn it_draws_in_map_coordinates() {
+        let origin = heading(Point::new(3.0, 0.0), std::f64::consts::FRAC_PI_2);
+        let mut grid = Grid::new(Layout::new(1.0, 2, 3, origin).unwrap(), FREE);
+        grid.disc(Point::new(0.5, 1.5), 0.0, OCCUPIED);
+        assert_eq!(picture(&grid), [".#", "..", ".."]);
+    }
+
+    proptest! {
+        #[test]
+        fn it_takes_any_numbers(numbers in prop::collection::vec((prop::num::f64::ANY, prop::num::f64::ANY), 0..6), width in prop::num::f64::ANY) {
+            let mut grid = grid(5, 5);
+            let line = points(&numbers);
+            grid.stroke(&line, width, OCCUPIED);
+            grid.fill(&[line], OCCUPIED);
+        }
+    }
+}

@@ -1,0 +1,246 @@
+//! How a grid lies in the map: which cell a point is in, and where a cell's centre is.
+
+use crate::{Point, Pose};
+
+/// A cell by its place in the grid; column along the grid's x, row along its y, (0, 0) at the origin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Cell {
+    /// Steps along the grid's x.
+    pub column: u32,
+    /// Steps along the grid's y.
+    pub row: u32,
+}
+
+impl Cell {
+    /// The cell at `column`, `row`.
+    pub fn new(column: u32, row: u32) -> Self {
+        Self { column, row }
+    }
+}
+
+/// Size, scale and place of a grid (the numbers of `nav_msgs/MapMetaData`), without its cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layout {
+    resolution: f64,
+    width: u32,
+    height: u32,
+    /// The lower left corner of cell (0, 0) in the map frame.
+    origin: Pose,
+    /// The inverse of `origin`, kept so that a look-up costs two multiplications.
+    inverse: Pose,
+}
+
+/// Why numbers are no layout.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LayoutError {
+    /// The side of a cell is no length.
+    #[error("a cell's side must be a positive number of metres, not {resolution}")]
+    Resolution {
+        /// What was given, m.
+        resolution: f64,
+    },
+    /// The origin is nowhere.
+    #[error("the grid's origin has a coordinate that is not finite")]
+    Origin,
+    /// More cells than an index can name.
+    #[error("a grid of {width} × {height} cells is too large (at most {limit} cells)", limit = Layout::MAX_CELLS)]
+    TooLarge {
+        /// Cells along x.
+        width: u64,
+        /// Cells along y.
+        height: u64,
+    },
+    /// The cells do not fill the grid.
+    #[error("a grid of {width} × {height} cells came with {found} values")]
+    Cells {
+        /// Cells along x.
+        width: u32,
+        /// Cells along y.
+        height: u32,
+        /// How many values came.
+        found: usize,
+    },
+}
+
+impl Layout {
+    /// No grid is larger than this.
+    pub const MAX_CELLS: u64 = 1 << 30;
+
+    /// A grid of `width` × `height` cells of `resolution` metres; `origin` is the lower left corner of cell (0, 0).
+    pub fn new(
+        resolution: f64,
+        width: u32,
+        height: u32,
+        origin: Pose,
+    ) -> Result<Self, LayoutError> {
+        if !(resolution.is_finite() && resolution > 0.0) {
+            return Err(LayoutError::Resolution { resolution });
+        }
+        let numbers = [
+            origin.translation.x,
+            origin.translation.y,
+            origin.rotation.angle(),
+        ];
+        if numbers.iter().any(|number| !number.is_finite()) {
+            return Err(LayoutError::Origin);
+        }
+        let (width64, height64) = (u64::from(width), u64::from(height));
+        if width64 * height64 > Self::MAX_CELLS {
+            return Err(LayoutError::TooLarge {
+                width: width64,
+                height: height64,
+            });
+        }
+        Ok(Self {
+            resolution,
+            width,
+            height,
+            origin,
+            inverse: origin.inverse(),
+        })
+    }
+
+    /// The side of a cell, m.
+    pub fn resolution(&self) -> f64 {
+        self.resolution
+    }
+
+    /// Cells along the grid's x.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Cells along the grid's y.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// The lower left corner of cell (0, 0), map frame.
+    pub fn origin(&self) -> &Pose {
+        &self.origin
+    }
+
+    /// How many cells there are.
+    pub fn len(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// Whether there is no cell at all.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// A map point in the grid's own coordinates: counted in cells, (0, 0) at the origin.
+    pub fn to_cells(&self, point: Point) -> Point {
+        Point::from((self.inverse * point).coords / self.resolution)
+    }
+
+    /// A point counted in cells, back in the map frame, m.
+    pub fn to_map(&self, cells: Point) -> Point {
+        self.origin * Point::from(cells.coords * self.resolution)
+    }
+
+    /// The cell a map point lies in; none outside the grid.
+    pub fn cell(&self, point: Point) -> Option<Cell> {
+        self.cell_of(self.to_cells(point))
+    }
+
+    /// The cell a point counted in cells lies in; none outside the grid.
+    pub fn cell_of(&self, cells: Point) -> Option<Cell> {
+        let inside = |value: f64, size: u32| {
+            (value >= 0.0 && value < f64::from(size)).then_some(value as u32)
+        };
+        Some(Cell::new(
+            inside(cells.x, self.width)?,
+            inside(cells.y, self.height)?,
+        ))
+    }
+
+    /// The centre of a cell, map frame, m.
+    pub fn centre(&self, cell: Cell) -> Point {
+        self.to_map(Point::new(
+            f64::from(cell.column) + 0.5,
+            f64::from(cell.row) + 0.5,
+        ))
+    }
+
+    /// Where a cell's value stands in row-major order; none outside the grid.
+    pub fn index(&self, cell: Cell) -> Option<usize> {
+        (cell.column < self.width && cell.row < self.height)
+            .then(|| cell.row as usize * self.width as usize + cell.column as usize)
+    }
+
+    /// The cell at an index below [`Layout::len`]; the inverse of [`Layout::index`].
+    pub fn cell_at(&self, index: usize) -> Cell {
+        let width = self.width.max(1) as usize;
+        Cell::new((index % width) as u32, (index / width) as u32)
+    }
+
+    /// The smallest and the largest x and y of the grid's four corners, map frame, m.
+    pub fn bounds(&self) -> (Point, Point) {
+        let (width, height) = (f64::from(self.width), f64::from(self.height));
+        let corners = [(0.0, 0.0), (width, 0.0), (0.0, height), (width, height)]
+            .map(|(x, y)| self.to_map(Point::new(x, y)));
+        corners
+            .iter()
+            .fold((corners[0], corners[0]), |(low, high), corner| {
+                (low.inf(corner), high.sup(corner))
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::heading;
+
+    fn turned() -> Layout {
+        Layout::new(
+            0.5,
+            4,
+            3,
+            heading(Point::new(10.0, -2.0), std::f64::consts::FRAC_PI_2),
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn it_finds_every_cell_from_its_centre() {
+        let layout = turned();
+        for index in 0..layout.len() {
+            let cell = layout.cell_at(index);
+            assert_eq!(layout.index(cell), Some(index));
+            assert_eq!(layout.cell(layout.centre(cell)), Some(cell));
+        }
+    }
+
+    #[test]
+    fn it_turns_with_its_origin() {
+        let centre = turned().centre(Cell::new(3, 0));
+        assert!((centre - Point::new(9.75, -0.25)).norm() < 1e-12);
+    }
+
+    #[test]
+    fn it_has_no_cell_outside_or_nowhere() {
+        let layout = Layout::new(1.0, 2, 2, Pose::identity()).unwrap();
+        for (x, y) in [
+            (-1e-9, 1.0),
+            (2.0, 1.0),
+            (1.0, 2.0),
+            (f64::NAN, 1.0),
+            (1.0, f64::INFINITY),
+        ] {
+            assert_eq!(layout.cell(Point::new(x, y)), None);
+        }
+    }
+
+    #[test]
+    fn it_refuses_numbers_that_are_no_grid() {
+        for resolution in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(Layout::new(resolution, 1, 1, Pose::identity()).is_err());
+        }
+        assert!(Layout::new(1.0, u32::MAX, u32::MAX, Pose::identity()).is_err());
+        let nowhere = heading(Point::new(f64::NAN, 0.0), 0.0);
+        assert_eq!(Layout::new(1.0, 1, 1, nowhere), Err(LayoutError::Origin));
+    }
+}

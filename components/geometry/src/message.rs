@@ -1,0 +1,206 @@
+//! Between the messages and the types to compute with. Heights and tilts are dropped: this robot lives in the plane.
+
+use messages::{Header, MapMetaData, OccupancyGrid, PoseStamped, Time};
+
+use crate::{Disc, Grid, Layout, LayoutError, Point, Pose, Scene, heading, yaw};
+
+/// The grid of a map message; in the frame of its header.
+pub fn grid(message: &OccupancyGrid) -> Result<Grid, LayoutError> {
+    let info = &message.info;
+    let layout = Layout::new(
+        widen(info.resolution),
+        info.width,
+        info.height,
+        pose(&info.origin),
+    )?;
+    Grid::with_cells(layout, message.data.clone())
+}
+
+/// The message of a grid in frame `frame_id`, loaded `nanos` nanoseconds after the clock's zero: that instant is both
+/// the stamp and the `map_load_time`, by which clients tell one revision of a map from another.
+pub fn occupancy_grid(grid: &Grid, nanos: i64, frame_id: &str) -> OccupancyGrid {
+    let layout = grid.layout();
+    OccupancyGrid {
+        header: Header::new(nanos, frame_id),
+        info: MapMetaData {
+            map_load_time: Time::from_nanos(nanos),
+            resolution: layout.resolution() as f32,
+            width: layout.width(),
+            height: layout.height(),
+            origin: pose_message(layout.origin()),
+        },
+        data: grid.cells().to_vec(),
+    }
+}
+
+/// Where and how turned, in the plane.
+pub fn pose(message: &messages::Pose) -> Pose {
+    heading(point(&message.position), message.orientation.yaw())
+}
+
+/// The message of a pose in the plane.
+pub fn pose_message(pose: &Pose) -> messages::Pose {
+    messages::Pose::planar(pose.translation.x, pose.translation.y, yaw(pose))
+}
+
+/// Where, in the plane.
+pub fn point(message: &messages::Point) -> Point {
+    Point::new(message.x, message.y)
+}
+
+/// The poses of a path, in the frame of its header.
+pub fn poses(path: &messages::Path) -> Vec<Pose> {
+    path.poses
+        .iter()
+        .map(|stamped| pose(&stamped.pose))
+        .collect()
+}
+
+/// The path through `poses`, all with one stamp (nanoseconds) and in frame `frame_id`.
+pub fn path<'a>(
+    poses: impl IntoIterator<Item = &'a Pose>,
+    nanos: i64,
+    frame_id: &str,
+) -> messages::Path {
+    messages::Path::through(nanos, frame_id, poses.into_iter().map(pose_message))
+}
+
+/// The message of a pose in the plane with its time (nanoseconds) and frame.
+pub fn pose_stamped(pose: &Pose, nanos: i64, frame_id: &str) -> PoseStamped {
+    PoseStamped {
+        header: Header::new(nanos, frame_id),
+        pose: pose_message(pose),
+    }
+}
+
+/// The scene of a message, ready for questions.
+pub fn scene(message: &messages::Scene) -> Scene {
+    let segments = message.segments.iter();
+    let polygons = message.polygons.iter();
+    Scene::new(
+        segments
+            .map(|segment| [vertex(&segment.a), vertex(&segment.b)])
+            .collect(),
+        polygons
+            .map(|polygon| polygon.vertices.iter().map(vertex).collect())
+            .collect(),
+        message.discs.iter().map(disc).collect(),
+    )
+}
+
+/// The message of a scene.
+pub fn scene_message(scene: &Scene, revision: u64) -> messages::Scene {
+    messages::Scene {
+        revision,
+        segments: scene
+            .segments()
+            .iter()
+            .map(|[a, b]| messages::Segment {
+                a: vertex_message(a),
+                b: vertex_message(b),
+            })
+            .collect(),
+        discs: scene
+            .discs()
+            .iter()
+            .map(|disc| messages::Disc {
+                x: disc.centre.x,
+                y: disc.centre.y,
+                radius: disc.radius,
+            })
+            .collect(),
+        polygons: scene
+            .polygons()
+            .iter()
+            .map(|polygon| messages::Polygon {
+                vertices: polygon.iter().map(vertex_message).collect(),
+            })
+            .collect(),
+    }
+}
+
+/// A round obstacle.
+pub fn disc(message: &messages::Disc) -> Disc {
+    Disc {
+        centre: Point::new(message.x, message.y),
+        radius: message.radius,
+    }
+}
+
+fn vertex(message: &messages::Vertex) -> Point {
+    Point::new(message.x, message.y)
+}
+
+fn vertex_message(point: &Point) -> messages::Vertex {
+    messages::Vertex {
+        x: point.x,
+        y: point.y,
+    }
+}
+
+/// ROS carries the resolution as a 32-bit float. Its shortest decimal is what was meant: 0.05, not 0.05000000074505806.
+fn widen(resolution: f32) -> f64 {
+    let meant = resolution.to_string().parse();
+    meant.unwrap_or(f64::from(resolution))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{FREE, Vector};
+
+    #[test]
+    fn a_grid_survives_the_way_there_and_back() {
+        let layout = Layout::new(0.05, 7, 5, heading(Point::new(-1.5, 2.0), 0.3)).unwrap();
+        let mut there = Grid::new(layout, FREE);
+        there.cells_mut()[3] = -1;
+        let message = occupancy_grid(&there, 1_500_000_000, "map");
+        assert_eq!(
+            (message.header.stamp.sec, message.header.frame_id.as_str()),
+            (1, "map")
+        );
+        let back = grid(&message).unwrap();
+        assert_eq!(back.layout().resolution(), 0.05);
+        assert_eq!(back.cells(), there.cells());
+        let corner = (back.layout().origin() * Point::new(1.0, 1.0))
+            - (layout.origin() * Point::new(1.0, 1.0));
+        assert!(corner.norm() < 1e-12);
+    }
+
+    #[test]
+    fn a_map_that_is_none_is_refused() {
+        assert!(grid(&OccupancyGrid::default()).is_err());
+    }
+
+    #[test]
+    fn a_path_survives_the_way_there_and_back() {
+        let there = [
+            heading(Point::new(1.0, 2.0), -3.0),
+            heading(Point::new(3.0, 4.0), 0.5),
+        ];
+        let back = poses(&path(&there, 7, "map"));
+        for (one, other) in there.iter().zip(&back) {
+            assert!((one.translation.vector - other.translation.vector).norm() < 1e-12);
+            assert!((yaw(one) - yaw(other)).abs() < 1e-12);
+        }
+        assert_eq!(back.len(), 2);
+    }
+
+    #[test]
+    fn a_scene_survives_the_way_there_and_back() {
+        let wall = [Point::new(1.0, -1.0), Point::new(1.0, 1.0)];
+        let triangle = vec![
+            Point::new(5.0, 0.0),
+            Point::new(6.0, 0.0),
+            Point::new(5.0, 1.0),
+        ];
+        let pillar = Disc {
+            centre: Point::new(0.0, 3.0),
+            radius: 0.5,
+        };
+        let message = scene_message(&Scene::new(vec![wall], vec![triangle], vec![pillar]), 4);
+        let back = scene(&message);
+        assert_eq!(back.raycast(Point::origin(), Vector::x(), 9.0), Some(1.0));
+        assert_eq!(scene_message(&back, 4), message);
+    }
+}

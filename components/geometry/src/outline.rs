@@ -1,0 +1,66 @@
+//! The walls of a grid: the borders between occupied cells and the others, as few segments as possible.
+
+use crate::{Grid, Layout, Occupancy, Point, Scene};
+
+impl Scene {
+    /// What a beam hits in a world that is exactly the occupied cells of a grid; map frame.
+    pub fn around(grid: &Grid) -> Self {
+        let layout = *grid.layout();
+        let occupied = |column: i64, row: i64| {
+            let cell = Point::new(column as f64 + 0.5, row as f64 + 0.5);
+            let index = layout.cell_of(cell).and_then(|cell| layout.index(cell));
+            index.is_some_and(|index| Occupancy::of(grid.cells()[index]) == Occupancy::Occupied)
+        };
+        let (width, height) = (i64::from(layout.width()), i64::from(layout.height()));
+        let mut segments = Vec::new();
+        for row in 0..=height {
+            let border = |at: i64| occupied(at, row - 1) != occupied(at, row);
+            let level = |from: i64, to: i64| side(&layout, (from, row), (to, row));
+            segments.extend(runs(width, border).map(|(from, to)| level(from, to)));
+        }
+        for column in 0..=width {
+            let border = |at: i64| occupied(column - 1, at) != occupied(column, at);
+            let upright = |from: i64, to: i64| side(&layout, (column, from), (column, to));
+            segments.extend(runs(height, border).map(|(from, to)| upright(from, to)));
+        }
+        Self::new(segments, Vec::new(), Vec::new())
+    }
+}
+
+fn side(layout: &Layout, from: (i64, i64), to: (i64, i64)) -> [Point; 2] {
+    [from, to].map(|(column, row)| layout.to_map(Point::new(column as f64, row as f64)))
+}
+
+/// The longest stretches `from..to` of `0..size` in which `border` holds throughout.
+fn runs(size: i64, border: impl Fn(i64) -> bool) -> impl Iterator<Item = (i64, i64)> {
+    let mut at = 0;
+    std::iter::from_fn(move || {
+        while at < size && !border(at) {
+            at += 1;
+        }
+        let from = at;
+        while at < size && border(at) {
+            at += 1;
+        }
+        (from < at).then_some((from, at))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Cell, FREE, OCCUPIED, Pose, Vector};
+
+    #[test]
+    fn it_has_four_walls_around_a_block() {
+        let layout = Layout::new(0.5, 6, 6, Pose::identity()).unwrap();
+        let mut grid = Grid::new(layout, FREE);
+        for (column, row) in [(2, 2), (3, 2), (2, 3), (3, 3)] {
+            grid.set(Cell::new(column, row), OCCUPIED);
+        }
+        let scene = Scene::around(&grid);
+        assert_eq!(scene.segments().len(), 4);
+        let hit = scene.raycast(Point::new(0.25, 1.5), Vector::x(), 9.0);
+        assert!((hit.unwrap() - 0.75).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,166 @@
+//! One sweep of the laser: beams through the scene, noise on the ranges, REP-117 for what is no range.
+
+use geometry::{Point, Pose, Scene, Vector};
+use rand::{Rng, RngExt};
+use rand_distr::{Distribution, StandardNormal};
+
+/// How the laser measures. The default has no beams.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Optics {
+    /// How many beams.
+    pub beams: usize,
+    /// rad, of the first beam; 0 is straight ahead of the laser.
+    pub angle_min: f64,
+    /// rad, of the last beam.
+    pub angle_max: f64,
+    /// m, the nearest measurable range.
+    pub range_min: f64,
+    /// m, the farthest measurable range.
+    pub range_max: f64,
+    /// m, standard deviation of the noise on a range.
+    pub noise: f64,
+    /// The share of beams, 0..=1, whose measurement fails.
+    pub dropout: f64,
+}
+
+impl Optics {
+    /// rad, from one beam to the next; 0 with a single beam.
+    pub fn increment(&self) -> f64 {
+        match self.beams {
+            0 | 1 => 0.0,
+            beams => (self.angle_max - self.angle_min) / (beams - 1) as f64,
+        }
+    }
+
+    /// The ranges of one sweep from `pose`, m, beam by beam into `ranges`: `+Inf` where nothing is in range, `-Inf`
+    /// where something is too near, NaN where the measurement failed (REP-117).
+    ///
+    /// Every beam draws the same number of random numbers whatever it hits, so that a change in one corner of the
+    /// scene leaves the noise elsewhere as it was.
+    pub fn sweep(&self, scene: &Scene, pose: &Pose, chance: &mut impl Rng, ranges: &mut Vec<f32>) {
+        let origin = Point::from(pose.translation.vector);
+        // beyond the range there may still be something that noise brings into it
+        let sight = self.range_max + 5.0 * self.noise;
+        ranges.clear();
+        ranges.extend((0..self.beams).map(|beam| {
+            let angle = self.angle_min + beam as f64 * self.increment();
+            let direction = pose.rotation * Vector::new(angle.cos(), angle.sin());
+            let noise: f64 = StandardNormal.sample(chance);
+            let fails = chance.random::<f64>() < self.dropout;
+            match scene.raycast(origin, direction, sight) {
+                _ if fails => f32::NAN,
+                Some(distance) => self.reading(distance + noise * self.noise),
+                None => f32::INFINITY,
+            }
+        }));
+    }
+
+    /// A measured distance as a range.
+    fn reading(&self, distance: f64) -> f32 {
+        if distance < self.range_min {
+            f32::NEG_INFINITY
+        } else if distance > self.range_max {
+            f32::INFINITY
+        } else {
+            distance as f32
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geometry::{Disc, heading};
+    use proptest::prelude::*;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use std::f64::consts::FRAC_PI_2;
+
+    /// Four beams: ahead, left, behind, right.
+    fn cross() -> Optics {
+        Optics {
+            beams: 4,
+            angle_min: 0.0,
+            angle_max: 3.0 * FRAC_PI_2,
+            range_min: 0.1,
+            range_max: 5.0,
+            noise: 0.0,
+            dropout: 0.0,
+        }
+    }
+
+    fn sweep(optics: &Optics, scene: &Scene, pose: &Pose, seed: u64) -> Vec<f32> {
+        let mut ranges = Vec::new();
+        optics.sweep(scene, pose, &mut ChaCha8Rng::seed_from_u64(seed), &mut ranges);
+        ranges
+    }
+
+    fn wall(x: f64) -> Scene {
+        let ends = [Point::new(x, -50.0), Point::new(x, 50.0)];
+        Scene::new(vec![ends], Vec::new(), Vec::new())
+    }
+
+    #[test]
+    fn it_measures_what_is_there() {
+        let disc = Disc {
+            centre: Point::new(0.0, 2.0),
+            radius: 0.5,
+        };
+        let room = Scene::new(wall(3.0).segments().to_vec(), Vec::new(), vec![disc]);
+        let ranges = sweep(&cross(), &room, &Pose::identity(), 0);
+        assert_eq!(ranges, [3.0, 1.5, f32::INFINITY, f32::INFINITY]);
+        // turned to the left, what was ahead is on the right
+        let turned = sweep(&cross(), &room, &heading(Point::origin(), FRAC_PI_2), 0);
+        assert!((turned[3] - 3.0).abs() < 1e-5 && (turned[0] - 1.5).abs() < 1e-5);
+    }
+
+    #[test]
+    fn it_says_too_near_too_far_and_failed_as_rep_117_does() {
+        let ahead = |distance: f64| sweep(&cross(), &wall(distance), &Pose::identity(), 0)[0];
+        assert_eq!(ahead(0.05), f32::NEG_INFINITY);
+        assert_eq!(ahead(5.01), f32::INFINITY);
+        assert_eq!(ahead(4.5), 4.5);
+        let failing = Optics {
+            dropout: 1.0,
+            ..cross()
+        };
+        let ranges = sweep(&failing, &wall(1.0), &Pose::identity(), 0);
+        assert!(ranges.iter().all(|range| range.is_nan()));
+    }
+
+    #[test]
+    fn its_noise_has_the_width_that_was_asked_for() {
+        let optics = Optics {
+            beams: 20_000,
+            angle_max: 0.0,
+            noise: 0.02,
+            ..cross()
+        };
+        let ranges = sweep(&optics, &wall(2.0), &Pose::identity(), 7);
+        let errors = ranges.iter().map(|range| f64::from(*range) - 2.0);
+        let (sum, squares) = errors.fold((0.0, 0.0), |(sum, squares), error| (sum + error, squares + error * error));
+        let count = ranges.len() as f64;
+        assert!((sum / count).abs() < 5e-4);
+        assert!(((squares / count).sqrt() - 0.02).abs() < 5e-4);
+    }
+
+    proptest! {
+        #[test]
+        fn the_same_seed_gives_the_same_noise(seed: u64, distance in 0.0..6.0) {
+            let optics = Optics { noise: 0.05, dropout: 0.3, ..cross() };
+            let bits = |ranges: Vec<f32>| ranges.iter().map(|range| range.to_bits()).collect::<Vec<_>>();
+            let again = || bits(sweep(&optics, &wall(distance), &Pose::identity(), seed));
+            prop_assert_eq!(again(), again());
+        }
+
+        #[test]
+        fn a_change_elsewhere_leaves_a_beam_alone(seed: u64, distance in 0.2..4.0) {
+            let optics = Optics { noise: 0.05, ..cross() };
+            let disc = Disc { centre: Point::new(0.0, distance), radius: 0.1 };
+            let more = Scene::new(wall(3.0).segments().to_vec(), Vec::new(), vec![disc]);
+            let (plain, changed) = (sweep(&optics, &wall(3.0), &Pose::identity(), seed), sweep(&optics, &more, &Pose::identity(), seed));
+            prop_assert_eq!((plain[0], plain[2], plain[3]), (changed[0], changed[2], changed[3]));
+            prop_assert_ne!(plain[1], changed[1]);
+        }
+    }
+}

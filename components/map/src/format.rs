@@ -1,0 +1,164 @@
+//! The seam: a map format is bytes in, a map out; the table of formats; what all of them are told.
+
+use geometry::Occupancy;
+
+use crate::files::{FileFault, Files, read_at_most};
+use crate::geo_json::GeoJson;
+use crate::osm::{OsmPbf, OsmXml};
+use crate::ros::RosMap;
+use crate::{Fault, Map, MapError, Rules, Where};
+
+/// Reads one kind of map file. Never panics, whatever the bytes are, and holds no more memory than the settings allow.
+pub trait Format: Sync {
+    /// The endings of its files, with the dot; `.gz` may follow any of them.
+    fn endings(&self) -> &'static [&'static str];
+
+    /// The map in the file. The same bytes give the same map.
+    fn load(&self, source: &Source<'_>, settings: &Settings) -> Result<Map, MapError>;
+}
+
+/// Every format by its name. Where a place has files of several formats, the first row wins.
+pub const FORMATS: &[(&str, &dyn Format)] = &[
+    ("geojson", &GeoJson),
+    ("ros", &RosMap),
+    ("osm", &OsmXml),
+    ("osm.pbf", &OsmPbf),
+];
+
+/// What a loader is told.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Side of a cell, m; none takes what the file says, or what suits its kind. A ROS map is made coarser if need be,
+    /// never finer.
+    pub resolution: Option<f64>,
+    /// No grid has more cells; a byte each.
+    pub max_cells: u64,
+    /// No file has more bytes, unpacked.
+    pub max_bytes: u64,
+    /// What a place is that no feature covers; none takes what the file says, or free.
+    pub ground: Option<Occupancy>,
+    /// Which features block and which are free (GeoJSON and OSM).
+    pub rules: Rules,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            resolution: None,
+            max_cells: 25_000_000,
+            max_bytes: 256 << 20,
+            ground: None,
+            rules: Rules::default(),
+        }
+    }
+}
+
+/// Loads the map in file `name`; its ending says which format it has.
+pub fn load(files: &dyn Files, name: &str, settings: &Settings) -> Result<Map, MapError> {
+    let source = Source::new(files, name, settings);
+    match format_of(name) {
+        Some(format) => format.load(&source, settings),
+        None => Err(source.error(Fault::UnknownFormat {
+            known: endings().collect::<Vec<_>>().join(" "),
+        })),
+    }
+}
+
+/// The format whose ending the file has.
+pub fn format_of(name: &str) -> Option<&'static dyn Format> {
+    FORMATS
+        .iter()
+        .map(|(_, format)| *format)
+        .find(|format| format.endings().iter().any(|ending| stem(name, ending).is_some()))
+}
+
+/// Every ending in the order of the table.
+pub fn endings() -> impl Iterator<Item = &'static str> {
+    FORMATS.iter().flat_map(|(_, format)| format.endings().iter().copied())
+}
+
+/// The name without the ending, packed or not; none if it ends otherwise.
+pub fn stem<'a>(name: &'a str, ending: &str) -> Option<&'a str> {
+    name.strip_suffix(".gz").unwrap_or(name).strip_suffix(ending)
+}
+
+/// A file and how to get it.
+pub struct Source<'a> {
+    files: &'a dyn Files,
+    name: String,
+    limit: u64,
+}
+
+impl<'a> Source<'a> {
+    /// The file called `name`.
+    pub fn new(files: &'a dyn Files, name: &str, settings: &Settings) -> Self {
+        Self {
+            files,
+            name: name.to_owned(),
+            limit: settings.max_bytes,
+        }
+    }
+
+    /// What it is called.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The file's bytes, unpacked if its name ends in `.gz`.
+    pub fn bytes(&self) -> Result<Vec<u8>, MapError> {
+        let bytes = self.files.read(&self.name, self.limit);
+        let bytes = bytes.map_err(|fault| self.unread(fault))?;
+        if !self.name.ends_with(".gz") {
+            return Ok(bytes);
+        }
+        let unpacked = flate2::read::MultiGzDecoder::new(&bytes[..]);
+        read_at_most(unpacked, self.limit).map_err(|fault| match fault {
+            FileFault::Other(reason) => self.error(Fault::Syntax {
+                what: format!("is not gzip, or damaged: {reason}"),
+            }),
+            fault => self.unread(fault),
+        })
+    }
+
+    /// The file's text.
+    pub fn text(&self) -> Result<String, MapError> {
+        String::from_utf8(self.bytes()?).map_err(|error| {
+            let byte = error.utf8_error().valid_up_to() as u64;
+            let what = "is not UTF-8 text".to_owned();
+            self.error_at(Where::Byte(byte), Fault::Syntax { what })
+        })
+    }
+
+    /// Another file, named as this one names it: relative to this one's folder.
+    pub fn beside(&self, name: &str) -> Source<'_> {
+        let folder = self.name.rfind('/').map_or("", |at| &self.name[..=at]);
+        let absolute = name.starts_with('/');
+        Source {
+            files: self.files,
+            name: if absolute { name.to_owned() } else { format!("{folder}{name}") },
+            limit: self.limit,
+        }
+    }
+
+    /// An error of this file.
+    pub fn error(&self, fault: Fault) -> MapError {
+        self.error_at(Where::File, fault)
+    }
+
+    /// An error at a place of this file.
+    pub fn error_at(&self, at: Where, fault: Fault) -> MapError {
+        MapError {
+            file: self.name.clone(),
+            at,
+            fault,
+        }
+    }
+
+    fn unread(&self, fault: FileFault) -> MapError {
+        self.error(match fault {
+            FileFault::Missing => Fault::Missing,
+            FileFault::TooLong => Fault::TooManyBytes { limit: self.limit },
+            FileFault::Other(reason) => Fault::Unreadable { reason },
+        })
+    }
+}

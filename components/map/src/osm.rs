@@ -1,0 +1,206 @@
+//! OpenStreetMap extracts (<https://wiki.openstreetmap.org/wiki/Elements>): buildings, barriers and water block, ways
+//! are free, as the rules say. One drawing for both file formats.
+
+mod extract;
+mod pbf;
+mod rings;
+mod xml;
+
+use geometry::{Occupancy, Point};
+
+use crate::drawing::{Drawing, Frame};
+use crate::format::{Format, Settings, Source};
+use crate::projection::{Projection, bounds};
+use crate::{Fault, LonLat, Map, MapError, NamedPoint, Rule, Tags};
+use extract::Extract;
+
+/// OSM XML.
+pub struct OsmXml;
+
+/// The binary format.
+pub struct OsmPbf;
+
+/// Side of a cell where nobody says, m: streets and yards.
+const RESOLUTION: f64 = 0.5;
+
+impl Format for OsmXml {
+    fn endings(&self) -> &'static [&'static str] {
+        &[".osm", ".osm.xml"]
+    }
+
+    fn load(&self, source: &Source<'_>, settings: &Settings) -> Result<Map, MapError> {
+        let extract = xml::read(source, &settings.rules)?;
+        draw(&extract, settings).map_err(|fault| source.error(fault))
+    }
+}
+
+impl Format for OsmPbf {
+    fn endings(&self) -> &'static [&'static str] {
+        &[".osm.pbf", ".pbf"]
+    }
+
+    fn load(&self, source: &Source<'_>, settings: &Settings) -> Result<Map, MapError> {
+        let extract = pbf::read(source, &settings.rules)?;
+        draw(&extract, settings).map_err(|fault| source.error(fault))
+    }
+}
+
+/// The map of an extract: as large as the extract says it is, or as what is drawn.
+fn draw(extract: &Extract, settings: &Settings) -> Result<Map, Fault> {
+    let corners = extract.bounds.or_else(|| bounds(extract.nodes.values().copied()));
+    let (low, high) = corners.ok_or(Fault::Nothing)?;
+    let origin = LonLat {
+        longitude: (low.longitude + high.longitude) / 2.0,
+        latitude: (low.latitude + high.latitude) / 2.0,
+    };
+    let mut city = City {
+        projection: Projection::around(origin)?,
+        extract,
+        settings,
+        drawing: Drawing::default(),
+        points: Vec::new(),
+        broken: 0,
+    };
+    city.add_ways()?;
+    city.add_relations()?;
+    city.add_nodes()?;
+    let (low, high) = city.frame(low, high)?;
+    let frame = Frame {
+        low,
+        high,
+        resolution: settings.resolution.unwrap_or(RESOLUTION),
+        ground: settings.ground.unwrap_or(Occupancy::Free),
+    };
+    Ok(Map {
+        grid: city.drawing.grid(&frame, settings)?,
+        points: city.points,
+        origin: Some(origin),
+        notes: match city.broken {
+            0 => Vec::new(),
+            count => vec![format!("{count} elements reach beyond the extract and were drawn in part")],
+        },
+    })
+}
+
+/// The map in the making.
+struct City<'a> {
+    projection: Projection,
+    extract: &'a Extract,
+    settings: &'a Settings,
+    drawing: Drawing,
+    points: Vec<NamedPoint>,
+    /// Elements with members that the extract does not have.
+    broken: usize,
+}
+
+impl City<'_> {
+    fn add_ways(&mut self) -> Result<(), Fault> {
+        for way in &self.extract.ways {
+            let Some(rule) = self.settings.rules.of(&way.tags) else {
+                continue;
+            };
+            let closed = way.nodes.len() > 3 && way.nodes.first() == way.nodes.last();
+            if closed && is_area(rule, &way.tags) {
+                let ring = self.known(&way.nodes)?.concat();
+                self.drawing.area(vec![ring], rule);
+            } else {
+                for line in self.known(&way.nodes)? {
+                    self.drawing.line(line, rule.width_of(&way.tags), rule);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Areas with holes, or in several parts (<https://wiki.openstreetmap.org/wiki/Relation:multipolygon>).
+    fn add_relations(&mut self) -> Result<(), Fault> {
+        let extract = self.extract;
+        let areas = extract.relations.iter().filter(|relation| {
+            let kind = relation.tags.get("type").map(String::as_str);
+            kind == Some("multipolygon")
+        });
+        for relation in areas {
+            let Some(rule) = self.settings.rules.of(&relation.tags) else {
+                continue;
+            };
+            let members = relation.ways.iter().filter_map(|id| extract.way(*id));
+            let parts: Vec<&[i64]> = members.map(|way| &way.nodes[..]).collect();
+            let rings = rings::join(&parts);
+            if parts.len() < relation.ways.len() || rings.open > 0 {
+                self.broken += 1;
+            }
+            let rings = rings.closed.iter().map(|ring| Ok(self.known(ring)?.concat()));
+            let rings = rings.collect::<Result<_, Fault>>()?;
+            self.drawing.area(rings, rule);
+        }
+        Ok(())
+    }
+
+    fn add_nodes(&mut self) -> Result<(), Fault> {
+        for (id, tags) in &self.extract.spots {
+            let Some(place) = self.extract.nodes.get(id) else {
+                continue;
+            };
+            let at = self.projection.project(*place)?;
+            if let Some(rule) = self.settings.rules.of(tags) {
+                self.drawing.spot(at, rule);
+            }
+            if let Some(name) = tags.get("name") {
+                self.points.push(NamedPoint {
+                    name: name.clone(),
+                    pose: geometry::heading(at, 0.0),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// The points of a way, in pieces where the extract lacks nodes.
+    fn known(&mut self, nodes: &[i64]) -> Result<Vec<Vec<Point>>, Fault> {
+        let mut pieces = Vec::new();
+        for known in nodes.split(|id| !self.extract.nodes.contains_key(id)) {
+            let places = known.iter().filter_map(|id| self.extract.nodes.get(id));
+            let points = places.map(|place| self.projection.project(*place));
+            let points: Vec<Point> = points.collect::<Result<_, _>>()?;
+            if !points.is_empty() {
+                pieces.push(points);
+            }
+        }
+        if pieces.len() != 1 {
+            self.broken += 1;
+        }
+        Ok(pieces)
+    }
+
+    /// The box of the map: the projected corners of the extract's own; else of what is drawn.
+    fn frame(&self, low: LonLat, high: LonLat) -> Result<(Point, Point), Fault> {
+        if self.extract.bounds.is_none() {
+            return self.drawing.bounds().ok_or(Fault::Nothing);
+        }
+        let corner = |longitude, latitude| {
+            let place = LonLat {
+                longitude,
+                latitude,
+            };
+            self.projection.project(place)
+        };
+        let corners = [
+            corner(low.longitude, low.latitude)?,
+            corner(high.longitude, low.latitude)?,
+            corner(high.longitude, high.latitude)?,
+            corner(low.longitude, high.latitude)?,
+        ];
+        Ok(corners.iter().fold((corners[0], corners[0]), |(low, high), point| {
+            (low.inf(point), high.sup(point))
+        }))
+    }
+}
+
+/// Whether a closed way means what it encloses.
+fn is_area(rule: &Rule, tags: &Tags) -> bool {
+    match tags.get("area").map(String::as_str) {
+        Some("yes") => true,
+        Some("no") => false,
+        _ => rule.area,
+    }
+}

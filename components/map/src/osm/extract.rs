@@ -1,0 +1,83 @@
+//! The elements of an extract that matter to a map.
+
+use std::collections::HashMap;
+
+use crate::projection::checked;
+use crate::{Fault, LonLat, Rules, Tags};
+
+/// Tags that matter besides those of the rules.
+const ALWAYS: &[&str] = &["type", "area", "width", "name"];
+
+/// No extract has more nodes, ways and relations together: some hundred megabytes.
+const MOST: usize = 4_000_000;
+
+/// Nodes, ways and relations, without what no rule asks for.
+#[derive(Default)]
+pub struct Extract {
+    /// South-west and north-east corner, if the file says.
+    pub bounds: Option<(LonLat, LonLat)>,
+    /// Only looked up, never walked in an order that could be seen.
+    pub nodes: HashMap<i64, LonLat>,
+    /// Nodes with tags, in the order of the file.
+    pub spots: Vec<(i64, Tags)>,
+    /// In the order of the file.
+    pub ways: Vec<Way>,
+    /// In the order of the file.
+    pub relations: Vec<Relation>,
+    by_id: HashMap<i64, usize>,
+    elements: usize,
+}
+
+/// A line through nodes.
+pub struct Way {
+    pub id: i64,
+    pub nodes: Vec<i64>,
+    pub tags: Tags,
+}
+
+/// A group of elements; of its members only the ways matter.
+pub struct Relation {
+    pub ways: Vec<i64>,
+    pub tags: Tags,
+}
+
+impl Extract {
+    pub fn add_node(&mut self, id: i64, place: (f64, f64), tags: Tags) -> Result<(), Fault> {
+        self.count(1)?;
+        self.nodes.insert(id, checked(place.0, place.1)?);
+        if !tags.is_empty() {
+            self.spots.push((id, tags));
+        }
+        Ok(())
+    }
+
+    pub fn add_way(&mut self, way: Way) -> Result<(), Fault> {
+        self.count(1 + way.nodes.len() / 8)?;
+        self.by_id.insert(way.id, self.ways.len());
+        self.ways.push(way);
+        Ok(())
+    }
+
+    pub fn add_relation(&mut self, relation: Relation) -> Result<(), Fault> {
+        self.count(1 + relation.ways.len() / 8)?;
+        self.relations.push(relation);
+        Ok(())
+    }
+
+    pub fn way(&self, id: i64) -> Option<&Way> {
+        self.ways.get(*self.by_id.get(&id)?)
+    }
+
+    fn count(&mut self, more: usize) -> Result<(), Fault> {
+        self.elements += more;
+        if self.elements > MOST {
+            return Err(Fault::TooManyElements { limit: MOST });
+        }
+        Ok(())
+    }
+}
+
+/// Whether a tag is worth keeping.
+pub fn matters(rules: &Rules, key: &str) -> bool {
+    ALWAYS.contains(&key) || rules.know(key)
+}

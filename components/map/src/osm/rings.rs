@@ -1,0 +1,78 @@
+//! From the ways of a multipolygon to its rings: ways are joined where they end at the same node.
+
+use std::collections::HashMap;
+
+/// The rings of a multipolygon.
+pub struct Rings {
+    /// Each from a node back to the same node.
+    pub closed: Vec<Vec<i64>>,
+    /// How many chains did not close: the extract lacks a way.
+    pub open: usize,
+}
+
+/// Joins ways, each given by its nodes, until they close; in the order given, so that the result is always the same.
+pub fn join(ways: &[&[i64]]) -> Rings {
+    let mut at: HashMap<i64, Vec<usize>> = HashMap::new();
+    for (index, way) in ways.iter().enumerate() {
+        for end in way.first().into_iter().chain(way.last()) {
+            at.entry(*end).or_default().push(index);
+        }
+    }
+    let mut used = vec![false; ways.len()];
+    let mut rings = Rings {
+        closed: Vec::new(),
+        open: 0,
+    };
+    for index in 0..ways.len() {
+        if used[index] || ways[index].is_empty() {
+            continue;
+        }
+        used[index] = true;
+        let mut ring = ways[index].to_vec();
+        while let Some(next) = next(&ring, &at, &used) {
+            used[next] = true;
+            extend(&mut ring, ways[next]);
+        }
+        if ring.len() > 3 && ring.first() == ring.last() {
+            rings.closed.push(ring);
+        } else {
+            rings.open += 1;
+        }
+    }
+    rings
+}
+
+/// An unused way that goes on where the chain ends; none if the chain is closed.
+fn next(ring: &[i64], at: &HashMap<i64, Vec<usize>>, used: &[bool]) -> Option<usize> {
+    let (first, last) = (ring.first()?, ring.last()?);
+    if ring.len() > 1 && first == last {
+        return None;
+    }
+    at.get(last)?.iter().copied().find(|way| !used[*way])
+}
+
+fn extend(ring: &mut Vec<i64>, way: &[i64]) {
+    if ring.last() == way.first() {
+        ring.extend(way.iter().skip(1));
+    } else {
+        ring.extend(way.iter().rev().skip(1));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_joins_ways_whichever_way_they_run() {
+        let rings = join(&[&[1, 2, 3], &[5, 4, 3], &[5, 1], &[7, 8, 9, 7]]);
+        assert_eq!(rings.closed, [vec![1, 2, 3, 4, 5, 1], vec![7, 8, 9, 7]]);
+        assert_eq!(rings.open, 0);
+    }
+
+    #[test]
+    fn it_counts_what_does_not_close() {
+        let rings = join(&[&[1, 2, 3], &[3, 4], &[], &[9]]);
+        assert_eq!((rings.closed.len(), rings.open), (0, 2));
+    }
+}

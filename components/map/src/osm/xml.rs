@@ -1,0 +1,151 @@
+//! OSM XML (<https://wiki.openstreetmap.org/wiki/OSM_XML>).
+
+use quick_xml::Reader;
+use quick_xml::XmlVersion;
+use quick_xml::events::{BytesStart, Event};
+
+use super::extract::{Extract, Relation, Way, matters};
+use crate::format::Source;
+use crate::projection::checked;
+use crate::{Fault, MapError, Rules, Tags, Where};
+
+/// The elements of the file.
+pub fn read(source: &Source<'_>, rules: &Rules) -> Result<Extract, MapError> {
+    let text = source.text()?;
+    let mut reader = Reader::from_str(&text);
+    let mut parser = Parser {
+        rules,
+        extract: Extract::default(),
+        element: None,
+        seen_root: false,
+    };
+    loop {
+        let at = reader.buffer_position();
+        let wrong = |fault| source.error_at(Where::in_text(&text, at as usize), fault);
+        let event = reader.read_event().map_err(|error| {
+            let at = reader.error_position();
+            let what = error.to_string();
+            source.error_at(Where::in_text(&text, at as usize), Fault::Syntax { what })
+        })?;
+        match event {
+            Event::Start(tag) => parser.open(&tag).map_err(wrong)?,
+            Event::Empty(tag) => {
+                parser.open(&tag).map_err(wrong)?;
+                parser.close(tag.name().as_ref()).map_err(wrong)?;
+            }
+            Event::End(tag) => parser.close(tag.name().as_ref()).map_err(wrong)?,
+            Event::Eof => break,
+            _ => {}
+        }
+    }
+    if !parser.seen_root || parser.element.is_some() {
+        let what = "the file ends before `</osm>`, or has no `<osm>`".to_owned();
+        return Err(source.error(Fault::Syntax { what }));
+    }
+    Ok(parser.extract)
+}
+
+struct Parser<'a> {
+    rules: &'a Rules,
+    extract: Extract,
+    /// The element that is open; its tags and members come as children.
+    element: Option<Element>,
+    seen_root: bool,
+}
+
+enum Element {
+    Node { id: i64, place: (f64, f64), tags: Tags },
+    Way(Way),
+    Relation(Relation),
+}
+
+impl Parser<'_> {
+    fn open(&mut self, tag: &BytesStart<'_>) -> Result<(), Fault> {
+        match tag.name().as_ref() {
+            "osm" => self.seen_root = true,
+            "bounds" => {
+                let corner = |lon: &str, lat: &str| checked(number(tag, lon)?, number(tag, lat)?);
+                self.extract.bounds = Some((corner("minlon", "minlat")?, corner("maxlon", "maxlat")?));
+            }
+            "node" => {
+                self.element = Some(Element::Node {
+                    id: number(tag, "id")?,
+                    place: (number(tag, "lon")?, number(tag, "lat")?),
+                    tags: Tags::new(),
+                });
+            }
+            "way" => {
+                self.element = Some(Element::Way(Way {
+                    id: number(tag, "id")?,
+                    nodes: Vec::new(),
+                    tags: Tags::new(),
+                }));
+            }
+            "relation" => {
+                self.element = Some(Element::Relation(Relation {
+                    ways: Vec::new(),
+                    tags: Tags::new(),
+                }));
+            }
+            "tag" => self.tag(tag)?,
+            "nd" => {
+                if let Some(Element::Way(way)) = &mut self.element {
+                    way.nodes.push(number(tag, "ref")?);
+                }
+            }
+            "member" => {
+                if let Some(Element::Relation(relation)) = &mut self.element
+                    && attribute(tag, "type")? == "way"
+                {
+                    relation.ways.push(number(tag, "ref")?);
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn tag(&mut self, tag: &BytesStart<'_>) -> Result<(), Fault> {
+        let tags = match &mut self.element {
+            Some(Element::Node { tags, .. }) => tags,
+            Some(Element::Way(way)) => &mut way.tags,
+            Some(Element::Relation(relation)) => &mut relation.tags,
+            None => return Ok(()),
+        };
+        let key = attribute(tag, "k")?;
+        if matters(self.rules, &key) {
+            tags.insert(key, attribute(tag, "v")?);
+        }
+        Ok(())
+    }
+
+    fn close(&mut self, name: &str) -> Result<(), Fault> {
+        if !matches!(name, "node" | "way" | "relation") {
+            return Ok(());
+        }
+        match self.element.take() {
+            Some(Element::Node { id, place, tags }) => self.extract.add_node(id, place, tags),
+            Some(Element::Way(way)) => self.extract.add_way(way),
+            Some(Element::Relation(relation)) => self.extract.add_relation(relation),
+            None => Ok(()),
+        }
+    }
+}
+
+fn attribute(tag: &BytesStart<'_>, name: &str) -> Result<String, Fault> {
+    let wrong = |what: String| Fault::Syntax { what };
+    let found = tag.try_get_attribute(name).map_err(|error| wrong(error.to_string()))?;
+    let element = tag.name();
+    let found = found.ok_or_else(|| wrong(format!("`<{}>` has no attribute `{name}`", element.as_ref())))?;
+    let value = found.normalized_value(XmlVersion::Implicit1_0);
+    value.map(Into::into).map_err(|error| wrong(error.to_string()))
+}
+
+fn number<T: std::str::FromStr>(tag: &BytesStart<'_>, name: &str) -> Result<T, Fault> {
+    let text = attribute(tag, name)?;
+    text.parse().map_err(|_| Fault::Value {
+        key: name.to_owned(),
+        found: format!("`{text}`"),
+        expected: "a number",
+    })
+}

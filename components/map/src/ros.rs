@@ -1,0 +1,361 @@
+//! ROS maps: a YAML file that names an image (map_server's format, <https://docs.nav2.org/configuration/packages/map_server/configuring-map-server.html>).
+//!
+//! The image's lower left corner is the origin; darker is more occupied unless `negate` says otherwise.
+
+use std::io::Cursor;
+
+use geometry::{Grid, Layout, LayoutError, Occupancy, Point, heading};
+use image::{DynamicImage, GenericImageView, ImageFormat, ImageReader, Limits};
+use serde::Deserialize;
+
+use crate::drawing::fitting;
+use crate::format::{Format, Settings, Source};
+use crate::{Fault, Map, MapError, Where};
+
+/// The format.
+pub struct RosMap;
+
+impl Format for RosMap {
+    fn endings(&self) -> &'static [&'static str] {
+        &[".yaml", ".yml"]
+    }
+
+    fn load(&self, source: &Source<'_>, settings: &Settings) -> Result<Map, MapError> {
+        let about = parse(source)?;
+        let beside = source.beside(&about.image);
+        let image = decode(&beside, settings)?;
+        let grid = grid(&about, &image).map_err(|error| source.error(error.into()))?;
+        let fine = (grid.layout().width(), grid.layout().height());
+        fit(grid, settings)
+            .map(|grid| note(grid, fine))
+            .map_err(|fault| beside.error(fault))
+    }
+}
+
+/// What the YAML file says; keys map_server does not know are none of our business either.
+#[derive(Debug, Deserialize)]
+struct About {
+    image: String,
+    resolution: f64,
+    origin: Vec<f64>,
+    negate: Flag,
+    occupied_thresh: f64,
+    free_thresh: f64,
+    #[serde(default)]
+    mode: Mode,
+}
+
+/// map_server takes a number or a truth value.
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum Flag {
+    Truth(bool),
+    Number(i64),
+}
+
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Mode {
+    /// Occupied, free, and unknown between the thresholds.
+    #[default]
+    Trinary,
+    /// Between the thresholds the probability; transparent is unknown.
+    Scale,
+    /// The pixel's value is the cell's.
+    Raw,
+}
+
+fn parse(source: &Source<'_>) -> Result<About, MapError> {
+    let text = source.text()?;
+    let about: About = serde_saphyr::from_str(&text).map_err(|error| {
+        let at = error.location().map_or(Where::File, |location| Where::Line {
+            line: location.line(),
+            column: location.column(),
+        });
+        let what = error.without_snippet().to_string();
+        source.error_at(at, Fault::Syntax { what })
+    })?;
+    check(&about).map_err(|fault| source.error(fault))?;
+    Ok(about)
+}
+
+fn check(about: &About) -> Result<(), Fault> {
+    let value = |key: &str, found: String, expected| Fault::Value {
+        key: key.to_owned(),
+        found,
+        expected,
+    };
+    if about.origin.len() != 3 {
+        let found = format!("a list of {}", about.origin.len());
+        return Err(value("origin", found, "x, y (m) and yaw (rad)"));
+    }
+    let (free, occupied) = (about.free_thresh, about.occupied_thresh);
+    if !(0.0..=1.0).contains(&occupied) {
+        return Err(value("occupied_thresh", occupied.to_string(), "from 0 to 1"));
+    }
+    if !(0.0..=occupied).contains(&free) {
+        let expected = "from 0 to `occupied_thresh`";
+        return Err(value("free_thresh", free.to_string(), expected));
+    }
+    if about.image.is_empty() {
+        return Err(value("image", "empty".to_owned(), "the name of a file"));
+    }
+    Ok(())
+}
+
+/// The image, unless unpacking it would take more bytes than allowed.
+fn decode(source: &Source<'_>, settings: &Settings) -> Result<DynamicImage, MapError> {
+    let bytes = source.bytes()?;
+    let wrong = |error: image::ImageError| {
+        source.error(match error {
+            image::ImageError::Limits(_) => Fault::TooManyBytes {
+                limit: settings.max_bytes,
+            },
+            error => Fault::Syntax {
+                what: error.to_string(),
+            },
+        })
+    };
+    let reader = || {
+        let guessed = ImageReader::new(Cursor::new(&bytes)).with_guessed_format();
+        guessed.map_err(|error| wrong(image::ImageError::IoError(error)))
+    };
+    let (width, height) = reader()?.into_dimensions().map_err(wrong)?;
+    if u64::from(width) * u64::from(height) > settings.max_bytes {
+        return Err(source.error(Fault::TooManyBytes {
+            limit: settings.max_bytes,
+        }));
+    }
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(settings.max_bytes.saturating_mul(2));
+    let mut reader = reader()?;
+    reader.limits(limits);
+    reader.decode().map_err(wrong)
+}
+
+fn grid(about: &About, image: &DynamicImage) -> Result<Grid, LayoutError> {
+    let origin = match about.origin[..] {
+        [x, y, yaw] => heading(Point::new(x, y), yaw),
+        _ => heading(Point::origin(), 0.0),
+    };
+    let layout = Layout::new(about.resolution, image.width(), image.height(), origin)?;
+    let mut cells = Vec::with_capacity(layout.len());
+    let transparent = image.color().has_alpha();
+    for row in (0..image.height()).rev() {
+        for column in 0..image.width() {
+            let [red, green, blue, alpha] = image.get_pixel(column, row).0;
+            let pixel = Pixel {
+                colour: [red, green, blue],
+                alpha: transparent.then_some(alpha),
+            };
+            cells.push(about.cell(&pixel));
+        }
+    }
+    Grid::with_cells(layout, cells)
+}
+
+struct Pixel {
+    colour: [u8; 3],
+    /// 255 is opaque; none if the image has no such channel.
+    alpha: Option<u8>,
+}
+
+impl Pixel {
+    /// How bright, 0 to 1: the mean of the channels.
+    fn shade(&self, with_alpha: bool) -> f64 {
+        let colour: u32 = self.colour.iter().copied().map(u32::from).sum();
+        match self.alpha {
+            Some(alpha) if with_alpha => f64::from(colour + u32::from(alpha)) / (4.0 * 255.0),
+            _ => f64::from(colour) / (3.0 * 255.0),
+        }
+    }
+}
+
+impl About {
+    fn negates(&self) -> bool {
+        match self.negate {
+            Flag::Truth(truth) => truth,
+            Flag::Number(number) => number != 0,
+        }
+    }
+
+    /// A pixel's cell value, as nav2's map_server computes it (map_io.cpp, `loadMapFromFile`).
+    fn cell(&self, pixel: &Pixel) -> i8 {
+        let trinary = matches!(self.mode, Mode::Trinary);
+        let shade = pixel.shade(trinary);
+        let occupied = if self.negates() { shade } else { 1.0 - shade };
+        let certain = if self.occupied_thresh < occupied {
+            Some(Occupancy::Occupied)
+        } else if occupied < self.free_thresh {
+            Some(Occupancy::Free)
+        } else {
+            None
+        };
+        match self.mode {
+            Mode::Trinary => certain.unwrap_or(Occupancy::Unknown).value(),
+            Mode::Scale if pixel.alpha.is_some_and(|alpha| alpha < 255) => geometry::UNKNOWN,
+            Mode::Scale => certain.map_or_else(|| self.between(occupied), Occupancy::value),
+            Mode::Raw => match (shade * 255.0).round() as i64 {
+                raw @ 0..=100 => raw as i8,
+                _ => geometry::UNKNOWN,
+            },
+        }
+    }
+
+    /// Percent of the way from the free to the occupied threshold.
+    fn between(&self, occupied: f64) -> i8 {
+        let way = (self.occupied_thresh - self.free_thresh).max(f64::MIN_POSITIVE);
+        let percent = (occupied - self.free_thresh) / way * 100.0;
+        percent.round_ties_even().clamp(0.0, 100.0) as i8
+    }
+}
+
+/// The grid as coarse as the settings want it, and no larger than they allow.
+fn fit(grid: Grid, settings: &Settings) -> Result<Grid, Fault> {
+    let fine = *grid.layout();
+    let wanted = settings.resolution.unwrap_or(0.0);
+    let factor = (wanted / fine.resolution() - 1e-6).ceil().clamp(1.0, 1e6) as u32;
+    let grid = if factor > 1 { grid.coarsened(factor)? } else { grid };
+    let layout = grid.layout();
+    if layout.len() as u64 > settings.max_cells {
+        let (width, height) = (f64::from(fine.width()), f64::from(fine.height()));
+        let metres = fine.resolution();
+        return Err(Fault::TooLarge {
+            width: f64::from(layout.width()),
+            height: f64::from(layout.height()),
+            resolution: layout.resolution(),
+            limit: settings.max_cells,
+            fits: fitting(width * metres, height * metres, settings.max_cells),
+        });
+    }
+    Ok(grid)
+}
+
+fn note(grid: Grid, fine: (u32, u32)) -> Map {
+    let (width, height) = (grid.layout().width(), grid.layout().height());
+    let mut map = Map::of(grid);
+    if (width, height) != fine {
+        let (from_width, from_height) = fine;
+        map.notes.push(format!(
+            "made coarser: {from_width} × {from_height} cells became {width} × {height}"
+        ));
+    }
+    map
+}
+
+/// A grid as map_saver writes it: the text of the YAML file that names `image`, and the bytes of that image (PNG).
+/// Cells become occupied, free or unknown.
+pub fn save(grid: &Grid, image: &str) -> Result<(String, Vec<u8>), Fault> {
+    let layout = grid.layout();
+    let origin = layout.origin();
+    let yaml = format!(
+        "image: {image}\nmode: trinary\nresolution: {}\norigin: [{}, {}, {}]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
+        layout.resolution(),
+        origin.translation.x,
+        origin.translation.y,
+        geometry::yaw(origin),
+    );
+    let width = layout.width().max(1) as usize;
+    let rows = grid.cells().chunks(width).rev().flatten();
+    // map_server's shades: with the thresholds above they read back as what they were
+    let shades = rows.map(|value| match Occupancy::of(*value) {
+        Occupancy::Occupied => 0,
+        Occupancy::Unknown => 205,
+        Occupancy::Free => 254,
+    });
+    let wrong = |what: String| Fault::Syntax { what };
+    let picture = image::GrayImage::from_raw(layout.width(), layout.height(), shades.collect());
+    let picture = picture.ok_or_else(|| wrong("the grid has no cells".to_owned()))?;
+    let mut bytes = Cursor::new(Vec::new());
+    picture
+        .write_to(&mut bytes, ImageFormat::Png)
+        .map_err(|error| wrong(error.to_string()))?;
+    Ok((yaml, bytes.into_inner()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Memory, load};
+
+    /// A map of one row of pixels, each of one brightness.
+    fn cells(shades: &[u8], more: &str) -> Vec<i8> {
+        let mut pgm = format!("P5 {} 1 255\n", shades.len()).into_bytes();
+        pgm.extend_from_slice(shades);
+        let yaml = format!("image: row.pgm\nresolution: 0.1\norigin: [0, 0, 0]\n{more}");
+        let files = Memory::new([("m/row.yaml", yaml.into_bytes()), ("m/row.pgm", pgm)]);
+        load(&files, "m/row.yaml", &Settings::default()).unwrap().grid.cells().to_vec()
+    }
+
+    #[test]
+    fn it_reads_three_values() {
+        let shades = [0, 80, 100, 205, 210, 254];
+        let thresholds = "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+        assert_eq!(cells(&shades, thresholds), [100, 100, -1, -1, 0, 0]);
+    }
+
+    #[test]
+    fn it_reads_the_negative() {
+        let thresholds = "negate: true\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+        assert_eq!(cells(&[0, 100, 255], thresholds), [0, -1, 100]);
+    }
+
+    #[test]
+    fn it_reads_probabilities() {
+        let scale = "negate: 0\nmode: scale\noccupied_thresh: 0.9\nfree_thresh: 0.1\n";
+        assert_eq!(cells(&[0, 128, 255], scale), [100, 50, 0]);
+    }
+
+    #[test]
+    fn it_reads_raw_values() {
+        let raw = "negate: 0\nmode: raw\noccupied_thresh: 0.9\nfree_thresh: 0.1\n";
+        assert_eq!(cells(&[0, 42, 100, 101, 255], raw), [0, 42, 100, -1, -1]);
+    }
+
+    #[test]
+    fn it_takes_transparency_for_the_unknown_when_it_scales() {
+        let mut png = Cursor::new(Vec::new());
+        let pixels = vec![0, 0, 0, 255, 0, 0, 0, 10];
+        image::RgbaImage::from_raw(2, 1, pixels).unwrap().write_to(&mut png, ImageFormat::Png).unwrap();
+        let yaml = "image: a.png\nresolution: 1\norigin: [0, 0, 0]\nmode: scale\nnegate: 0\noccupied_thresh: 0.9\nfree_thresh: 0.1\n";
+        let files = Memory::new([("a.yaml", yaml.as_bytes().to_vec()), ("a.png", png.into_inner())]);
+        let map = load(&files, "a.yaml", &Settings::default()).unwrap();
+        assert_eq!(map.grid.cells(), [100, -1]);
+    }
+
+    #[test]
+    fn it_lies_as_its_origin_says() {
+        let yaml = "image: a.pgm\nresolution: 0.5\norigin: [-1, 2, 1.5707963]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+        let pgm = b"P2 2 2 255\n0 254\n254 254\n".to_vec();
+        let files = Memory::new([("a.yaml", yaml.as_bytes().to_vec()), ("a.pgm", pgm)]);
+        let map = load(&files, "a.yaml", &Settings::default()).unwrap();
+        // the upper left pixel is cell (0, 1), a quarter turned about the origin
+        assert_eq!(map.grid.occupancy(Point::new(-1.75, 2.25)), Occupancy::Occupied);
+        assert_eq!(map.grid.occupancy(Point::new(-1.25, 2.25)), Occupancy::Free);
+    }
+
+    #[test]
+    fn it_reads_what_it_wrote() {
+        let layout = Layout::new(0.05, 3, 2, heading(Point::new(-1.5, 0.25), 0.5)).unwrap();
+        let grid = Grid::with_cells(layout, vec![0, 100, -1, -1, 0, 100]).unwrap();
+        let (yaml, png) = save(&grid, "a.png").unwrap();
+        let files = Memory::new([("a.yaml", yaml.into_bytes()), ("a.png", png)]);
+        assert_eq!(load(&files, "a.yaml", &Settings::default()).unwrap().grid, grid);
+    }
+
+    #[test]
+    fn it_says_what_is_wrong_and_where() {
+        let error = |yaml: &str| {
+            let files = Memory::new([("m.yaml", yaml)]);
+            load(&files, "m.yaml", &Settings::default()).unwrap_err().to_string()
+        };
+        let head = "image: m.png\nresolution: 0.1\n";
+        let tail = "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+        assert!(error(&format!("{head}{tail}")).contains("origin"));
+        assert!(error(&format!("{head}origin: [0, 0]\n{tail}")).contains("x, y (m) and yaw (rad)"));
+        assert!(error("image: [").starts_with("m.yaml:1:"));
+        let missing = error(&format!("{head}origin: [0, 0, 0]\n{tail}"));
+        assert_eq!(missing, "m.png: there is no such file");
+        assert!(error(&format!("{head}origin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.2\nfree_thresh: 0.5")).contains("`free_thresh` is 0.5"));
+    }
+}

@@ -1,0 +1,206 @@
+//! `geometry_msgs`: points, poses, velocities.
+
+use crate::Header;
+
+datum::message! {
+    /// A free vector; the unit is the user's.
+    #[derive(Copy)]
+    pub struct Vector3 = "geometry_msgs/Vector3" {
+        /// Forward.
+        pub x: f64,
+        /// Left.
+        pub y: f64,
+        /// Up.
+        pub z: f64,
+    }
+}
+
+datum::message! {
+    /// A position, metres.
+    #[derive(Copy)]
+    pub struct Point = "geometry_msgs/Point" {
+        /// m, forward.
+        pub x: f64,
+        /// m, left.
+        pub y: f64,
+        /// m, up.
+        pub z: f64,
+    }
+}
+
+datum::message! {
+    /// An orientation as a unit quaternion.
+    #[derive(Copy)]
+    pub struct Quaternion = "geometry_msgs/Quaternion" {
+        /// Sine of half the angle times the axis' x.
+        pub x: f64,
+        /// Sine of half the angle times the axis' y.
+        pub y: f64,
+        /// Sine of half the angle times the axis' z.
+        pub z: f64,
+        /// Cosine of half the angle; 1 unless said otherwise, as in ROS 2: no turn.
+        pub w: f64 = 1.0,
+    }
+}
+
+datum::message! {
+    /// Where and how turned.
+    #[derive(Copy)]
+    pub struct Pose = "geometry_msgs/Pose" {
+        /// m.
+        pub position: Point,
+        /// Turn from the frame's axes to the body's.
+        pub orientation: Quaternion,
+    }
+}
+
+datum::message! {
+    /// A pose with its time and frame.
+    pub struct PoseStamped = "geometry_msgs/PoseStamped" {
+        /// When, and in which frame.
+        pub header: Header,
+        /// The pose.
+        pub pose: Pose,
+    }
+}
+
+datum::message! {
+    /// A pose with its uncertainty.
+    pub struct PoseWithCovariance = "geometry_msgs/PoseWithCovariance" {
+        /// The estimate.
+        pub pose: Pose,
+        /// Row-major 6×6 over (x, y, z, roll, pitch, yaw); m², m·rad, rad².
+        pub covariance: [f64; 36],
+    }
+}
+
+datum::message! {
+    /// A velocity, in the body's own frame where it stands in a command or an odometry.
+    #[derive(Copy)]
+    pub struct Twist = "geometry_msgs/Twist" {
+        /// m/s.
+        pub linear: Vector3,
+        /// rad/s.
+        pub angular: Vector3,
+    }
+}
+
+datum::message! {
+    /// A velocity with its time and frame.
+    pub struct TwistStamped = "geometry_msgs/TwistStamped" {
+        /// When, and in which frame.
+        pub header: Header,
+        /// The velocity.
+        pub twist: Twist,
+    }
+}
+
+datum::message! {
+    /// A velocity with its uncertainty.
+    pub struct TwistWithCovariance = "geometry_msgs/TwistWithCovariance" {
+        /// The estimate.
+        pub twist: Twist,
+        /// Row-major 6×6 over (x, y, z, roll, pitch, yaw); (m/s)², …, (rad/s)².
+        pub covariance: [f64; 36],
+    }
+}
+
+datum::message! {
+    /// From one frame to another.
+    #[derive(Copy)]
+    pub struct Transform = "geometry_msgs/Transform" {
+        /// m.
+        pub translation: Vector3,
+        /// Turn.
+        pub rotation: Quaternion,
+    }
+}
+
+datum::message! {
+    /// Where the frame `child_frame_id` lies in the frame of the header.
+    pub struct TransformStamped = "geometry_msgs/TransformStamped" {
+        /// When, and the parent frame.
+        pub header: Header,
+        /// The frame that is placed.
+        pub child_frame_id: String,
+        /// Its place.
+        pub transform: Transform,
+    }
+}
+
+impl Point {
+    /// A point of the ground plane, m.
+    pub fn planar(x: f64, y: f64) -> Self {
+        Self { x, y, z: 0.0 }
+    }
+}
+
+impl Quaternion {
+    /// A turn by `yaw` radians about the vertical, counter-clockwise.
+    pub fn from_yaw(yaw: f64) -> Self {
+        let (sin, cos) = (yaw / 2.0).sin_cos();
+        Self {
+            x: 0.0,
+            y: 0.0,
+            z: sin,
+            w: cos,
+        }
+    }
+
+    /// The turn about the vertical, radians in `-π..=π`; 0 for the all-zero quaternion.
+    pub fn yaw(&self) -> f64 {
+        let Self { x, y, z, w } = self;
+        (2.0 * (w * z + x * y)).atan2(w * w + x * x - y * y - z * z)
+    }
+}
+
+impl Pose {
+    /// A pose in the ground plane: metres, radians counter-clockwise.
+    pub fn planar(x: f64, y: f64, yaw: f64) -> Self {
+        Self {
+            position: Point::planar(x, y),
+            orientation: Quaternion::from_yaw(yaw),
+        }
+    }
+}
+
+impl Twist {
+    /// The velocity of a body in the plane that does not slide sideways: `speed` m/s forward, `turn` rad/s.
+    pub fn planar(speed: f64, turn: f64) -> Self {
+        Self {
+            linear: Vector3 {
+                x: speed,
+                y: 0.0,
+                z: 0.0,
+            },
+            angular: Vector3 {
+                x: 0.0,
+                y: 0.0,
+                z: turn,
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn a_turn_about_the_vertical_survives_the_quaternion() {
+        for yaw in [0.0, 1.0, -2.5, PI, 3.0] {
+            assert!((Quaternion::from_yaw(yaw).yaw() - yaw).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn its_yaw_does_not_mind_tilt_or_length() {
+        let tilted = Quaternion { x: 0.1, y: 0.0, z: 0.0, w: 0.995 };
+        assert!(tilted.yaw().abs() < 1e-12);
+        let long = Quaternion { x: 0.0, y: 0.0, z: 2.0, w: 2.0 };
+        assert!((long.yaw() - PI / 2.0).abs() < 1e-12);
+        let none = Quaternion { x: 0.0, y: 0.0, z: 0.0, w: 0.0 };
+        assert_eq!(none.yaw(), 0.0);
+    }
+}

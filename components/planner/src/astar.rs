@@ -1,0 +1,115 @@
+//! The grid planner: costs, search, shortcuts.
+
+use geometry::{Cell, Grid, Occupancy, Point, Polyline, Pose, heading, yaw};
+
+use crate::costs::{Costs, TIGHT, WALL};
+use crate::search::Search;
+use crate::smooth::{Knot, smooth};
+use crate::{Blocked, End, NoPath, Plan, Planner, Settings};
+
+/// A* over the inflated grid, then straight lines where they cost no more.
+///
+/// A robot that stands nearer to an obstacle than the inflation may leave, the shortest way out first; nothing else
+/// comes that near.
+pub struct AStar {
+    settings: Settings,
+    costs: Costs,
+    search: Search,
+    way: Vec<(usize, u32)>,
+    knots: Vec<Knot>,
+}
+
+impl AStar {
+    /// A planner for a robot with these needs.
+    pub fn new(settings: &Settings) -> Self {
+        Self {
+            settings: settings.clone(),
+            costs: Costs::default(),
+            search: Search::new(),
+            way: Vec::new(),
+            knots: Vec::new(),
+        }
+    }
+
+    /// The cell of an end, or why the robot cannot be there.
+    fn end(&self, grid: &Grid, end: End, at: Point) -> Result<Cell, NoPath> {
+        let outside = NoPath::Outside { end, at };
+        let cell = grid.layout().cell(at).ok_or(outside)?;
+        match self.blocked(grid, cell, end) {
+            None => Ok(cell),
+            Some(why) => Err(match end {
+                End::Start => NoPath::StartOccupied { at, why },
+                End::Goal => NoPath::GoalOccupied { at, why },
+            }),
+        }
+    }
+
+    fn blocked(&self, grid: &Grid, cell: Cell, end: End) -> Option<Blocked> {
+        match (self.costs.at(self.costs.index(cell)), end) {
+            (WALL, _) => {
+                let occupied = grid.get(cell).map(Occupancy::of) == Some(Occupancy::Occupied);
+                Some(if occupied {
+                    Blocked::Occupied
+                } else {
+                    Blocked::Unknown
+                })
+            }
+            (TIGHT, End::Goal) => Some(Blocked::Near {
+                distance: self.costs.clearance(cell),
+                inflation: self.settings.inflation,
+            }),
+            _ => None,
+        }
+    }
+
+    /// The way that was found as points: the ends where they were asked for, between them the centres of the cells.
+    fn tie(&mut self, grid: &Grid, start: Point, goal: Point) {
+        let layout = grid.layout();
+        let centres = self.way.iter().map(|(cell, cost)| Knot {
+            point: layout.centre(self.costs.cell(*cell)),
+            cell: *cell,
+            cost: *cost,
+        });
+        self.knots.clear();
+        self.knots.extend(centres);
+        if let [only] = self.knots[..] {
+            self.knots.push(only);
+        }
+        if let [first, .., last] = &mut self.knots[..] {
+            first.point = start;
+            last.point = goal;
+        }
+    }
+}
+
+impl Planner for AStar {
+    fn plan(&mut self, grid: &Grid, start: &Pose, goal: &Pose) -> Result<Plan, NoPath> {
+        self.costs.update(grid, &self.settings);
+        let (from, to) = (place(start), place(goal));
+        let first = self.end(grid, End::Start, from)?;
+        let last = self.end(grid, End::Goal, to)?;
+        let (first, last) = (self.costs.index(first), self.costs.index(last));
+        let found = self.search.run(&self.costs, first, last);
+        let explored = found.explored;
+        if !found.reached {
+            return Err(NoPath::Unreachable { explored });
+        }
+        self.search.way(&self.costs, last, &mut self.way);
+        self.tie(grid, from, to);
+        smooth(grid.layout(), &self.costs, &mut self.knots);
+        let line = Polyline::new(self.knots.iter().map(|knot| knot.point));
+        let mut poses = line.resampled(self.settings.step);
+        if let Some(end) = poses.last_mut() {
+            *end = heading(to, yaw(goal));
+        }
+        Ok(Plan {
+            poses,
+            length: line.length(),
+            explored,
+        })
+    }
+}
+
+fn place(pose: &Pose) -> Point {
+    Point::from(pose.translation.vector)
+}

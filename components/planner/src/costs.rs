@@ -1,0 +1,154 @@
+//! What it costs to enter each cell: more near obstacles, and nothing one could pay for a wall.
+
+use geometry::{Cell, Distances, Grid, Layout, Occupancy};
+
+use crate::Settings;
+
+/// The cost of one cell's side in the open; costs are whole numbers, so that sums do not depend on their order.
+pub const BASE: u32 = 128;
+/// The cost of one cell's diagonal in the open: √2 · [`BASE`].
+pub const DIAGONAL: u32 = 181;
+/// No cell costs more than this.
+pub const MOST: u32 = 24 * BASE;
+/// Nearer to an obstacle than the inflation: a robot that is here may leave, dearly, but none may come.
+pub const TIGHT: u32 = MOST;
+/// Here nobody passes.
+pub const WALL: u32 = 0;
+/// The largest wish for room that still costs less than being too near.
+const MOST_WEIGHT: f64 = 20.0;
+
+/// The costs of a grid's cells, with a rim of walls around them so that no neighbour needs a look at the border.
+#[derive(Default)]
+pub struct Costs {
+    /// What the costs were computed from, to see whether they still hold.
+    grid: Option<Grid>,
+    distances: Option<Distances>,
+    cells: Vec<u16>,
+    stride: usize,
+}
+
+impl Costs {
+    /// Computes the costs, unless the grid is the one they were computed for last.
+    pub fn update(&mut self, grid: &Grid, settings: &Settings) {
+        if self.grid.as_ref() == Some(grid) {
+            return;
+        }
+        let distances = match self.distances.take() {
+            Some(mut distances) => {
+                distances.compute(grid, |value| Occupancy::of(value) == Occupancy::Occupied);
+                distances
+            }
+            None => Distances::to_occupied(grid),
+        };
+        self.fill(grid, &distances, settings);
+        self.distances = Some(distances);
+        match &mut self.grid {
+            Some(kept) => kept.clone_from(grid),
+            None => self.grid = Some(grid.clone()),
+        }
+    }
+
+    /// From one row to the next.
+    pub fn stride(&self) -> usize {
+        self.stride
+    }
+
+    /// How many cells there are with the rim.
+    pub fn len(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// What entering a cell costs; the index is that of [`Costs::index`].
+    pub fn at(&self, index: usize) -> u32 {
+        self.cells.get(index).map_or(WALL, |cost| u32::from(*cost))
+    }
+
+    /// Where a cell's cost stands.
+    pub fn index(&self, cell: Cell) -> usize {
+        (cell.row as usize + 1) * self.stride + cell.column as usize + 1
+    }
+
+    /// The cell whose cost stands at an index that is not on the rim.
+    pub fn cell(&self, index: usize) -> Cell {
+        let stride = self.stride.max(1);
+        Cell::new(
+            (index % stride).saturating_sub(1) as u32,
+            (index / stride).saturating_sub(1) as u32,
+        )
+    }
+
+    /// How far a cell is from the nearest obstacle, m.
+    pub fn clearance(&self, cell: Cell) -> f64 {
+        let distances = self.distances.as_ref();
+        distances
+            .and_then(|distances| distances.metres(cell))
+            .unwrap_or(f64::INFINITY)
+    }
+
+    fn fill(&mut self, grid: &Grid, distances: &Distances, settings: &Settings) {
+        let layout = grid.layout();
+        let (width, height) = (layout.width() as usize, layout.height() as usize);
+        self.stride = width + 2;
+        self.cells.clear();
+        self.cells.resize(self.stride * (height + 2), WALL as u16);
+        let price = Price::new(layout, distances, settings);
+        let inner = self.cells.chunks_mut(self.stride).skip(1);
+        for (row, costs) in inner.take(height).enumerate() {
+            let known = row * width..(row + 1) * width;
+            let values = grid.cells()[known.clone()].iter();
+            let near = distances.squared()[known].iter();
+            for (cost, (value, squared)) in costs[1..].iter_mut().zip(values.zip(near)) {
+                *cost = price.of(*value, *squared) as u16;
+            }
+        }
+    }
+}
+
+/// From a cell's value and its distance to what it costs.
+struct Price {
+    /// Squared cells: up to here it is too near.
+    tight: u32,
+    /// Squared cells: up to here room is wished for.
+    close: u32,
+    /// m.
+    resolution: f64,
+    inflation: f64,
+    comfort: f64,
+    weight: f64,
+    unknown: u32,
+}
+
+impl Price {
+    fn new(layout: &Layout, distances: &Distances, settings: &Settings) -> Self {
+        let comfort = settings.comfort.max(0.0);
+        Self {
+            tight: distances.limit(settings.inflation),
+            close: distances.limit(settings.inflation + comfort),
+            resolution: layout.resolution(),
+            inflation: settings.inflation,
+            comfort,
+            weight: settings.clearance_weight.clamp(0.0, MOST_WEIGHT),
+            unknown: if settings.allow_unknown { BASE } else { WALL },
+        }
+    }
+
+    fn of(&self, value: i8, squared: u32) -> u32 {
+        match Occupancy::of(value) {
+            Occupancy::Occupied => WALL,
+            Occupancy::Unknown if self.unknown == WALL => WALL,
+            Occupancy::Unknown | Occupancy::Free => self.open(squared),
+        }
+    }
+
+    fn open(&self, squared: u32) -> u32 {
+        if squared <= self.tight {
+            return TIGHT;
+        }
+        if squared > self.close {
+            return BASE;
+        }
+        let distance = f64::from(squared).sqrt() * self.resolution;
+        let wish = (1.0 - (distance - self.inflation) / self.comfort).clamp(0.0, 1.0);
+        BASE + (f64::from(BASE) * self.weight * wish * wish).round() as u32
+    }
+}

@@ -1,0 +1,14 @@
+//! From here to there without touching anything: planners on occupancy grids, and the component that serves them.
+//!
+//! Metres and radians in the frame of the map (REP-103, REP-105).
+
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
+mod astar;
+mod costs;
+mod planner;
+mod search;
+mod smooth;
+
+pub use astar::AStar;
+pub use planner::{Blocked, End, Make, NoPath, PLANNERS, Plan, Planner, Settings, planner};

@@ -1,0 +1,170 @@
+//! The seam: what a planner is asked and what it answers, and the table of planners.
+
+use geometry::{Grid, Point, Pose};
+
+use crate::AStar;
+
+/// Finds a path, or says why there is none. Asked again when the map changes.
+pub trait Planner: Send {
+    /// A path for a round robot from `start` to `goal`, both in the map frame of `grid`.
+    ///
+    /// The same question gets the same answer, whatever was asked before.
+    fn plan(&mut self, grid: &Grid, start: &Pose, goal: &Pose) -> Result<Plan, NoPath>;
+}
+
+/// Makes a planner with the given settings.
+pub type Make = fn(&Settings) -> Box<dyn Planner>;
+
+/// Every planner by its name.
+pub const PLANNERS: &[(&str, Make)] = &[("astar", |settings| Box::new(AStar::new(settings)))];
+
+/// The planner called `name`; none if no row of [`PLANNERS`] is.
+pub fn planner(name: &str, settings: &Settings) -> Option<Box<dyn Planner>> {
+    let row = PLANNERS.iter().find(|(known, _)| *known == name)?;
+    Some((row.1)(settings))
+}
+
+/// What the robot needs and likes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// No point of the path comes nearer to an occupied cell than this, m: the robot's radius and a margin.
+    pub inflation: f64,
+    /// Beyond the inflation the robot likes this much more room, m.
+    pub comfort: f64,
+    /// How much longer a way may be for having that room: cost grows up to `1 + clearance_weight` times the length.
+    pub clearance_weight: f64,
+    /// Poses of the path are at most this far apart, m.
+    pub step: f64,
+    /// Whether the path may cross cells nobody has seen.
+    pub allow_unknown: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            inflation: 0.3,
+            comfort: 0.5,
+            clearance_weight: 2.0,
+            step: 0.1,
+            allow_unknown: false,
+        }
+    }
+}
+
+impl Settings {
+    /// The shortest way that is allowed, with no wish for room.
+    pub fn shortest(self) -> Self {
+        Self {
+            clearance_weight: 0.0,
+            ..self
+        }
+    }
+}
+
+/// A path that was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// From the start's position, looking along the way, to the goal with the goal's own yaw.
+    pub poses: Vec<Pose>,
+    /// Along the poses, m.
+    pub length: f64,
+    /// How many cells the search settled.
+    pub explored: usize,
+}
+
+/// One end of the path that was asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// Where the robot is.
+    Start,
+    /// Where it shall be.
+    Goal,
+}
+
+impl std::fmt::Display for End {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Start => "start",
+            Self::Goal => "goal",
+        })
+    }
+}
+
+/// Why there is no path.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoPath {
+    /// An end lies outside the map.
+    #[error("the {end} ({x:.2}, {y:.2}) m lies outside the map", x = at.x, y = at.y)]
+    Outside {
+        /// Which end.
+        end: End,
+        /// Where, map frame, m.
+        at: Point,
+    },
+    /// The robot stands in an occupied or unknown cell.
+    #[error("the start ({x:.2}, {y:.2}) m is {why}", x = at.x, y = at.y)]
+    StartOccupied {
+        /// Where, map frame, m.
+        at: Point,
+        /// What is wrong there.
+        why: Blocked,
+    },
+    /// The robot cannot stand at the goal.
+    #[error("the goal ({x:.2}, {y:.2}) m is {why}", x = at.x, y = at.y)]
+    GoalOccupied {
+        /// Where, map frame, m.
+        at: Point,
+        /// What is wrong there.
+        why: Blocked,
+    },
+    /// Everything that can be reached was searched, and the goal is not part of it.
+    #[error("no way leads from the start to the goal ({explored} cells searched)")]
+    Unreachable {
+        /// How many cells the search settled.
+        explored: usize,
+    },
+}
+
+/// Why a robot cannot stand in a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Blocked {
+    /// Something stands there.
+    Occupied,
+    /// Nobody has seen it.
+    Unknown,
+    /// Something stands too near.
+    Near {
+        /// How near, m.
+        distance: f64,
+        /// How far it would have to be, m.
+        inflation: f64,
+    },
+}
+
+impl std::fmt::Display for Blocked {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Occupied => f.write_str("occupied"),
+            Self::Unknown => f.write_str("unknown; `allow_unknown` would let the robot go there"),
+            Self::Near {
+                distance,
+                inflation,
+            } => write!(
+                f,
+                "{distance:.2} m from an obstacle, nearer than `inflation_m` = {inflation:.2}"
+            ),
+        }
+    }
+}
+
+impl NoPath {
+    /// The fault code of the planning service.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::Outside { .. } => "OUTSIDE",
+            Self::StartOccupied { .. } => "START_OCCUPIED",
+            Self::GoalOccupied { .. } => "GOAL_OCCUPIED",
+            Self::Unreachable { .. } => "NO_PATH",
+        }
+    }
+}

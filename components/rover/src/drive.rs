@@ -1,0 +1,166 @@
+//! The differential drive: body velocity to wheel speeds and back, and what the motors can do.
+
+use messages::WheelSpeeds;
+
+/// The two driven wheels of a rover.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drive {
+    /// m, of a wheel.
+    pub wheel_radius: f64,
+    /// m, between the two wheels' contact points.
+    pub track: f64,
+}
+
+/// The velocity of a body that rolls without sliding sideways.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Velocity {
+    /// m/s forward.
+    pub speed: f64,
+    /// rad/s counter-clockwise.
+    pub turn: f64,
+}
+
+/// What the rover may do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// m/s, forward and backward.
+    pub speed: f64,
+    /// rad/s, either way.
+    pub turn: f64,
+    /// m/s².
+    pub acceleration: f64,
+    /// rad/s².
+    pub turn_acceleration: f64,
+    /// rad/s, of either wheel.
+    pub wheel_speed: f64,
+}
+
+impl Drive {
+    /// How fast the wheels turn while the body moves with `velocity`.
+    pub fn wheels(&self, velocity: Velocity) -> WheelSpeeds {
+        let rim = velocity.turn * self.track / 2.0;
+        WheelSpeeds {
+            left: (velocity.speed - rim) / self.wheel_radius,
+            right: (velocity.speed + rim) / self.wheel_radius,
+        }
+    }
+
+    /// How the body moves while the wheels turn with `left` and `right` rad/s. Works for angles as for speeds:
+    /// rad in gives metres and radians out.
+    pub fn body(&self, left: f64, right: f64) -> Velocity {
+        Velocity {
+            speed: (left + right) / 2.0 * self.wheel_radius,
+            turn: (right - left) / self.track * self.wheel_radius,
+        }
+    }
+}
+
+impl Limits {
+    /// The velocity to drive for the next `dt` seconds on the way from `current` to `wanted`.
+    ///
+    /// A command beyond the speed limits is scaled as a whole, so that the robot follows the commanded curve more
+    /// slowly instead of another curve.
+    pub fn toward(&self, drive: &Drive, current: Velocity, wanted: Velocity, dt: f64) -> Velocity {
+        let wanted = self.on_the_same_curve(drive, wanted);
+        Velocity {
+            speed: step(current.speed, wanted.speed, self.acceleration * dt),
+            turn: step(current.turn, wanted.turn, self.turn_acceleration * dt),
+        }
+    }
+
+    fn on_the_same_curve(&self, drive: &Drive, wanted: Velocity) -> Velocity {
+        if !(wanted.speed.is_finite() && wanted.turn.is_finite()) {
+            return Velocity::default(); // a command that is no number is no command
+        }
+        let wheels = drive.wheels(wanted);
+        let scale = [
+            (wanted.speed, self.speed),
+            (wanted.turn, self.turn),
+            (wheels.left, self.wheel_speed),
+            (wheels.right, self.wheel_speed),
+        ]
+        .into_iter()
+        .filter(|(value, limit)| value.abs() > *limit)
+        .map(|(value, limit)| limit / value.abs())
+        .fold(1.0, f64::min);
+        Velocity {
+            speed: wanted.speed * scale,
+            turn: wanted.turn * scale,
+        }
+    }
+}
+
+/// From `current` towards `wanted` by at most `most`.
+fn step(current: f64, wanted: f64, most: f64) -> f64 {
+    current + (wanted - current).max(-most).min(most)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const DRIVE: Drive = Drive {
+        wheel_radius: 0.05,
+        track: 0.3,
+    };
+
+    const LIMITS: Limits = Limits {
+        speed: 0.6,
+        turn: 1.5,
+        acceleration: 1.0,
+        turn_acceleration: 3.0,
+        wheel_speed: 10.0,
+    };
+
+    fn velocity(speed: f64, turn: f64) -> Velocity {
+        Velocity { speed, turn }
+    }
+
+    #[test]
+    fn it_turns_the_wheels_as_the_body_moves() {
+        for (speed, turn, left, right) in [
+            (0.5, 0.0, 10.0, 10.0),   // straight on
+            (0.0, 1.0, -3.0, 3.0),    // left on the spot
+            (0.15, 1.0, 0.0, 6.0),    // about the left wheel
+            (-0.5, 0.0, -10.0, -10.0), // backwards
+        ] {
+            let wheels = DRIVE.wheels(velocity(speed, turn));
+            assert!((wheels.left - left).abs() < 1e-9 && (wheels.right - right).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn it_stops_for_a_command_that_is_no_number() {
+        for wanted in [velocity(f64::NAN, 0.0), velocity(0.1, f64::INFINITY)] {
+            let next = LIMITS.toward(&DRIVE, velocity(0.01, 0.0), wanted, 0.02);
+            assert_eq!(next, Velocity::default());
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn body_and_wheels_agree(speed in -2.0..2.0, turn in -4.0..4.0) {
+            let wheels = DRIVE.wheels(velocity(speed, turn));
+            let body = DRIVE.body(wheels.left, wheels.right);
+            prop_assert!((body.speed - speed).abs() < 1e-12 && (body.turn - turn).abs() < 1e-12);
+        }
+
+        #[test]
+        fn it_keeps_every_limit(speed in -5.0..5.0, turn in -9.0..9.0, dt in 0.001..0.1) {
+            let mut now = Velocity::default();
+            for _ in 0..2000 {
+                let next = LIMITS.toward(&DRIVE, now, velocity(speed, turn), dt);
+                let wheels = DRIVE.wheels(next);
+                let few = 1.0 + 1e-9;
+                prop_assert!((next.speed - now.speed).abs() <= LIMITS.acceleration * dt * few);
+                prop_assert!((next.turn - now.turn).abs() <= LIMITS.turn_acceleration * dt * few);
+                prop_assert!(next.speed.abs() <= LIMITS.speed * few && next.turn.abs() <= LIMITS.turn * few);
+                prop_assert!(wheels.left.abs().max(wheels.right.abs()) <= LIMITS.wheel_speed * few);
+                now = next;
+            }
+            // at the end the curve is the commanded one
+            prop_assert!((now.speed * turn - now.turn * speed).abs() < 1e-9);
+        }
+    }
+}

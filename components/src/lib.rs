@@ -1,0 +1,1 @@
+//! The catalogue: component name to constructor

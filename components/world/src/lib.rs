@@ -1,0 +1,7 @@
+//! The two-dimensional world the robot acts in
+
+mod body;
+mod schedule;
+
+pub use body::{Body, Slip};
+pub use schedule::{Frame, Obstacle, Schedule, Solid};

@@ -1,0 +1,357 @@
+//! Connections: from outputs to inputs of the same type, one writer for a last value, and every
+//! input driven by somebody.
+
+use std::collections::BTreeMap;
+
+use source::{Diagnostic, Report, Span};
+
+use super::face::{Kind, Way};
+use super::scene::{Part, Scene};
+use super::wire::own_place;
+use crate::finding::{Finding, Findings};
+use crate::model::{Connection, Delivery, End, Flow, Lock, Policy, Promoted, Terminal};
+use crate::read::error::ReadError;
+
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum ConnectionError {
+    #[error("`{end}` is an {is}, so a connection cannot {use_} it")]
+    Direction {
+        end: String,
+        is: &'static str,
+        use_: &'static str,
+        at: Span,
+        declared: Option<Span>,
+    },
+    #[error("a connection from a topic to a topic joins no component")]
+    Relay { from: Span, to: Span },
+    #[error("`{from}` is `{from_kind}`, but `{to}` is `{to_kind}`", from_kind = from_kind.text, to_kind = to_kind.text)]
+    Types {
+        from: String,
+        from_kind: Kind,
+        from_at: Span,
+        to: String,
+        to_kind: Kind,
+        to_at: Span,
+    },
+    #[error("`{port}` keeps the last value, and two write it")]
+    TwoWriters { port: String, at: Span, first: Span },
+    #[error("a connection of type `{kind}` needs a `size`")]
+    NoSize { kind: Flow, at: Span },
+    #[error("nothing is connected to input `{component}.{port}`")]
+    Undriven { component: String, port: String, kind: String, at: Span },
+    #[error("`{component}` also has the input `{port}`, which the composite leaves open")]
+    Open { component: String, port: String, kind: String, at: Span },
+    #[error("`lock = \"unsync\"` needs both ends in one thread")]
+    Threads { from: String, to: String, at: Span, ends: Span },
+    #[error("`{key}` says nothing here")]
+    Idle { key: &'static str, at: Span, reason: &'static str },
+}
+
+impl Finding for ConnectionError {
+    fn diagnostic(&self) -> Diagnostic {
+        match self {
+            Self::Direction { is, use_, at, declared, .. } => {
+                let diagnostic =
+                    Diagnostic::error("C040", self).label(*at, format!("cannot {use_} an {is}"));
+                match declared {
+                    Some(declared) => diagnostic.label(*declared, "declared here"),
+                    None => diagnostic,
+                }
+            }
+            Self::Relay { from, to } => Diagnostic::error("C041", self)
+                .label(*to, "a topic")
+                .label(*from, "a topic, too")
+                .help("rename the topic where it is published or subscribed"),
+            Self::Types { from_kind, from_at, to_kind, to_at, .. } => {
+                let mut diagnostic = Diagnostic::error("C042", self)
+                    .label(*to_at, format!("takes `{}`", to_kind.text))
+                    .label(*from_at, format!("gives `{}`", from_kind.text));
+                for place in [from_kind.at, to_kind.at].into_iter().flatten() {
+                    diagnostic = diagnostic.label(place, "declared here");
+                }
+                diagnostic
+            }
+            Self::TwoWriters { at, first, .. } => Diagnostic::error("C043", self)
+                .label(*at, "the second writer")
+                .label(*first, "the first writer")
+                .help("queue both with `type = \"buffer\"` and a `size`, or leave one out"),
+            Self::NoSize { kind, at } => Diagnostic::error("C044", self)
+                .label(*at, "how long is the queue?")
+                .help(format!("for example `policy = {{ type = \"{kind}\", size = 16 }}`")),
+            Self::Undriven { component, port, kind, at } => Diagnostic::error("C045", self)
+                .label(*at, "would never see a message")
+                .help(format!(
+                    "connect an output of type `{kind}` to `{component}.{port}`, or move it to \
+                     `subscribe`"
+                )),
+            Self::Open { component, port, kind, at } => Diagnostic::warning("C046", self)
+                .label(*at, "would never see a message there")
+                .help(format!("connect an output of type `{kind}` to `{component}.{port}`")),
+            Self::Threads { from, to, at, ends } => Diagnostic::error("C047", self)
+                .label(*at, "not safe here")
+                .label(*ends, "two threads meet")
+                .help(format!(
+                    "use `lock_free`, or cycle one after the other: `activity.master` of `{to}` \
+                     or `{from}`"
+                )),
+            Self::Idle { at, reason, .. } => {
+                Diagnostic::warning("C048", self).label(*at, *reason)
+            }
+        }
+    }
+}
+
+/// A connection that leads somewhere: a port and a topic.
+pub(crate) struct TopicLink {
+    pub topic: String,
+    pub at: Span,
+    pub kind: Option<Kind>,
+    /// Whether the port writes the topic.
+    pub published: bool,
+}
+
+/// Checks all connections, and returns those that join topics.
+pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) -> Vec<TopicLink> {
+    let mut drivers = Drivers::default();
+    let mut links = Vec::new();
+    for connection in &scene.composite.connections {
+        if scene.active(&connection.profiles) {
+            self::connection(scene, connection, &mut drivers, &mut links, report);
+        }
+    }
+    for promotion in &scene.composite.promotions {
+        if let Promoted::Port(end) = &promotion.what
+            && scene.active(&promotion.profiles)
+        {
+            drivers.elsewhere.push((end.component.value.clone(), end.name.value.clone()));
+        }
+    }
+    for part in &scene.parts {
+        undriven(part, &drivers, report);
+    }
+    links
+}
+
+/// Who writes each input port.
+#[derive(Default)]
+struct Drivers {
+    inside: BTreeMap<(String, String), (Span, Flow)>,
+    /// Ports that are written from outside the composite, or by somebody misnamed.
+    elsewhere: Vec<(String, String)>,
+}
+
+fn connection(
+    scene: &Scene<'_>,
+    connection: &Connection,
+    drivers: &mut Drivers,
+    links: &mut Vec<TopicLink>,
+    report: &mut Report,
+) {
+    policy(&connection.policy, report);
+    let before = report.diagnostics.len();
+    let from = terminals(scene, &connection.from, Way::Out, report);
+    let misnamed = report.diagnostics.len() > before;
+    let to = terminals(scene, &connection.to, Way::In, report);
+    for source in &from {
+        for target in &to {
+            pair(scene, connection, (source, target), links, report);
+        }
+        if let (Terminal::Topic(_), Some(target)) = (source.terminal, to.first())
+            && matches!(target.terminal, Terminal::Topic(_))
+        {
+            let (from, to) = (source.terminal.span(), target.terminal.span());
+            report.found(ConnectionError::Relay { from, to });
+        }
+    }
+    for target in &to {
+        let Terminal::Port(end) = target.terminal else {
+            continue;
+        };
+        for source in &from {
+            drive(scene, connection, source, end, drivers, report);
+        }
+        if misnamed {
+            // somebody was meant to write it: one finding for one mistake
+            drivers.elsewhere.push((end.component.value.clone(), end.name.value.clone()));
+        }
+    }
+}
+
+/// An end that takes part and fits its side of the connection.
+struct Joint<'s> {
+    terminal: &'s Terminal,
+    kind: Option<Kind>,
+}
+
+fn terminals<'s>(
+    scene: &Scene<'_>,
+    terminals: &'s [Terminal],
+    wanted: Way,
+    report: &mut Report,
+) -> Vec<Joint<'s>> {
+    let mut joints = Vec::new();
+    for terminal in terminals {
+        let Terminal::Port(end) = terminal else {
+            joints.push(Joint { terminal, kind: None });
+            continue;
+        };
+        let Some((part, way, port)) = scene.port(end, report) else {
+            continue;
+        };
+        if way != wanted {
+            report.found(ConnectionError::Direction {
+                end: end.to_string(),
+                is: way.word(),
+                use_: match wanted {
+                    Way::In => "write",
+                    Way::Out => "read",
+                },
+                at: end.span(),
+                declared: port.name.at.filter(|at| at.file == part.component.name.span.file),
+            });
+            continue;
+        }
+        joints.push(Joint { terminal, kind: port.kind.clone() });
+    }
+    joints
+}
+
+fn pair(
+    scene: &Scene<'_>,
+    connection: &Connection,
+    (source, target): (&Joint<'_>, &Joint<'_>),
+    links: &mut Vec<TopicLink>,
+    report: &mut Report,
+) {
+    match (source.terminal, target.terminal) {
+        (Terminal::Port(from), Terminal::Port(to)) => {
+            threads(scene, &connection.policy, from, to, report);
+            let (Some(from_kind), Some(to_kind)) = (&source.kind, &target.kind) else {
+                return;
+            };
+            if from_kind.text != to_kind.text {
+                report.found(ConnectionError::Types {
+                    from: from.to_string(),
+                    from_kind: from_kind.clone(),
+                    from_at: from.span(),
+                    to: to.to_string(),
+                    to_kind: to_kind.clone(),
+                    to_at: to.span(),
+                });
+            }
+        }
+        (Terminal::Port(_), Terminal::Topic(topic)) => links.push(TopicLink {
+            topic: topic.value.clone(),
+            at: topic.span,
+            kind: source.kind.clone(),
+            published: true,
+        }),
+        (Terminal::Topic(topic), Terminal::Port(_)) => links.push(TopicLink {
+            topic: topic.value.clone(),
+            at: topic.span,
+            kind: target.kind.clone(),
+            published: false,
+        }),
+        (Terminal::Topic(_), Terminal::Topic(_)) => {}
+    }
+}
+
+/// Remembers who writes a port; a last value has one writer.
+fn drive(
+    scene: &Scene<'_>,
+    connection: &Connection,
+    source: &Joint<'_>,
+    to: &End,
+    drivers: &mut Drivers,
+    report: &mut Report,
+) {
+    let flow = connection.policy.kind.as_ref().map_or(Flow::Data, |kind| kind.value);
+    let key = (to.component.value.clone(), to.name.value.clone());
+    let at = source.terminal.span();
+    let subscribed = scene
+        .parts
+        .iter()
+        .find(|part| part.component.name.value == to.component.value)
+        .and_then(|part| part.face.port(&to.name))
+        .filter(|(_, port)| port.topic.is_some())
+        .and_then(|(_, port)| port.name.at);
+    let earlier = match drivers.inside.insert(key, (at, flow)) {
+        Some(earlier) => Some(earlier),
+        None => subscribed.map(|at| (at, flow)),
+    };
+    if let Some((first, first_flow)) = earlier
+        && (flow == Flow::Data || first_flow == Flow::Data)
+    {
+        report.found(ConnectionError::TwoWriters { port: to.to_string(), at, first });
+    }
+}
+
+fn undriven(part: &Part<'_>, drivers: &Drivers, report: &mut Report) {
+    for port in &part.face.inputs {
+        let key = (part.component.name.value.clone(), port.name.text.clone());
+        let driven = port.topic.is_some()
+            || drivers.inside.contains_key(&key)
+            || drivers.elsewhere.contains(&key);
+        if driven {
+            continue;
+        }
+        let (component, port_name) = key;
+        let at = own_place(part, port.name.at);
+        let kind = port.kind.as_ref().map_or("any", |kind| &kind.text).to_owned();
+        report.found(match port.listed {
+            true => ConnectionError::Undriven { component, port: port_name, kind, at },
+            false => ConnectionError::Open { component, port: port_name, kind, at },
+        });
+    }
+}
+
+/// Without any lock both ends must run one after the other.
+fn threads(scene: &Scene<'_>, policy: &Policy, from: &End, to: &End, report: &mut Report) {
+    let Some(lock) = policy.lock.as_ref().filter(|lock| lock.value == Lock::Unsync) else {
+        return;
+    };
+    let thread = |name: &str| {
+        let component = scene.composite.component(name);
+        let pace = component.and_then(|component| component.pace.as_ref());
+        pace.and_then(|pace| pace.master.clone()).map_or(name.to_owned(), |master| master.value)
+    };
+    if thread(&from.component) != thread(&to.component) {
+        report.found(ConnectionError::Threads {
+            from: from.component.value.clone(),
+            to: to.component.value.clone(),
+            at: lock.span,
+            ends: to.span(),
+        });
+    }
+}
+
+/// Keys that belong together stand together.
+fn policy(policy: &Policy, report: &mut Report) {
+    let kind = policy.kind.as_ref().map_or(Flow::Data, |kind| kind.value);
+    match (kind, &policy.size) {
+        (Flow::Buffer | Flow::Circular, None) => {
+            let at = policy.kind.as_ref().map_or(policy.span, |kind| kind.span);
+            report.found(ConnectionError::NoSize { kind, at });
+        }
+        (Flow::Data, Some(size)) => idle("size", size.span, "only a queue has a size", report),
+        (Flow::Buffer | Flow::Circular, Some(_)) | (Flow::Data, None) => {}
+    }
+    if let (Some(on_stale), None) = (&policy.on_stale, &policy.max_age_ms) {
+        idle("on_stale", on_stale.span, "nothing gets stale without `max_age_ms`", report);
+    }
+    let delivery = policy.delivery.as_ref();
+    if let (Some(delivery), None) = (delivery, &policy.poll_ms)
+        && delivery.value == Delivery::Poll
+    {
+        report.found(ReadError::MissingKey {
+            key: "poll_ms",
+            of: "a connection that is polled",
+            at: delivery.span,
+            example: "50".to_owned(),
+        });
+    }
+}
+
+fn idle(key: &'static str, at: Span, reason: &'static str, report: &mut Report) {
+    report.found(ConnectionError::Idle { key, at, reason });
+}

@@ -1,0 +1,38 @@
+//! Brokers and bridges.
+
+use source::Report;
+
+use super::scene::Scene;
+use crate::finding::Findings;
+use crate::model::{Bridge, BridgeKind};
+use crate::read::error::ReadError;
+
+pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) {
+    for bridge in &scene.composite.bridges {
+        let missing = match bridge.kind.value {
+            BridgeKind::Ros1 if bridge.master.is_none() => {
+                Some(("master", "\"http://127.0.0.1:11311\""))
+            }
+            BridgeKind::Rosbridge if bridge.url.is_none() => {
+                Some(("url", "\"ws://127.0.0.1:9090\""))
+            }
+            BridgeKind::Ros1 | BridgeKind::Ros2 | BridgeKind::Rosbridge => None,
+        };
+        if let Some((key, example)) = missing {
+            report.found(ReadError::MissingKey {
+                key,
+                of: of(bridge),
+                at: bridge.name.span,
+                example: example.to_owned(),
+            });
+        }
+    }
+}
+
+fn of(bridge: &Bridge) -> &'static str {
+    match bridge.kind.value {
+        BridgeKind::Ros1 => "a bridge to ROS 1",
+        BridgeKind::Ros2 => "a bridge to ROS 2",
+        BridgeKind::Rosbridge => "a bridge to rosbridge",
+    }
+}

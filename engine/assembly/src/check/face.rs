@@ -1,0 +1,119 @@
+//! What a component shows to the wires and connections around it.
+
+use source::Span;
+
+use crate::nearest::{Nearest, nearest};
+
+/// What a component shows: what the composite lists, what the implementation declares, or what a
+/// nested composite promotes.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Face {
+    pub inputs: Vec<Port>,
+    pub outputs: Vec<Port>,
+    pub services: Vec<Service>,
+    pub references: Vec<Service>,
+    /// Topics that a nested composite promotes.
+    pub topics: Vec<Topic>,
+    /// `None` where nobody knows which there are.
+    pub properties: Option<Vec<Named>>,
+    /// Nothing is known: the implementation could not be read, so no name can be wrong.
+    pub blank: bool,
+}
+
+/// A port.
+#[derive(Clone, Debug)]
+pub(crate) struct Port {
+    pub name: Named,
+    /// The type of its messages and its place; `None` where nobody knows.
+    pub kind: Option<Kind>,
+    /// The topic it is on.
+    pub topic: Option<String>,
+    /// Whether the composite lists it; otherwise only the implementation declares it.
+    pub listed: bool,
+}
+
+/// A service or a reference.
+#[derive(Clone, Debug)]
+pub(crate) struct Service {
+    pub name: Named,
+    pub interface: Kind,
+    pub optional: bool,
+}
+
+/// A promoted topic.
+#[derive(Clone, Debug)]
+pub(crate) struct Topic {
+    pub name: Named,
+    pub kind: Option<Kind>,
+    pub published: bool,
+    pub subscribed: bool,
+}
+
+/// A name and where it was declared, if that can be shown.
+#[derive(Clone, Debug)]
+pub(crate) struct Named {
+    pub text: String,
+    pub at: Option<Span>,
+}
+
+/// A type or an interface and where it was written, if that can be shown.
+#[derive(Clone, Debug)]
+pub(crate) struct Kind {
+    pub text: String,
+    pub at: Option<Span>,
+}
+
+/// Which way messages go through a port.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Way {
+    In,
+    Out,
+}
+
+impl Way {
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::In => "input",
+            Self::Out => "output",
+        }
+    }
+}
+
+impl Named {
+    pub(crate) fn new(text: impl Into<String>, at: Option<Span>) -> Self {
+        Self { text: text.into(), at }
+    }
+}
+
+impl Kind {
+    /// A type that was written somewhere; the empty one is no type at all.
+    pub(crate) fn new(text: impl Into<String>, at: Option<Span>) -> Option<Self> {
+        let text = text.into();
+        (!text.is_empty()).then_some(Self { text, at })
+    }
+}
+
+impl Face {
+    /// The port of this name.
+    pub(crate) fn port(&self, name: &str) -> Option<(Way, &Port)> {
+        let inputs = self.inputs.iter().map(|port| (Way::In, port));
+        let outputs = self.outputs.iter().map(|port| (Way::Out, port));
+        inputs.chain(outputs).find(|(_, port)| port.name.text == name)
+    }
+
+    /// The port that a misspelt name resembles.
+    pub(crate) fn nearest_port(&self, name: &str) -> Option<Nearest> {
+        let ports = self.inputs.iter().chain(&self.outputs);
+        nearest(name, ports.map(|port| (port.name.text.as_str(), port.name.at)))
+    }
+}
+
+/// The service or reference of this name.
+pub(crate) fn find<'s>(services: &'s [Service], name: &str) -> Option<&'s Service> {
+    services.iter().find(|service| service.name.text == name)
+}
+
+/// The service or reference that a misspelt name resembles.
+pub(crate) fn nearest_service(services: &[Service], name: &str) -> Option<Nearest> {
+    nearest(name, services.iter().map(|service| (service.name.text.as_str(), service.name.at)))
+}

@@ -1,0 +1,146 @@
+//! Promotion: what is promoted exists, and no name is given twice.
+
+use std::collections::BTreeMap;
+
+use source::{Diagnostic, Report, Span};
+
+use super::face::{Face, Kind, Named, Port, Service, Topic, Way};
+use super::scene::{NameError, Scene};
+use super::topic::Topics;
+use crate::finding::{Finding, Findings};
+use crate::model::{End, Promoted, Promotion};
+use crate::nearest::nearest;
+use crate::read::error::ReadError;
+
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum PromoteError {
+    #[error("two things are promoted as {what} `{name}`")]
+    Twice { what: &'static str, name: String, at: Span, first: Span },
+}
+
+impl Finding for PromoteError {
+    fn diagnostic(&self) -> Diagnostic {
+        match self {
+            Self::Twice { at, first, .. } => Diagnostic::error("C060", self)
+                .label(*at, "again here")
+                .label(*first, "first here"),
+        }
+    }
+}
+
+/// Checks all promotions, and returns what the composite shows.
+pub(crate) fn check(scene: &Scene<'_>, topics: &Topics, report: &mut Report) -> Face {
+    let mut face = Face::default();
+    let mut names: BTreeMap<(&'static str, &str), Span> = BTreeMap::new();
+    let mut properties = Vec::new();
+    for property in &scene.composite.properties {
+        names.insert(("property", &property.name), property.name.span);
+        properties.push(Named::new(&property.name.value, Some(property.name.span)));
+    }
+    for promotion in &scene.composite.promotions {
+        if !scene.active(&promotion.profiles) {
+            continue;
+        }
+        let (what, name) = (promotion.what.kind(), &promotion.name);
+        if let Some(first) = names.insert((what, name), name.span) {
+            let (name, at) = (name.value.clone(), name.span);
+            report.found(PromoteError::Twice { what, name, at, first });
+        }
+        optional(promotion, report);
+        scene.broker(promotion.binding.as_ref(), promotion.broker.as_ref(), report);
+        self::promotion(scene, promotion, topics, &mut face, &mut properties, report);
+    }
+    face.properties = Some(properties);
+    face
+}
+
+fn promotion(
+    scene: &Scene<'_>,
+    promotion: &Promotion,
+    topics: &Topics,
+    face: &mut Face,
+    properties: &mut Vec<Named>,
+    report: &mut Report,
+) {
+    let name = Named::new(&promotion.name.value, Some(promotion.name.span));
+    match &promotion.what {
+        Promoted::Service(end) => {
+            if let Some((_, service)) = scene.service(end, report) {
+                let interface = service.interface.clone();
+                face.services.push(Service { name, interface, optional: false });
+            }
+        }
+        Promoted::Reference(end) => {
+            if let Some((_, reference)) = scene.reference(end, report) {
+                let optional = promotion.optional || reference.optional;
+                let interface = reference.interface.clone();
+                face.references.push(Service { name, interface, optional });
+            }
+        }
+        Promoted::Port(end) => {
+            if let Some((_, way, port)) = scene.port(end, report) {
+                let port = Port { name, kind: port.kind.clone(), topic: None, listed: true };
+                match way {
+                    Way::In => face.inputs.push(port),
+                    Way::Out => face.outputs.push(port),
+                }
+            }
+        }
+        Promoted::Property(end) => {
+            if property(scene, end, report) {
+                properties.push(name);
+            }
+        }
+        Promoted::Topic(topic) => match topics.get(&topic.value) {
+            Some(roles) => face.topics.push(Topic {
+                name,
+                kind: roles.iter().find_map(|role| role.kind.clone()).map(|kind| Kind {
+                    at: kind.at,
+                    text: kind.text,
+                }),
+                published: roles.iter().any(|role| role.published),
+                subscribed: roles.iter().any(|role| role.subscribed),
+            }),
+            None => {
+                let known = topics.iter().filter_map(|(name, roles)| {
+                    Some((name.as_str(), roles.first().map(|role| role.at)))
+                });
+                report.found(NameError::Unknown {
+                    what: "topic",
+                    name: topic.value.clone(),
+                    at: topic.span,
+                    nearest: nearest(topic, known),
+                });
+            }
+        },
+    }
+}
+
+/// Only a reference can stay open.
+fn optional(promotion: &Promotion, report: &mut Report) {
+    if promotion.optional && !matches!(promotion.what, Promoted::Reference(_)) {
+        report.found(ReadError::Excluded {
+            first: promotion.what.kind().to_owned(),
+            first_at: promotion.name.span,
+            second: "optional".to_owned(),
+            at: promotion.span,
+            reason: "only a reference can be optional",
+        });
+    }
+}
+
+fn property(scene: &Scene<'_>, end: &End, report: &mut Report) -> bool {
+    let Some(part) = scene.part(&end.component, report) else {
+        return false;
+    };
+    let Some(known) = &part.face.properties else {
+        return true;
+    };
+    let found = known.iter().any(|property| property.text == end.name.value);
+    if !found {
+        let known = known.iter().map(|property| (property.text.as_str(), property.at));
+        let nearest = nearest(&end.name, known);
+        scene.unknown_part(part, "property", end, nearest, report);
+    }
+    found
+}

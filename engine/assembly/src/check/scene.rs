@@ -1,0 +1,217 @@
+//! A composite in one profile: which components take part, and what they show.
+
+use source::{Diagnostic, Report, Span};
+
+use super::face::{Face, Port, Service, Way, find, nearest_service};
+use crate::At;
+use crate::catalogue::Catalogue;
+use crate::family::{Family, Member};
+use crate::finding::{Finding, Findings};
+use crate::model::{Component, Composite, End, Implementation, Transport};
+use crate::nearest::{Nearest, Suggest, nearest};
+use crate::types::Types;
+
+/// A composite in one profile.
+pub(crate) struct Scene<'s> {
+    pub family: &'s Family,
+    pub member: &'s Member,
+    pub composite: &'s Composite,
+    pub profile: Option<&'s str>,
+    pub types: &'s Types<'s>,
+    pub catalogue: &'s dyn Catalogue,
+    /// The components that take part, in the order of the file.
+    pub parts: Vec<Part<'s>>,
+}
+
+/// A component that takes part.
+pub(crate) struct Part<'s> {
+    pub component: &'s Component,
+    pub face: Face,
+}
+
+/// A name that leads nowhere.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum NameError {
+    #[error("there is no {what} `{name}`")]
+    Unknown { what: &'static str, name: String, at: Span, nearest: Option<Nearest> },
+    #[error("`{component}` has no {what} `{name}`")]
+    UnknownPart {
+        what: &'static str,
+        component: String,
+        name: String,
+        at: Span,
+        /// What it has by this name instead.
+        instead: Option<&'static str>,
+        nearest: Option<Nearest>,
+    },
+    #[error("`amqp` needs a broker, and {reason}")]
+    NoBroker { at: Span, reason: &'static str },
+}
+
+impl Finding for NameError {
+    fn diagnostic(&self) -> Diagnostic {
+        match self {
+            Self::Unknown { at, nearest, .. } => Diagnostic::error("C020", self)
+                .label(*at, "not known here")
+                .suggest(*at, nearest),
+            Self::UnknownPart { at, instead, nearest, name, .. } => {
+                let diagnostic = Diagnostic::error("C021", self);
+                match instead {
+                    Some(instead) => diagnostic.label(*at, format!("`{name}` is {instead}")),
+                    None => diagnostic.label(*at, "not known").suggest(*at, nearest),
+                }
+            }
+            Self::NoBroker { at, .. } => Diagnostic::error("C022", self)
+                .label(*at, "over which broker?")
+                .help("write `[brokers.main]` with its `url`, and `broker = \"main\"` here"),
+        }
+    }
+}
+
+/// The file of a nested composite.
+pub(crate) fn nested(component: &Component) -> Option<&str> {
+    match &component.implementation {
+        Some(Implementation::Composite(file)) => Some(file),
+        _ => None,
+    }
+}
+
+/// Whether something with these profiles takes part.
+pub(crate) fn takes_part(profiles: &[At<String>], profile: Option<&str>) -> bool {
+    profiles.is_empty() || profiles.iter().any(|own| Some(own.value.as_str()) == profile)
+}
+
+impl<'s> Scene<'s> {
+    /// Whether something with these profiles takes part.
+    pub(crate) fn active(&self, profiles: &[At<String>]) -> bool {
+        takes_part(profiles, self.profile)
+    }
+
+    /// The component of this name, if it takes part; reports a name that no component has.
+    pub(crate) fn part(&self, name: &At<String>, report: &mut Report) -> Option<&Part<'s>> {
+        let found = self.parts.iter().find(|part| part.component.name.value == name.value);
+        if found.is_none() && self.composite.component(name).is_none() {
+            self.unknown_component(name, report);
+        }
+        found
+    }
+
+    /// Reports a name that no component has.
+    pub(crate) fn unknown_component(&self, name: &At<String>, report: &mut Report) {
+        let components = self.composite.components.iter();
+        let known = components.map(|it| (it.name.value.as_str(), Some(it.name.span)));
+        report.found(NameError::Unknown {
+            what: "component",
+            name: name.value.clone(),
+            at: name.span,
+            nearest: nearest(name, known),
+        });
+    }
+
+    /// The port an end names, if its component takes part; reports a port that is not there.
+    pub(crate) fn port(
+        &self,
+        end: &End,
+        report: &mut Report,
+    ) -> Option<(&Part<'s>, Way, &Port)> {
+        let part = self.part(&end.component, report)?;
+        match part.face.port(&end.name) {
+            Some((way, port)) => Some((part, way, port)),
+            None => {
+                let nearest = part.face.nearest_port(&end.name);
+                self.unknown_part(part, "port", end, nearest, report);
+                None
+            }
+        }
+    }
+
+    /// The service an end names.
+    pub(crate) fn service(
+        &self,
+        end: &End,
+        report: &mut Report,
+    ) -> Option<(&Part<'s>, &Service)> {
+        let part = self.part(&end.component, report)?;
+        let found = find(&part.face.services, &end.name);
+        if found.is_none() {
+            let nearest = nearest_service(&part.face.services, &end.name);
+            self.unknown_part(part, "service", end, nearest, report);
+        }
+        Some((part, found?))
+    }
+
+    /// The reference an end names.
+    pub(crate) fn reference(
+        &self,
+        end: &End,
+        report: &mut Report,
+    ) -> Option<(&Part<'s>, &Service)> {
+        let part = self.part(&end.component, report)?;
+        let found = find(&part.face.references, &end.name);
+        if found.is_none() {
+            let nearest = nearest_service(&part.face.references, &end.name);
+            self.unknown_part(part, "reference", end, nearest, report);
+        }
+        Some((part, found?))
+    }
+
+    /// Reports something that a component does not have.
+    pub(crate) fn unknown_part(
+        &self,
+        part: &Part<'_>,
+        what: &'static str,
+        end: &End,
+        nearest: Option<Nearest>,
+        report: &mut Report,
+    ) {
+        let face = &part.face;
+        if face.blank {
+            return;
+        }
+        let name = end.name.value.as_str();
+        let instead = [
+            ("a port", face.port(name).is_some()),
+            ("a service", find(&face.services, name).is_some()),
+            ("a reference", find(&face.references, name).is_some()),
+        ];
+        report.found(NameError::UnknownPart {
+            what,
+            component: end.component.value.clone(),
+            name: name.to_owned(),
+            at: end.name.span,
+            instead: instead.into_iter().find(|(_, is)| *is).map(|(what, _)| what),
+            nearest,
+        });
+    }
+
+    /// Checks that there is a broker for something that goes over one.
+    pub(crate) fn broker(
+        &self,
+        binding: Option<&At<Transport>>,
+        broker: Option<&At<String>>,
+        report: &mut Report,
+    ) {
+        let brokers = &self.composite.brokers;
+        if let Some(name) = broker {
+            if !brokers.iter().any(|broker| broker.name.value == name.value) {
+                let known = brokers.iter().map(|it| (it.name.value.as_str(), Some(it.name.span)));
+                report.found(NameError::Unknown {
+                    what: "broker",
+                    name: name.value.clone(),
+                    at: name.span,
+                    nearest: nearest(name, known),
+                });
+            }
+            return;
+        }
+        let Some(binding) = binding.filter(|binding| binding.value == Transport::Amqp) else {
+            return;
+        };
+        let reason = match brokers.len() {
+            0 => "this composite has none",
+            1 => return,
+            _ => "this composite has several",
+        };
+        report.found(NameError::NoBroker { at: binding.span, reason });
+    }
+}

@@ -1,0 +1,167 @@
+//! Wires: every reference has a service of its interface, once.
+
+use std::collections::BTreeMap;
+
+use source::{Diagnostic, Report, Span};
+
+use super::face::{Kind, Service};
+use super::scene::{Part, Scene};
+use crate::finding::{Finding, Findings};
+use crate::model::{Promoted, Wire};
+
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum WireError {
+    #[error("`{reference}` needs `{wanted}`, but `{service}` is `{found}`")]
+    Mismatch {
+        reference: String,
+        wanted: Kind,
+        service: String,
+        found: Kind,
+        at: Span,
+        reference_at: Span,
+    },
+    #[error("reference `{component}.{reference}` is neither wired nor promoted")]
+    Dangling { component: String, reference: String, interface: String, at: Span },
+    #[error("reference `{reference}` is {how} twice")]
+    Twice { reference: String, how: &'static str, at: Span, first: Span },
+    #[error("a call of `{reference}` waits for ever")]
+    NoTimeout { reference: String, at: Span },
+}
+
+impl Finding for WireError {
+    fn diagnostic(&self) -> Diagnostic {
+        match self {
+            Self::Mismatch { wanted, found, at, reference_at, .. } => {
+                let mut diagnostic = Diagnostic::error("C030", self)
+                    .label(*at, format!("provides `{}`", found.text))
+                    .label(*reference_at, format!("needs `{}`", wanted.text));
+                for place in [wanted.at, found.at].into_iter().flatten() {
+                    diagnostic = diagnostic.label(place, "declared here");
+                }
+                diagnostic.help("wire it to a service of that interface")
+            }
+            Self::Dangling { component, reference, interface, at } => {
+                Diagnostic::error("C031", self)
+                    .label(*at, format!("who provides `{interface}`?"))
+                    .help(format!(
+                        "write `[[wires]]` with `reference = \"{component}.{reference}\"`, promote \
+                         it, or say `{reference} = {{ interface = \"{interface}\", optional = true }}`"
+                    ))
+            }
+            Self::Twice { at, first, .. } => Diagnostic::error("C032", self)
+                .label(*at, "again here")
+                .label(*first, "first here")
+                .help("one wire may lead to several services: `service = [\"A.x\", \"B.x\"]`"),
+            Self::NoTimeout { at, .. } => Diagnostic::warning("C033", self)
+                .label(*at, "no `timeout_ms`")
+                .help("add `timeout_ms = 2000`, or `oneway = true` where no reply is awaited"),
+        }
+    }
+}
+
+pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) {
+    let mut joined = Joined::default();
+    for wire in &scene.composite.wires {
+        if scene.active(&wire.profiles) {
+            self::wire(scene, wire, &mut joined, report);
+        }
+    }
+    for promotion in &scene.composite.promotions {
+        if let Promoted::Reference(end) = &promotion.what
+            && scene.active(&promotion.profiles)
+        {
+            let key = (end.component.value.clone(), end.name.value.clone());
+            joined.take(key, end.span(), "wired or promoted", report);
+        }
+    }
+    for part in &scene.parts {
+        for reference in &part.face.references {
+            dangling(part, reference, &joined, report);
+        }
+    }
+}
+
+/// The references that lead somewhere, and the place that says where.
+#[derive(Default)]
+struct Joined {
+    places: BTreeMap<(String, String), Span>,
+}
+
+impl Joined {
+    fn take(
+        &mut self,
+        key: (String, String),
+        at: Span,
+        how: &'static str,
+        report: &mut Report,
+    ) {
+        let reference = format!("{}.{}", key.0, key.1);
+        if let Some(first) = self.places.insert(key, at) {
+            report.found(WireError::Twice { reference, how, at, first });
+        }
+    }
+}
+
+fn wire(scene: &Scene<'_>, wire: &Wire, joined: &mut Joined, report: &mut Report) {
+    let reference = scene.reference(&wire.reference, report).map(|(_, reference)| reference);
+    let mut answered = false;
+    for end in &wire.services {
+        let absent = scene.composite.component(&end.component).is_some()
+            && !scene.parts.iter().any(|part| part.component.name.value == end.component.value);
+        answered |= !absent;
+        let Some((_, service)) = scene.service(end, report) else {
+            continue;
+        };
+        let Some(reference) = reference else {
+            continue;
+        };
+        if reference.interface.text != service.interface.text {
+            report.found(WireError::Mismatch {
+                reference: wire.reference.to_string(),
+                wanted: reference.interface.clone(),
+                service: end.to_string(),
+                found: service.interface.clone(),
+                at: end.span(),
+                reference_at: wire.reference.span(),
+            });
+        }
+    }
+    if !answered {
+        return;
+    }
+    let end = &wire.reference;
+    let key = (end.component.value.clone(), end.name.value.clone());
+    joined.take(key, end.span(), "wired", report);
+    scene.broker(wire.binding.as_ref(), wire.broker.as_ref(), report);
+    if reference.is_some() && waits(wire) && wire.timeout_ms.is_none() {
+        let (reference, at) = (wire.reference.to_string(), wire.reference.span());
+        report.found(WireError::NoTimeout { reference, at });
+    }
+}
+
+/// Whether the caller waits for a reply; nobody can wait for several.
+pub(crate) fn waits(wire: &Wire) -> bool {
+    let oneway = wire.oneway.as_ref().is_some_and(|oneway| oneway.value);
+    !oneway && wire.services.len() == 1
+}
+
+fn dangling(part: &Part<'_>, reference: &Service, joined: &Joined, report: &mut Report) {
+    let component = part.component.name.value.clone();
+    let key = (component, reference.name.text.clone());
+    if reference.optional || joined.places.contains_key(&key) {
+        return;
+    }
+    report.found(WireError::Dangling {
+        component: key.0,
+        reference: key.1,
+        interface: reference.interface.text.clone(),
+        at: own_place(part, reference.name.at),
+    });
+}
+
+/// The place of something of a component: where this composite names it, or the component itself.
+/// What a nested composite declares stands in its own file, which may be right.
+pub(crate) fn own_place(part: &Part<'_>, at: Option<Span>) -> Span {
+    let name = part.component.name.span;
+    at.filter(|at| at.file == name.file).unwrap_or(name)
+}

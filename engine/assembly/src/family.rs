@@ -1,0 +1,255 @@
+//! A composite with everything it names: nested composites, types, specifications.
+
+use std::collections::BTreeMap;
+
+use source::{Diagnostic, Report, Sources, Span};
+
+use crate::At;
+use crate::context::Context;
+use crate::finding::{Finding, Findings};
+use crate::model::{Composite, Implementation};
+use crate::read::{self, error::ReadError};
+use crate::signature::Signature;
+use crate::types::TypeFile;
+
+/// All files of a composite, by the path the loader gave them.
+pub(crate) struct Family {
+    /// The path of the outermost composite.
+    pub root: String,
+    members: BTreeMap<String, Member>,
+    types: BTreeMap<String, TypeFile>,
+    specifications: BTreeMap<String, Box<dyn Signature>>,
+}
+
+/// A composite file and where the names in it lead.
+pub(crate) struct Member {
+    pub composite: Composite,
+    /// What each name of a file in it resolved to; absent where there is no such file, or where
+    /// the file would include itself.
+    paths: BTreeMap<String, String>,
+}
+
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum NestingError {
+    #[error("`{path}` includes itself: {}", chain.join(" → "))]
+    Circle { path: String, chain: Vec<String>, places: Vec<Span> },
+    #[error("composites nest deeper than {MAX_DEPTH}")]
+    TooDeep { at: Span },
+}
+
+impl Finding for NestingError {
+    fn diagnostic(&self) -> Diagnostic {
+        match self {
+            Self::Circle { places, .. } => {
+                let error = Diagnostic::error("C080", self)
+                    .help("leave one of these components out, or move it to a third file");
+                let mut places = places.iter().rev();
+                let error = match places.next() {
+                    Some(last) => error.label(*last, "this closes the circle"),
+                    None => error,
+                };
+                places.rev().fold(error, |error, place| error.label(*place, "included here"))
+            }
+            Self::TooDeep { at } => {
+                Diagnostic::error("C081", self).label(*at, "given up here")
+            }
+        }
+    }
+}
+
+/// Deeper composites are nobody's intention.
+const MAX_DEPTH: usize = 32;
+
+impl Family {
+    /// Reads a composite and everything it names.
+    pub(crate) fn read(
+        path: &str,
+        context: &Context<'_>,
+        sources: &mut Sources,
+        report: &mut Report,
+    ) -> Self {
+        let root = context.loader.resolve("", path).unwrap_or_else(|| path.to_owned());
+        let mut visit = Visit {
+            context,
+            sources,
+            report,
+            members: BTreeMap::new(),
+            types: BTreeMap::new(),
+            specifications: BTreeMap::new(),
+            broken: Vec::new(),
+            chain: Vec::new(),
+        };
+        visit.composite(&root, None);
+        let Visit { members, types, specifications, .. } = visit;
+        Self { root, members, types, specifications }
+    }
+
+    /// The composite at a path.
+    pub(crate) fn member(&self, path: &str) -> Option<&Member> {
+        self.members.get(path)
+    }
+
+    /// The composites in order of their paths.
+    pub(crate) fn composites(&self) -> impl Iterator<Item = &Composite> {
+        self.members.values().map(|member| &member.composite)
+    }
+
+    /// The nested composite that `file` names.
+    pub(crate) fn nested(&self, member: &Member, file: &str) -> Option<(&str, &Member)> {
+        let path = member.path(file)?;
+        Some((path, self.members.get(path)?))
+    }
+
+    /// The specification that `file` names.
+    pub(crate) fn specification(&self, member: &Member, file: &str) -> Option<&dyn Signature> {
+        self.specifications.get(member.path(file)?).map(Box::as_ref)
+    }
+
+    /// The files of types that the composite names.
+    pub(crate) fn types(&self, member: &Member) -> impl Iterator<Item = &TypeFile> {
+        let files = member.composite.types.iter();
+        files.filter_map(|file| self.types.get(member.path(file)?))
+    }
+}
+
+impl Member {
+    /// What the name of a file in this composite resolved to.
+    pub(crate) fn path(&self, file: &str) -> Option<&str> {
+        self.paths.get(file).map(String::as_str)
+    }
+}
+
+struct Visit<'v, 'c> {
+    context: &'v Context<'c>,
+    sources: &'v mut Sources,
+    report: &'v mut Report,
+    members: BTreeMap<String, Member>,
+    types: BTreeMap<String, TypeFile>,
+    specifications: BTreeMap<String, Box<dyn Signature>>,
+    /// Files that were tried and are not to be tried again.
+    broken: Vec<String>,
+    /// The composites being read, outermost first, each with the place that includes the next one.
+    chain: Vec<(String, Option<Span>)>,
+}
+
+impl Visit<'_, '_> {
+    fn composite(&mut self, path: &str, at: Option<Span>) {
+        if self.members.contains_key(path) || self.broken.iter().any(|broken| broken == path) {
+            return;
+        }
+        let read = self.load(path, at).and_then(|(file, text)| {
+            let (composite, report) = read::composite(file, path, &text);
+            self.report.extend(report);
+            composite
+        });
+        let Some(composite) = read else {
+            self.broken.push(path.to_owned());
+            return;
+        };
+        self.chain.push((path.to_owned(), None));
+        let mut paths = BTreeMap::new();
+        for file in &composite.types {
+            if let Some(found) = self.resolve(path, file) {
+                self.types(&found, file.span);
+                paths.insert(file.value.clone(), found);
+            }
+        }
+        for component in &composite.components {
+            match &component.implementation {
+                Some(Implementation::Asm { file, .. }) => {
+                    if let Some(found) = self.resolve(path, file) {
+                        self.specification(&found);
+                        paths.insert(file.value.clone(), found);
+                    }
+                }
+                Some(Implementation::Composite(file)) => {
+                    if let Some(found) = self.resolve(path, file)
+                        && self.nest(&found, file.span)
+                    {
+                        paths.insert(file.value.clone(), found);
+                    }
+                }
+                _ => {}
+            }
+        }
+        self.chain.pop();
+        self.members.insert(path.to_owned(), Member { composite, paths });
+    }
+
+    /// Reads a nested composite, unless that would never end.
+    fn nest(&mut self, path: &str, at: Span) -> bool {
+        if let Some(innermost) = self.chain.last_mut() {
+            innermost.1 = Some(at);
+        }
+        if let Some(first) = self.chain.iter().position(|(open, _)| open == path) {
+            let circle = &self.chain[first..];
+            let mut chain: Vec<String> = circle.iter().map(|(path, _)| path.clone()).collect();
+            chain.push(path.to_owned());
+            let places = circle.iter().filter_map(|(_, place)| *place).collect();
+            self.report.found(NestingError::Circle { path: path.to_owned(), chain, places });
+            return false;
+        }
+        if self.chain.len() >= MAX_DEPTH {
+            self.report.found(NestingError::TooDeep { at });
+            return false;
+        }
+        self.composite(path, Some(at));
+        true
+    }
+
+    fn types(&mut self, path: &str, at: Span) {
+        if self.types.contains_key(path) || self.broken.iter().any(|broken| broken == path) {
+            return;
+        }
+        let read = self.load(path, Some(at)).and_then(|(file, text)| {
+            let (types, report) = read::types(file, path, &text);
+            self.report.extend(report);
+            types
+        });
+        match read {
+            Some(types) => {
+                self.types.insert(path.to_owned(), types);
+            }
+            None => self.broken.push(path.to_owned()),
+        }
+    }
+
+    fn specification(&mut self, path: &str) {
+        if self.specifications.contains_key(path) || self.broken.iter().any(|it| it == path) {
+            return;
+        }
+        match self.context.specifications.open(path, self.sources) {
+            Ok(Some(signature)) => {
+                self.specifications.insert(path.to_owned(), signature);
+            }
+            Ok(None) => self.broken.push(path.to_owned()),
+            Err(report) => {
+                self.report.extend(report);
+                self.broken.push(path.to_owned());
+            }
+        }
+    }
+
+    fn resolve(&mut self, from: &str, file: &At<String>) -> Option<String> {
+        let found = self.context.loader.resolve(from, file);
+        if found.is_none() {
+            self.report.found(ReadError::Unreadable {
+                path: file.value.clone(),
+                reason: format!("there is no such file beside `{from}`"),
+                at: Some(file.span),
+            });
+        }
+        found
+    }
+
+    fn load(&mut self, path: &str, at: Option<Span>) -> Option<(source::FileId, std::sync::Arc<str>)> {
+        match self.context.loader.read(path) {
+            Ok(text) => Some((self.sources.add(path, text.clone()), text)),
+            Err(error) => {
+                let (path, reason) = (error.path, error.reason);
+                self.report.found(ReadError::Unreadable { path, reason, at });
+                None
+            }
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! Brokers and bridges: where messages leave the process.
+
+use super::Template;
+use crate::At;
+use crate::choice::choice;
+
+/// A message broker.
+#[derive(Clone, Debug)]
+pub struct Broker {
+    /// Its name in the composite.
+    pub name: At<String>,
+    /// Where it is, with user and password.
+    pub url: At<Template>,
+    /// The topic exchange; the composite's name where not given.
+    pub exchange: Option<At<String>>,
+    /// How payloads are encoded.
+    pub codec: Option<At<Codec>>,
+    /// Whether the line is encrypted.
+    pub tls: Option<At<Tls>>,
+    /// How a lost connection is taken up again.
+    pub reconnect: Option<Reconnect>,
+}
+
+choice! {
+    /// How payloads are encoded.
+    pub enum Codec {
+        /// Compact and exact.
+        Cbor = "cbor",
+        /// For people.
+        Json = "json",
+        /// As ROS encodes.
+        Cdr = "cdr",
+    }
+}
+
+choice! {
+    /// Whether the line to a broker is encrypted.
+    pub enum Tls {
+        /// Where the broker offers it.
+        Prefer = "prefer",
+        /// Never.
+        Off = "off",
+        /// Always.
+        Require = "require",
+    }
+}
+
+/// How a lost connection is taken up again: waits double from first to max.
+#[derive(Clone, Debug)]
+pub struct Reconnect {
+    /// First wait.
+    pub first_ms: Option<At<i64>>,
+    /// Longest wait.
+    pub max_ms: Option<At<i64>>,
+    /// Share of the wait that is random.
+    pub jitter: Option<At<f64>>,
+}
+
+/// A way to another middleware.
+#[derive(Clone, Debug)]
+pub struct Bridge {
+    /// Its name in the composite.
+    pub name: At<String>,
+    /// Which middleware.
+    pub kind: At<BridgeKind>,
+    /// ROS 1: where roscore is.
+    pub master: Option<At<Template>>,
+    /// ROS 2: the domain.
+    pub domain: Option<At<i64>>,
+    /// rosbridge: where the server is.
+    pub url: Option<At<Template>>,
+    /// The name under which we appear there.
+    pub node: Option<At<String>>,
+}
+
+choice! {
+    /// The middleware on the other side of a bridge.
+    pub enum BridgeKind {
+        /// ROS 1, by its own wire.
+        Ros1 = "ros1",
+        /// ROS 2, by DDS.
+        Ros2 = "ros2",
+        /// A rosbridge server.
+        Rosbridge = "rosbridge",
+    }
+}

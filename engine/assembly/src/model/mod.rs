@@ -1,0 +1,28 @@
+//! A composite file as it was written: typed, every value with its place, nothing judged yet.
+
+pub mod binding;
+mod component;
+mod composite;
+mod deploy;
+mod endpoint;
+mod implementation;
+mod pace;
+mod promote;
+mod setting;
+mod wiring;
+
+pub use component::{
+    Component, Direction, Idle, Listed, MapEntry, Notify, Path, Plot, ProxyEntry, ProxyMode,
+    Rename, RosEntry, Verify, Wanted,
+};
+pub use composite::Composite;
+pub use deploy::{Deploy, Process, Record, Restart, RestartPolicy};
+pub use endpoint::{Bridge, BridgeKind, Broker, Codec, Reconnect, Tls};
+pub use implementation::{Builtin, Implementation};
+pub use pace::{Lifecycle, OnDeadline, OnException, Overrun, Pace, Scheduler};
+pub use promote::{Promoted, Promotion};
+pub use setting::{Amount, Piece, Property, PropertyType, Scalar, Setting, Template};
+pub use wiring::{
+    Cancel, Connection, Delivery, End, Flow, Lock, OnStale, Policy, Retry, Sharing, Terminal,
+    Transport, Wire,
+};

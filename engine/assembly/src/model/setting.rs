@@ -1,0 +1,128 @@
+//! Values that may be set from outside: properties, substitutions, amounts.
+
+use source::Span;
+
+use crate::At;
+use crate::choice::choice;
+use crate::tree::Node;
+
+/// A property of the composite.
+#[derive(Clone, Debug)]
+pub struct Property {
+    /// Its name.
+    pub name: At<String>,
+    /// What it holds.
+    pub kind: At<PropertyType>,
+    /// Its value unless set from outside; without one it must be set.
+    pub default: Option<Node>,
+    /// The least value.
+    pub min: Option<At<f64>>,
+    /// The greatest value.
+    pub max: Option<At<f64>>,
+    /// What it is for.
+    pub doc: Option<At<String>>,
+}
+
+/// What a property holds: one value, or a list of them (`f64[]`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct PropertyType {
+    /// The type of the value or of the items.
+    pub scalar: Scalar,
+    /// Whether it is a list.
+    pub list: bool,
+}
+
+choice! {
+    /// The type of one value.
+    pub enum Scalar {
+        /// A text.
+        Text = "string",
+        /// A Boolean.
+        Boolean = "bool",
+        /// A whole number of 8 bits.
+        I8 = "i8",
+        /// A whole number of 16 bits.
+        I16 = "i16",
+        /// A whole number of 32 bits.
+        I32 = "i32",
+        /// A whole number of 64 bits.
+        I64 = "i64",
+        /// A natural number of 8 bits.
+        U8 = "u8",
+        /// A natural number of 16 bits.
+        U16 = "u16",
+        /// A natural number of 32 bits.
+        U32 = "u32",
+        /// A natural number of 64 bits (as far as TOML can write it: 63).
+        U64 = "u64",
+        /// A number in single precision.
+        F32 = "f32",
+        /// A number in double precision.
+        F64 = "f64",
+        /// An address, as in `http://…`, `file:…`.
+        Uri = "uri",
+        /// A file or a directory.
+        Path = "path",
+        /// A text that is never shown.
+        Secret = "secret",
+    }
+}
+
+/// A property of a component or of a nested composite, being set.
+#[derive(Clone, Debug)]
+pub struct Setting {
+    /// The property.
+    pub name: At<String>,
+    /// Its value; texts in it may hold substitutions.
+    pub value: Node,
+}
+
+/// A text with substitutions, as in `amqp://${AMQP_USER:-guest}@127.0.0.1`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Template {
+    /// Its parts in order.
+    pub pieces: Vec<Piece>,
+}
+
+/// A part of a [`Template`].
+#[derive(Clone, Debug, PartialEq)]
+pub enum Piece {
+    /// Text that stands for itself.
+    Text(String),
+    /// `${properties.name}`.
+    Property {
+        /// The property of the composite.
+        name: String,
+        /// Where its name stands.
+        span: Span,
+    },
+    /// `${NAME}` or `${NAME:-default}`.
+    Variable {
+        /// The environment variable.
+        name: String,
+        /// What holds where it is not set.
+        default: Option<String>,
+        /// Where its name stands.
+        span: Span,
+    },
+}
+
+impl Template {
+    /// The text itself where nothing is substituted.
+    pub fn literal(&self) -> Option<&str> {
+        match self.pieces.as_slice() {
+            [] => Some(""),
+            [Piece::Text(text)] => Some(text),
+            _ => None,
+        }
+    }
+}
+
+/// A whole number that may come from a property.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Amount {
+    /// Written out.
+    Number(i64),
+    /// From `${properties.x}`.
+    Template(Template),
+}

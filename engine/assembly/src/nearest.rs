@@ -1,0 +1,102 @@
+//! Did you mean: the known name that a misspelt one resembles.
+
+use source::{Diagnostic, Span};
+
+/// A known name that resembles what was written, and where it was declared if that can be shown.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Nearest {
+    pub name: String,
+    pub declared: Option<Span>,
+}
+
+/// The known name that `written` most resembles, if one is near enough to be meant.
+pub(crate) fn nearest<'n>(
+    written: &str,
+    known: impl IntoIterator<Item = (&'n str, Option<Span>)>,
+) -> Option<Nearest> {
+    known
+        .into_iter()
+        .filter_map(|(name, declared)| {
+            let distance = distance(written, name)?;
+            Some((distance, Nearest { name: name.to_owned(), declared }))
+        })
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, nearest)| nearest)
+}
+
+/// The same for names that were declared nowhere in a file.
+pub(crate) fn nearest_name<'n>(
+    written: &str,
+    known: impl IntoIterator<Item = &'n str>,
+) -> Option<Nearest> {
+    nearest(written, known.into_iter().map(|name| (name, None)))
+}
+
+/// How far the two names are apart; `None` where nobody would mistake one for the other.
+///
+/// A third of the letters may differ. A path matches by its last part alone, since `MapServer` is
+/// what people write for `nav::MapServer`.
+fn distance(written: &str, name: &str) -> Option<usize> {
+    if written == name || written.len() > MAX_LENGTH {
+        return None;
+    }
+    let (lower, known) = (written.to_lowercase(), name.to_lowercase());
+    if lower == known {
+        return Some(0);
+    }
+    let last = known.rsplit("::").next().unwrap_or(&known);
+    if lower.rsplit("::").next() == Some(last) && last.len() > 3 {
+        return Some(1);
+    }
+    let letters = lower.chars().count().max(known.chars().count());
+    let distance = strsim::osa_distance(&lower, &known);
+    (distance * 3 <= letters).then_some(distance + 1)
+}
+
+/// Longer texts are not names that somebody misspelt.
+const MAX_LENGTH: usize = 80;
+
+/// Adds the suggestion to a finding about the characters at `span`.
+pub(crate) trait Suggest {
+    /// "did you mean", as a fix and with the place of the declaration.
+    fn suggest(self, span: Span, nearest: &Option<Nearest>) -> Self;
+}
+
+impl Suggest for Diagnostic {
+    fn suggest(self, span: Span, nearest: &Option<Nearest>) -> Self {
+        let Some(Nearest { name, declared }) = nearest else {
+            return self;
+        };
+        let diagnostic = match declared {
+            Some(declared) => self.label(*declared, "a similar name is declared here"),
+            None => self,
+        };
+        diagnostic.fix(format!("did you mean `{name}`?"), span, name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::nearest_name;
+
+    fn suggestion(written: &str, known: &[&str]) -> Option<String> {
+        nearest_name(written, known.iter().copied()).map(|nearest| nearest.name)
+    }
+
+    #[test]
+    fn it_finds_swapped_letters() {
+        assert_eq!(suggestion("trajectroy", &["map", "trajectory"]).as_deref(), Some("trajectory"));
+    }
+
+    #[test]
+    fn it_finds_a_path_by_its_last_part() {
+        let known = ["nav::MapServer", "nav::Planner"];
+        assert_eq!(suggestion("MapServer", &known).as_deref(), Some("nav::MapServer"));
+    }
+
+    #[test]
+    fn it_stays_silent_about_other_names() {
+        assert_eq!(suggestion("goal", &["pose", "map"]), None);
+        assert_eq!(suggestion("a", &["b"]), None);
+    }
+}

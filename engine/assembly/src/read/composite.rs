@@ -1,0 +1,55 @@
+//! The file as a whole.
+
+use source::FileId;
+
+use super::error::ReadError;
+use super::keys::{Keys, Reader};
+use super::{component, deploy, endpoint, promote, setting, top, wiring};
+use crate::At;
+use crate::finding::Findings;
+use crate::model::Composite;
+use crate::tree::Table;
+
+/// The dialect this version reads.
+const SCHEMA: &str = "composite/1";
+
+pub(crate) fn composite(reader: &mut Reader<'_>, file: FileId, root: &Table) -> Option<Composite> {
+    let mut keys = reader.keys(root, "a composite file", top(file));
+    schema(&mut keys, SCHEMA);
+    keys.need("composite", "{ name = \"navigation\" }");
+    let head = keys.table("composite", "`composite`", "{ name = \"navigation\" }", |mut keys| {
+        let name = keys.needed_text("name", "\"navigation\"");
+        let version = keys.text("version", "\"1.0.0\"");
+        let doc = keys.text("doc", "\"what it is for\"");
+        let types = keys.texts("types", "[\"types.toml\"]");
+        (name, version, doc, types)
+    });
+    let (name, version, doc, types) = head.unwrap_or_default();
+    Some(Composite {
+        file,
+        name: name.unwrap_or_else(|| At::new("composite".to_owned(), top(file))),
+        version,
+        doc,
+        types,
+        properties: keys.named("properties", "{ }", setting::property),
+        brokers: keys.named("brokers", "{ }", endpoint::broker),
+        bridges: keys.named("bridges", "{ }", endpoint::bridge),
+        components: keys.named("components", "{ }", component::component),
+        wires: keys.items("wires", "tables", "[[wires]]", wiring::wire),
+        connections: keys.items("connections", "tables", "[[connections]]", wiring::connection),
+        promotions: keys.items("promote", "tables", "[[promote]]", promote::promotion),
+        deploy: keys.table("deploy", "`deploy`", "{ }", deploy::deploy),
+    })
+}
+
+/// Checks the line that says which dialect this is.
+pub(crate) fn schema(keys: &mut Keys<'_, '_, '_>, wanted: &'static str) {
+    let example = format!("\"{wanted}\"");
+    let Some(found) = keys.needed_text("schema", &example) else {
+        return;
+    };
+    if found.value != wanted {
+        let (found, at) = (found.value, found.span);
+        keys.reader.report.found(ReadError::UnknownSchema { found, wanted, at });
+    }
+}

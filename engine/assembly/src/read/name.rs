@@ -1,0 +1,92 @@
+//! Names, ends (`Component.port`), terminals (`topic:plan`) and paths into messages.
+
+use super::error::ReadError;
+use super::keys::Reader;
+use crate::At;
+use crate::finding::Findings;
+use crate::model::{End, Path, Terminal};
+
+/// A name of a thing of the composite: letters, digits, `_` and `-`.
+pub(crate) fn thing(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
+    let rule = "a name has letters, digits, `_` and `-`, and begins with a letter";
+    let starts = name.starts_with(|first: char| first.is_alphabetic() || first == '_');
+    let letters = |letter: char| letter.is_alphanumeric() || letter == '_' || letter == '-';
+    accept(reader, name, starts && name.chars().all(letters), "a name", rule)
+}
+
+/// A topic: as a name, with `/` and `.` in it.
+pub(crate) fn topic(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
+    let rule = "a topic has letters, digits, `_`, `-`, `/` and `.`";
+    let letters =
+        |letter: char| letter.is_alphanumeric() || matches!(letter, '_' | '-' | '/' | '.');
+    accept(reader, name, !name.is_empty() && name.chars().all(letters), "a topic", rule)
+}
+
+fn accept(
+    reader: &mut Reader<'_>,
+    name: &At<String>,
+    good: bool,
+    what: &'static str,
+    rule: &'static str,
+) -> Option<At<String>> {
+    if !good {
+        let text: String = name.chars().take(60).collect();
+        reader.report.found(ReadError::NotAName { text, what, rule, at: name.span });
+        return None;
+    }
+    Some(name.clone())
+}
+
+/// `Component.name`.
+pub(crate) fn end(reader: &mut Reader<'_>, text: &At<String>) -> Option<End> {
+    let split = text.split_once('.').filter(|(component, name)| {
+        !component.is_empty() && !name.is_empty() && !name.contains('.')
+    });
+    let Some((component, name)) = split else {
+        let rule = "an end has two parts, as in `Component.port`";
+        let text_shown = text.value.clone();
+        reader.report.found(ReadError::NotAName {
+            text: text_shown,
+            what: "an end",
+            rule,
+            at: text.span,
+        });
+        return None;
+    };
+    let (dot, length) = (component.len(), text.len());
+    Some(End {
+        component: At::new(component.to_owned(), reader.part(text, 0..dot)),
+        name: At::new(name.to_owned(), reader.part(text, dot + 1..length)),
+    })
+}
+
+/// `Component.port` or `topic:name`.
+pub(crate) fn terminal(reader: &mut Reader<'_>, text: &At<String>) -> Option<Terminal> {
+    let Some(name) = text.strip_prefix("topic:") else {
+        return end(reader, text).map(Terminal::Port);
+    };
+    let span = reader.part(text, text.len() - name.len()..text.len());
+    topic(reader, &At::new(name.to_owned(), span)).map(Terminal::Topic)
+}
+
+/// `pose.position.x`.
+pub(crate) fn path(reader: &mut Reader<'_>, text: &At<String>) -> Option<Path> {
+    let mut steps = Vec::new();
+    let mut start = 0;
+    for step in text.split('.') {
+        if step.is_empty() {
+            let rule = "a path has fields with dots in between, as in `pose.position.x`";
+            reader.report.found(ReadError::NotAName {
+                text: text.value.clone(),
+                what: "a path",
+                rule,
+                at: text.span,
+            });
+            return None;
+        }
+        let end = start + step.len();
+        steps.push(At::new(step.to_owned(), reader.part(text, start..end)));
+        start = end + 1;
+    }
+    Some(Path { steps, span: text.span })
+}

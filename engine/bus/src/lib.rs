@@ -1,0 +1,1 @@
+//! Topics, envelopes, publish and subscribe, request and reply

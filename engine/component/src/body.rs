@@ -1,0 +1,230 @@
+//! A component's runtime state: what its handles stand for, and what its cycle has done so far.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use datum::{Datum, Sample};
+
+use crate::declaration::Declaration;
+use crate::outside::Leaving;
+use crate::port::{AnyInput, AnyOutput};
+use crate::property::{AnyProperty, PropertyError, suggestion_among};
+use crate::service::{CallId, Caller, Reference, RequestId, Service, ServiceFault, Slot};
+use crate::{Event, Fault, Interface};
+
+/// Everything that belongs to a component besides its own code.
+pub(crate) struct Body {
+    pub declaration: Declaration,
+    pub inputs: Vec<Box<dyn AnyInput>>,
+    pub outputs: Vec<Box<dyn AnyOutput>>,
+    /// The topic each output publishes to.
+    pub topics: Vec<Option<String>>,
+    pub properties: Vec<Box<dyn AnyProperty>>,
+    pub services: Vec<Service>,
+    pub references: Vec<Reference>,
+    pub provided: Vec<Slot>,
+    pub required: Vec<Slot>,
+    pub caller: Caller,
+    /// What the present cycle has done, in order; it happens when the cycle is committed.
+    pub journal: Vec<Action>,
+}
+
+/// Something a cycle does.
+pub(crate) enum Action {
+    /// Sends the oldest pending sample of an output.
+    Write(usize),
+    Call {
+        slot: Slot,
+        call: CallId,
+        argument: Arc<dyn Sample>,
+        one_way: bool,
+    },
+    Cancel(CallId),
+    Answer {
+        service: usize,
+        to: RequestId,
+        result: Result<Arc<dyn Sample>, ServiceFault>,
+    },
+    Report(&'static str, Datum),
+    SetPeriod(Duration),
+}
+
+impl Body {
+    pub(crate) fn new(interface: Interface, component: usize) -> Self {
+        let declaration = interface.declaration().clone();
+        Self {
+            topics: declaration.outputs.iter().map(|_| None).collect(),
+            services: declaration.services.iter().cloned().map(Service::new).collect(),
+            references: (declaration.references.iter().cloned())
+                .map(|declaration| Reference {
+                    declaration,
+                    wiring: None,
+                })
+                .collect(),
+            declaration,
+            inputs: interface.inputs,
+            outputs: interface.outputs,
+            properties: interface.properties,
+            provided: interface.provided,
+            required: interface.required,
+            caller: Caller::new(component),
+            journal: Vec::new(),
+        }
+    }
+
+    /// What came since the last cycle becomes visible to the next one.
+    pub(crate) fn freeze(&mut self, leaving: &mut Leaving<'_>) {
+        for input in &mut self.inputs {
+            input.freeze(leaving.now);
+        }
+        for service in &mut self.services {
+            service.freeze(leaving.now);
+        }
+        self.caller.settle(&self.references, leaving);
+        self.caller.freeze();
+    }
+
+    /// Everything the cycle has done happens, in its order. A mandatory connection that failed is the fault; what
+    /// else the cycle did has happened by then.
+    pub(crate) fn commit(
+        &mut self,
+        leaving: &mut Leaving<'_>,
+        mut set_period: impl FnMut(Duration),
+    ) -> Result<(), Fault> {
+        let mut result = Ok(());
+        let mut journal = std::mem::take(&mut self.journal);
+        for action in journal.drain(..) {
+            match action {
+                Action::Write(port) => result = result.and(self.flush(port, leaving)),
+                Action::Call {
+                    slot,
+                    call,
+                    argument,
+                    one_way,
+                } => {
+                    let references = &self.references;
+                    (self.caller).call(references, slot, call.0, argument, one_way, leaving);
+                }
+                Action::Cancel(call) => self.caller.cancel(&self.references, call, leaving),
+                Action::Answer {
+                    service,
+                    to,
+                    result,
+                } => {
+                    if let Some(service) = self.services.get_mut(service) {
+                        service.answer(to, result, leaving);
+                    }
+                }
+                Action::Report(kind, what) => leaving.emit(&Event::Report {
+                    component: leaving.name,
+                    kind,
+                    what: &what,
+                }),
+                Action::SetPeriod(period) => set_period(period),
+            }
+        }
+        // The journal's memory serves the next cycle.
+        self.journal = journal;
+        result
+    }
+
+    fn flush(&mut self, port: usize, leaving: &mut Leaving<'_>) -> Result<(), Fault> {
+        let declared = self.declaration.outputs.get(port);
+        let (Some(output), Some(declared)) = (self.outputs.get_mut(port), declared) else {
+            return Ok(());
+        };
+        let topic = self.topics.get(port).and_then(Option::as_deref);
+        output.flush(&declared.name, topic, leaving)
+    }
+
+    /// Nothing the cycle has done happens.
+    pub(crate) fn discard(&mut self) {
+        self.journal.clear();
+        for output in &mut self.outputs {
+            output.discard();
+        }
+    }
+
+    /// The component begins to run: its services open.
+    pub(crate) fn open(&mut self) {
+        for service in &self.services {
+            service.open();
+        }
+    }
+
+    /// The component ends running: whoever waits for it is told, and what it waits for is cancelled.
+    pub(crate) fn close(&mut self, leaving: &mut Leaving<'_>) {
+        for service in &mut self.services {
+            service.close(leaving);
+        }
+        self.caller.abandon(&self.references, leaving);
+    }
+
+    /// Whether something waits for the next cycle beside samples.
+    pub(crate) fn has_news(&self) -> bool {
+        self.caller.has_news() || self.services.iter().any(Service::has_news)
+    }
+
+    /// Sets properties, all or none; see [`Body::apply`].
+    pub(crate) fn prepare(
+        &mut self,
+        component: &str,
+        values: &[(String, Datum)],
+    ) -> Result<(), PropertyError> {
+        let result = values
+            .iter()
+            .try_for_each(|(name, value)| self.prepare_one(component, name, value));
+        if result.is_err() {
+            for property in &mut self.properties {
+                property.forget();
+            }
+        }
+        result
+    }
+
+    fn prepare_one(
+        &mut self,
+        component: &str,
+        name: &str,
+        value: &Datum,
+    ) -> Result<(), PropertyError> {
+        let found = (self.properties.iter_mut())
+            .find(|property| property.declaration().name == name);
+        match found {
+            Some(property) => property.prepare(component, value),
+            None => Err(PropertyError::Unknown {
+                component: component.to_owned(),
+                property: name.to_owned(),
+                nearest: suggestion_among(
+                    name,
+                    self.declaration.properties.iter().map(|known| &*known.name),
+                ),
+            }),
+        }
+    }
+
+    /// Puts prepared property values in place.
+    pub(crate) fn apply(&mut self, leaving: &mut Leaving<'_>) {
+        for property in &mut self.properties {
+            if property.apply()
+                && let Ok(value) = property.get()
+            {
+                leaving.emit(&Event::Property {
+                    component: leaving.name,
+                    property: &property.declaration().name,
+                    value: &value,
+                });
+            }
+        }
+    }
+
+    /// All properties by name, with their present values.
+    pub(crate) fn values(&self) -> Vec<(String, Datum)> {
+        self.properties
+            .iter()
+            .filter_map(|property| {
+                Some((property.declaration().name.clone(), property.get().ok()?))
+            })
+            .collect()
+    }
+}

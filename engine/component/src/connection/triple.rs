@@ -1,0 +1,180 @@
+//! The triple buffer of a data connection: one writer, one reader, the newest value, nobody ever waits.
+//!
+//! Three slots: the writer fills one, the reader empties one, the third lies between them. Each side hands over
+//! by exchanging its slot with the middle one in a single atomic swap. (Simpson's four-slot mechanism serves the
+//! same end; three slots suffice where an atomic swap exists. RTT's `DataObjectLockFree` is the model.)
+#![allow(
+    unsafe_code,
+    reason = "the hand-over of slots between two threads; argued at each block, checked by loom"
+)]
+#![allow(unexpected_cfgs, reason = "loom is switched on by a compiler flag")]
+
+#[cfg(loom)]
+use loom::{cell::UnsafeCell, sync::Arc, sync::atomic::AtomicU8};
+use std::sync::atomic::Ordering;
+#[cfg(not(loom))]
+use std::{cell::UnsafeCell, sync::Arc, sync::atomic::AtomicU8};
+
+/// Bits of `middle` that name a slot.
+const SLOT: u8 = 0b011;
+/// Bit of `middle`: the writer has put a value there that the reader has not fetched.
+const FRESH: u8 = 0b100;
+
+struct Slots<T> {
+    slots: [UnsafeCell<Option<T>>; 3],
+    /// The slot that belongs to neither side, and whether it is fresh.
+    middle: AtomicU8,
+}
+
+// SAFETY: a slot is reached by one side at a time. At all times the three numbers writer.slot, reader.slot and
+// middle & SLOT are a permutation of 0, 1, 2: they start so, and the only changes are the atomic swaps below, which
+// exchange a side's own number with the middle one. Each side reaches only the slot of its own number, and a slot's
+// content passes from one side to the other through a swap with acquire and release. Values are moved between
+// threads, never shared: `T: Send` suffices.
+unsafe impl<T: Send> Sync for Slots<T> {}
+
+/// The writing end.
+pub(crate) struct Writer<T> {
+    shared: Arc<Slots<T>>,
+    slot: u8,
+}
+
+/// The reading end.
+pub(crate) struct Reader<T> {
+    shared: Arc<Slots<T>>,
+    slot: u8,
+}
+
+/// A new buffer, empty.
+pub(crate) fn triple<T>() -> (Writer<T>, Reader<T>) {
+    let shared = Arc::new(Slots {
+        slots: [const { None }; 3].map(UnsafeCell::new),
+        middle: AtomicU8::new(2),
+    });
+    let reader = Reader {
+        shared: Arc::clone(&shared),
+        slot: 1,
+    };
+    (Writer { shared, slot: 0 }, reader)
+}
+
+impl<T> Slots<T> {
+    /// Reaches into a slot.
+    ///
+    /// # Safety
+    /// The slot is the caller's own: see the argument at `Sync`.
+    unsafe fn with<R>(&self, slot: u8, act: impl FnOnce(&mut Option<T>) -> R) -> R {
+        let cell = &self.slots[usize::from(slot)];
+        #[cfg(loom)]
+        // SAFETY: the caller owns the slot, so nobody else refers to its content.
+        return cell.with_mut(|content| act(unsafe { &mut *content }));
+        #[cfg(not(loom))]
+        // SAFETY: as above.
+        act(unsafe { &mut *cell.get() })
+    }
+}
+
+impl<T> Writer<T> {
+    /// Makes a value the newest one. Says whether it took the place of a value that nobody had read.
+    pub(crate) fn write(&mut self, value: T) -> bool {
+        // SAFETY: `self.slot` is the writer's own, and `&mut self` keeps other writers away.
+        unsafe { self.shared.with(self.slot, |content| *content = Some(value)) };
+        let before = (self.shared.middle).swap(self.slot | FRESH, Ordering::AcqRel);
+        self.slot = before & SLOT;
+        before & FRESH != 0
+    }
+}
+
+impl<T> Reader<T> {
+    /// Takes the newest value, if it has not been taken yet.
+    pub(crate) fn take(&mut self) -> Option<T> {
+        // Only the writer sets FRESH; a stale answer here is the same as having come a moment earlier.
+        if self.shared.middle.load(Ordering::Relaxed) & FRESH == 0 {
+            return None;
+        }
+        let before = self.shared.middle.swap(self.slot, Ordering::AcqRel);
+        self.slot = before & SLOT;
+        // SAFETY: `self.slot` is the reader's own, and `&mut self` keeps other readers away.
+        unsafe { self.shared.with(self.slot, Option::take) }
+    }
+}
+
+#[cfg(all(test, not(loom)))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn o5_a_value_is_read_once_and_the_newest_wins() {
+        let (mut writer, mut reader) = triple();
+        assert_eq!(reader.take(), None);
+        assert!(!writer.write(1));
+        assert!(writer.write(2), "1 was never read");
+        assert_eq!(reader.take(), Some(2));
+        assert_eq!(reader.take(), None);
+        assert!(!writer.write(3));
+        assert_eq!(reader.take(), Some(3));
+    }
+
+    #[test]
+    fn o5_a_million_writes_are_never_torn_and_never_go_back() {
+        const WRITES: u64 = 1_000_000;
+        let (mut writer, mut reader) = triple();
+        let writing = std::thread::spawn(move || {
+            for n in 1..=WRITES {
+                writer.write([n; 16]);
+            }
+        });
+        let mut newest = 0;
+        while newest < WRITES {
+            let Some(value) = reader.take() else {
+                std::hint::spin_loop();
+                continue;
+            };
+            assert!(value.iter().all(|part| *part == value[0]), "torn: {value:?}");
+            assert!(value[0] > newest, "{} after {newest}", value[0]);
+            newest = value[0];
+        }
+        assert!(writing.join().is_ok());
+    }
+
+    #[test]
+    fn what_is_left_inside_is_dropped_with_it() {
+        let value = std::sync::Arc::new(());
+        let (mut writer, reader) = triple();
+        writer.write(value.clone());
+        writer.write(value.clone());
+        drop((writer, reader));
+        assert_eq!(std::sync::Arc::strong_count(&value), 1);
+    }
+}
+
+#[cfg(all(test, loom))]
+mod exhaustively {
+    use super::*;
+
+    /// Every interleaving of two writes and three reads.
+    #[test]
+    fn o5_no_interleaving_tears_repeats_or_goes_back() {
+        loom::model(|| {
+            let (mut writer, mut reader) = triple();
+            let writing = loom::thread::spawn(move || {
+                writer.write([1, 1]);
+                writer.write([2, 2]);
+            });
+            let mut newest = 0;
+            for _ in 0..3 {
+                if let Some([a, b]) = reader.take() {
+                    assert_eq!(a, b, "torn");
+                    assert!(a > newest, "repeated, or went back");
+                    newest = a;
+                }
+            }
+            assert!(writing.join().is_ok());
+            if let Some([a, _]) = reader.take() {
+                assert!(a > newest);
+                newest = a;
+            }
+            assert_eq!(newest, 2, "the last value arrives");
+        });
+    }
+}

@@ -1,0 +1,289 @@
+//! The interface: a component's constructor declares here, and keeps the handles.
+
+use datum::{Datum, Message, Schema};
+
+use crate::declaration::{
+    Declaration, DeclarationError, OperationDeclaration, PortDeclaration, ReferenceDeclaration,
+    ServiceDeclaration,
+};
+use crate::handle::{In, Out, Property, Provided, Required};
+use crate::port::{AnyInput, AnyOutput, Input, Output};
+use crate::property::{self, AnyProperty, PropertyValue, Setting};
+use crate::service::{Dynamic, Operation, Slot};
+
+/// Takes a component's declarations. Construction is declaration: no IO happens in it.
+#[derive(Default)]
+pub struct Interface {
+    declaration: Declaration,
+    problems: Vec<DeclarationError>,
+    pub(crate) inputs: Vec<Box<dyn AnyInput>>,
+    pub(crate) outputs: Vec<Box<dyn AnyOutput>>,
+    pub(crate) properties: Vec<Box<dyn AnyProperty>>,
+    /// What each `Provided` handle stands for.
+    pub(crate) provided: Vec<Slot>,
+    /// What each `Required` handle stands for.
+    pub(crate) required: Vec<Slot>,
+}
+
+impl Interface {
+    /// An interface without declarations.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// What has been declared so far.
+    pub fn declaration(&self) -> &Declaration {
+        &self.declaration
+    }
+
+    /// Declarations that do not go together.
+    pub fn problems(&self) -> &[DeclarationError] {
+        &self.problems
+    }
+
+    /// An input port.
+    pub fn input<T: Message>(&mut self, name: &str, doc: &str) -> In<T> {
+        self.add_input(name, T::schema().clone(), doc)
+    }
+
+    /// An input port whose message type is known by name only.
+    pub fn input_of(&mut self, name: &str, type_name: &str, doc: &str) -> In<Datum> {
+        self.add_input(name, Schema::opaque(type_name.to_owned()), doc)
+    }
+
+    /// An output port.
+    pub fn output<T: Message>(&mut self, name: &str, doc: &str) -> Out<T> {
+        self.add_output(name, T::schema().clone(), doc)
+    }
+
+    /// An output port whose message type is known by name only.
+    pub fn output_of(&mut self, name: &str, type_name: &str, doc: &str) -> Out<Datum> {
+        self.add_output(name, Schema::opaque(type_name.to_owned()), doc)
+    }
+
+    /// An operation that the component serves, under a service's name. A service may have several operations.
+    pub fn serve<O: Operation>(&mut self, service: &str, doc: &str) -> Provided<O> {
+        self.add_provided(service, O::INTERFACE, operation::<O>(), doc)
+    }
+
+    /// An operation that the component serves, known by name only.
+    pub fn serve_of(
+        &mut self,
+        service: &str,
+        interface: &str,
+        operation: &str,
+        doc: &str,
+    ) -> Provided<Dynamic> {
+        self.add_provided(service, interface, operation_of(operation), doc)
+    }
+
+    /// An operation that the component calls, under a reference's name. A reference may have several operations.
+    pub fn require<O: Operation>(&mut self, reference: &str, doc: &str) -> Required<O> {
+        self.add_required(reference, O::INTERFACE, operation::<O>(), doc)
+    }
+
+    /// An operation that the component calls, known by name only.
+    pub fn require_of(
+        &mut self,
+        reference: &str,
+        interface: &str,
+        operation: &str,
+        doc: &str,
+    ) -> Required<Dynamic> {
+        self.add_required(reference, interface, operation_of(operation), doc)
+    }
+
+    /// Marks a reference that the component does without if need be.
+    pub fn optional<O: Operation>(&mut self, required: Required<O>) -> Required<O> {
+        let slot = self.required.get(required.position());
+        if let Some(slot) = slot
+            && let Some(reference) = self.declaration.references.get_mut(slot.port)
+        {
+            reference.optional = true;
+        }
+        required
+    }
+
+    /// A property without bounds.
+    pub fn property<T: PropertyValue>(
+        &mut self,
+        name: &str,
+        default: T,
+        doc: &str,
+    ) -> Property<T> {
+        self.setting(name, default, doc).declare()
+    }
+
+    /// A property with a range, a unit or choices: `interface.setting(…).range(0.0..=5.0).unit("m").declare()`.
+    pub fn setting<T: PropertyValue>(
+        &mut self,
+        name: &str,
+        default: T,
+        doc: &str,
+    ) -> Setting<'_, T> {
+        Setting::new(self, name, default, doc)
+    }
+
+    fn add_input<T: Message>(&mut self, name: &str, schema: Schema, doc: &str) -> In<T> {
+        let known = self.declaration.input(name).is_some();
+        self.refuse_twice(known, "input", name);
+        self.inputs.push(Box::new(Input::<T>::new(schema.clone())));
+        self.declaration.inputs.push(port(name, schema, doc));
+        In::new(self.inputs.len() - 1)
+    }
+
+    fn add_output<T: Message>(&mut self, name: &str, schema: Schema, doc: &str) -> Out<T> {
+        let known = self.declaration.output(name).is_some();
+        self.refuse_twice(known, "output", name);
+        (self.outputs).push(Box::new(Output::<T>::new(schema.clone())));
+        self.declaration.outputs.push(port(name, schema, doc));
+        Out::new(self.outputs.len() - 1)
+    }
+
+    fn add_provided<O: Operation>(
+        &mut self,
+        name: &str,
+        interface: &str,
+        operation: OperationDeclaration,
+        doc: &str,
+    ) -> Provided<O> {
+        let services = &mut self.declaration.services;
+        let port = services.iter().position(|service| service.name == name);
+        let port = port.unwrap_or(services.len());
+        if port == services.len() {
+            services.push(ServiceDeclaration {
+                name: name.to_owned(),
+                interface: interface.to_owned(),
+                doc: doc.to_owned(),
+                operations: Vec::new(),
+            });
+        }
+        let service = &mut services[port];
+        let problem = join(name, &service.interface, interface, &mut service.operations, operation);
+        self.problems.extend(problem);
+        let operation = service.operations.len() - 1;
+        self.provided.push(Slot { port, operation });
+        Provided::new(self.provided.len() - 1)
+    }
+
+    fn add_required<O: Operation>(
+        &mut self,
+        name: &str,
+        interface: &str,
+        operation: OperationDeclaration,
+        doc: &str,
+    ) -> Required<O> {
+        let references = &mut self.declaration.references;
+        let port = references.iter().position(|reference| reference.name == name);
+        let port = port.unwrap_or(references.len());
+        if port == references.len() {
+            references.push(ReferenceDeclaration {
+                name: name.to_owned(),
+                interface: interface.to_owned(),
+                doc: doc.to_owned(),
+                optional: false,
+                operations: Vec::new(),
+            });
+        }
+        let reference = &mut references[port];
+        let operations = &mut reference.operations;
+        let problem = join(name, &reference.interface, interface, operations, operation);
+        self.problems.extend(problem);
+        let operation = reference.operations.len() - 1;
+        self.required.push(Slot { port, operation });
+        Required::new(self.required.len() - 1)
+    }
+
+    pub(crate) fn add_property<T: PropertyValue>(
+        &mut self,
+        mut slot: property::Slot<T>,
+    ) -> Property<T> {
+        let declaration = slot.declaration().clone();
+        let known = self.declaration.property(&declaration.name).is_some();
+        self.refuse_twice(known, "property", &declaration.name);
+        if let Err(error) = slot.prepare("", &declaration.default) {
+            self.problems.push(DeclarationError::BadDefault {
+                name: declaration.name.clone(),
+                reason: error.to_string(),
+            });
+        }
+        slot.forget();
+        self.properties.push(Box::new(slot));
+        self.declaration.properties.push(declaration);
+        Property::new(self.properties.len() - 1)
+    }
+
+    /// The datum of a value of a property; a value that has none is a problem of the declaration.
+    pub(crate) fn datum_of<T: PropertyValue>(&mut self, property: &str, value: &T) -> Datum {
+        Datum::of(value).unwrap_or_else(|error| {
+            self.problems.push(DeclarationError::BadDefault {
+                name: property.to_owned(),
+                reason: error.to_string(),
+            });
+            Datum::Null
+        })
+    }
+
+    fn refuse_twice(&mut self, known: bool, what: &'static str, name: &str) {
+        if known {
+            let name = name.to_owned();
+            self.problems.push(DeclarationError::Twice { what, name });
+        }
+    }
+
+    /// Everything declared, for the runtime.
+    pub(crate) fn into_declaration(&mut self) -> Declaration {
+        std::mem::take(&mut self.declaration)
+    }
+}
+
+fn port(name: &str, schema: Schema, doc: &str) -> PortDeclaration {
+    PortDeclaration {
+        name: name.to_owned(),
+        schema,
+        doc: doc.to_owned(),
+    }
+}
+
+fn operation<O: Operation>() -> OperationDeclaration {
+    OperationDeclaration {
+        name: O::NAME.to_owned(),
+        request: O::Request::schema().clone(),
+        response: O::Response::schema().clone(),
+    }
+}
+
+fn operation_of(name: &str) -> OperationDeclaration {
+    OperationDeclaration {
+        name: name.to_owned(),
+        request: Datum::schema().clone(),
+        response: Datum::schema().clone(),
+    }
+}
+
+/// Adds an operation to a service or reference of the same name, if it fits.
+fn join(
+    name: &str,
+    first: &str,
+    second: &str,
+    operations: &mut Vec<OperationDeclaration>,
+    operation: OperationDeclaration,
+) -> Option<DeclarationError> {
+    let known = operations.iter().any(|known| known.name == operation.name);
+    let problem = if first != second {
+        Some(DeclarationError::TwoInterfaces {
+            name: name.to_owned(),
+            first: first.to_owned(),
+            second: second.to_owned(),
+        })
+    } else if known {
+        Some(DeclarationError::Twice {
+            what: "operation",
+            name: format!("{name}.{}", operation.name),
+        })
+    } else {
+        None
+    };
+    operations.push(operation);
+    problem
+}

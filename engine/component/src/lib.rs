@@ -1,0 +1,47 @@
+//! The one cycle: freeze inputs → compute → commit all outputs or none → flush.
+//!
+//! TCA's `run()`, Orocos' `updateHook()` and a step of an Abstract State Machine have this one shape, and everything
+//! that lives in a running system is a [`Component`] with it. A [`System`] joins components; an executor runs it, in
+//! simulated time ([`Simulation`]) or live.
+
+mod activity;
+mod body;
+mod component;
+mod connection;
+mod cycle;
+pub mod declaration;
+mod door;
+mod event;
+mod fault;
+mod handle;
+mod interface;
+mod life_cycle;
+mod outside;
+mod port;
+mod property;
+mod run;
+mod service;
+mod simulated;
+mod system;
+mod time;
+mod unit;
+
+pub use activity::{Activity, Drive, Overrun};
+pub use component::Component;
+pub use connection::{Kind, OnStale, Policy};
+pub use cycle::{Cycle, Setup};
+pub use declaration::Declaration;
+pub use event::{Event, Observer};
+pub use fault::Fault;
+pub use handle::{In, Out, Property, Provided, Required};
+pub use interface::Interface;
+pub use life_cycle::{LifeCycleError, State, Transition};
+pub use port::Flow;
+pub use property::{PropertyError, PropertyValue, Setting};
+pub use run::{Run, RunError};
+pub use service::{
+    CallError, CallId, Dynamic, Operation, Reply, Request, RequestId, ServiceFault, Wire,
+};
+pub use simulated::{Pace, Simulation};
+pub use system::{BuildError, ComponentId, End, System};
+pub use time::{Span, Time};

@@ -1,0 +1,257 @@
+//! Properties: typed settings with a default, a range and a unit; constant during a cycle.
+
+use std::any::Any;
+use std::fmt::Debug;
+use std::ops::RangeInclusive;
+
+use datum::{Datum, DatumError, Described};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::declaration::PropertyDeclaration;
+use crate::{Interface, handle};
+
+/// What a property may hold: numbers, truth values, text, runs of them, messages.
+pub trait PropertyValue:
+    Described + Serialize + DeserializeOwned + Clone + Debug + Send + Sync + 'static
+{
+}
+
+impl<T: Described + Serialize + DeserializeOwned + Clone + Debug + Send + Sync + 'static>
+    PropertyValue for T
+{
+}
+
+/// Why a property cannot have a value.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PropertyError {
+    /// The component has no such property.
+    #[error("`{component}` has no property `{property}`{}", suggestion(nearest.as_deref()))]
+    Unknown {
+        /// The component.
+        component: String,
+        /// The name asked for.
+        property: String,
+        /// A name like it.
+        nearest: Option<String>,
+    },
+    /// The value is of another type.
+    #[error("property `{property}` of `{component}` is {expected}: {source}")]
+    Mismatch {
+        /// The component.
+        component: String,
+        /// The property.
+        property: String,
+        /// Its type.
+        expected: String,
+        /// What does not fit, and where.
+        source: DatumError,
+    },
+    /// The value is outside of the range.
+    #[error("property `{property}` of `{component}` is {value}, outside of {least} to {greatest}{}{unit}", space(unit))]
+    OutOfRange {
+        /// The component.
+        component: String,
+        /// The property.
+        property: String,
+        /// The value.
+        value: Datum,
+        /// The least lawful value.
+        least: Datum,
+        /// The greatest lawful value.
+        greatest: Datum,
+        /// The unit of all three.
+        unit: String,
+    },
+    /// The value is none of the choices.
+    #[error("property `{property}` of `{component}` is {value}, none of {}", list(choices))]
+    NoChoice {
+        /// The component.
+        component: String,
+        /// The property.
+        property: String,
+        /// The value.
+        value: Datum,
+        /// The lawful ones.
+        choices: Vec<Datum>,
+    },
+}
+
+/// The known name most like another, if one is like it.
+pub(crate) fn suggestion_among<'a>(
+    name: &str,
+    known: impl Iterator<Item = &'a str>,
+) -> Option<String> {
+    known
+        .map(|known| (strsim::damerau_levenshtein(name, known), known))
+        .filter(|(distance, known)| *distance <= known.len().max(name.len()) / 3)
+        .min()
+        .map(|(_, known)| known.to_owned())
+}
+
+pub(crate) fn suggestion(nearest: Option<&str>) -> String {
+    nearest.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
+}
+
+fn space(unit: &str) -> &str {
+    if unit.is_empty() { "" } else { " " }
+}
+
+fn list(choices: &[Datum]) -> String {
+    let words: Vec<_> = choices.iter().map(ToString::to_string).collect();
+    words.join(", ")
+}
+
+/// A property in the making: `interface.setting("speed_mps", 0.6, "cruise speed").range(0.0..=5.0).unit("m/s").declare()`.
+#[must_use = "a setting is declared by `declare`"]
+pub struct Setting<'a, T: PropertyValue> {
+    pub(crate) interface: &'a mut Interface,
+    pub(crate) declaration: PropertyDeclaration,
+    pub(crate) value: T,
+    check: Check<T>,
+}
+
+/// Which values are lawful.
+struct Check<T> {
+    range: Option<(fn(&T, &RangeInclusive<T>) -> bool, RangeInclusive<T>)>,
+}
+
+impl<'a, T: PropertyValue> Setting<'a, T> {
+    pub(crate) fn new(interface: &'a mut Interface, name: &str, default: T, doc: &str) -> Self {
+        let declaration = PropertyDeclaration {
+            name: name.to_owned(),
+            doc: doc.to_owned(),
+            schema: T::describe(),
+            unit: String::new(),
+            default: interface.datum_of(name, &default),
+            range: None,
+            choices: Vec::new(),
+        };
+        Self {
+            interface,
+            declaration,
+            value: default,
+            check: Check { range: None },
+        }
+    }
+
+    /// With these bounds, both lawful.
+    pub fn range(mut self, range: RangeInclusive<T>) -> Self
+    where
+        T: PartialOrd,
+    {
+        let least = (self.interface).datum_of(&self.declaration.name, range.start());
+        let greatest = (self.interface).datum_of(&self.declaration.name, range.end());
+        self.declaration.range = Some((least, greatest));
+        self.check.range = Some((|value, range| range.contains(value), range));
+        self
+    }
+
+    /// With this unit: `m/s`.
+    pub fn unit(mut self, unit: &str) -> Self {
+        unit.clone_into(&mut self.declaration.unit);
+        self
+    }
+
+    /// With no values but these.
+    pub fn choices(mut self, choices: impl IntoIterator<Item = impl Into<T>>) -> Self {
+        let name = self.declaration.name.clone();
+        self.declaration.choices = choices
+            .into_iter()
+            .map(|choice| self.interface.datum_of(&name, &choice.into()))
+            .collect();
+        self
+    }
+
+    /// Declares the property.
+    pub fn declare(self) -> handle::Property<T> {
+        let slot = Slot {
+            declaration: self.declaration,
+            value: self.value,
+            next: None,
+            check: self.check,
+        };
+        self.interface.add_property(slot)
+    }
+}
+
+/// A property at run time.
+pub(crate) struct Slot<T> {
+    declaration: PropertyDeclaration,
+    pub value: T,
+    /// The value after the present cycle.
+    next: Option<T>,
+    check: Check<T>,
+}
+
+/// A property whose type is not known here.
+pub(crate) trait AnyProperty: Any + Send {
+    fn declaration(&self) -> &PropertyDeclaration;
+
+    /// The present value.
+    fn get(&self) -> Result<Datum, DatumError>;
+
+    /// Gets a value ready, if it is lawful; [`AnyProperty::apply`] puts it in place.
+    fn prepare(&mut self, component: &str, value: &Datum) -> Result<(), PropertyError>;
+
+    /// Puts the prepared value in place. Says whether there was one.
+    fn apply(&mut self) -> bool;
+
+    /// Drops the prepared value.
+    fn forget(&mut self);
+}
+
+impl<T: PropertyValue> AnyProperty for Slot<T> {
+    fn declaration(&self) -> &PropertyDeclaration {
+        &self.declaration
+    }
+
+    fn get(&self) -> Result<Datum, DatumError> {
+        Datum::of(&self.value)
+    }
+
+    fn prepare(&mut self, component: &str, value: &Datum) -> Result<(), PropertyError> {
+        let declaration = &self.declaration;
+        let typed: T = value.to().map_err(|source| PropertyError::Mismatch {
+            component: component.to_owned(),
+            property: declaration.name.clone(),
+            expected: declaration.schema.to_string(),
+            source,
+        })?;
+        if let (Some((contains, range)), Some((least, greatest))) =
+            (&self.check.range, &declaration.range)
+            && !contains(&typed, range)
+        {
+            return Err(PropertyError::OutOfRange {
+                component: component.to_owned(),
+                property: declaration.name.clone(),
+                value: value.clone(),
+                least: least.clone(),
+                greatest: greatest.clone(),
+                unit: declaration.unit.clone(),
+            });
+        }
+        if !declaration.choices.is_empty() && !declaration.choices.contains(value) {
+            return Err(PropertyError::NoChoice {
+                component: component.to_owned(),
+                property: declaration.name.clone(),
+                value: value.clone(),
+                choices: declaration.choices.clone(),
+            });
+        }
+        self.next = Some(typed);
+        Ok(())
+    }
+
+    fn apply(&mut self) -> bool {
+        let Some(next) = self.next.take() else {
+            return false;
+        };
+        self.value = next;
+        true
+    }
+
+    fn forget(&mut self) {
+        self.next = None;
+    }
+}

@@ -1,0 +1,147 @@
+//! A running system, whichever executor drives it.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use datum::{Datum, DatumError, Message, Sample};
+
+use crate::declaration::Declaration;
+use crate::property::{PropertyError, suggestion};
+use crate::{Event, Fault, LifeCycleError, State, Time, Transition};
+
+/// A running system: time passes, samples come from outside, components are looked at and told to start or stop.
+pub trait Run {
+    /// The present time.
+    fn now(&self) -> Time;
+
+    /// Lets time pass until then.
+    fn run_until(&mut self, until: Time);
+
+    /// Lets time pass until something has happened, at the longest until `limit`. Says whether it has.
+    fn run_until_event(
+        &mut self,
+        limit: Time,
+        wanted: &mut dyn FnMut(Time, &Event<'_>) -> bool,
+    ) -> bool;
+
+    /// Gives a sample to an input port from outside: an operator, a test. `port` is `Component.port`.
+    fn inject_sample(
+        &mut self,
+        at: Time,
+        port: &str,
+        sample: Arc<dyn Sample>,
+    ) -> Result<(), RunError>;
+
+    /// Publishes a sample on a topic from outside.
+    fn publish_sample(
+        &mut self,
+        at: Time,
+        topic: &str,
+        sample: Arc<dyn Sample>,
+    ) -> Result<(), RunError>;
+
+    /// Takes a component through a transition of its life cycle.
+    fn transition(
+        &mut self,
+        component: &str,
+        transition: Transition,
+    ) -> Result<(), LifeCycleError>;
+
+    /// Asks for a cycle of a component that is event-driven or driven by hand.
+    fn trigger(&mut self, component: &str) -> Result<(), RunError>;
+
+    /// Changes what drives a periodic or event-driven component, from its next cycle on; zero means event-driven.
+    fn set_period(&mut self, component: &str, period: Duration) -> Result<(), RunError>;
+
+    /// Sets properties of a component, all or none, from its next cycle on.
+    fn set_properties(
+        &mut self,
+        component: &str,
+        values: &[(String, Datum)],
+    ) -> Result<(), RunError>;
+
+    /// The components' names, in order of addition.
+    fn components(&self) -> Vec<String>;
+
+    /// A component's state.
+    fn state(&self, component: &str) -> Option<State>;
+
+    /// How many cycles a component has begun; none for one that does not exist.
+    fn cycles(&self, component: &str) -> u64;
+
+    /// How many periods a component has missed.
+    fn overruns(&self, component: &str) -> u64;
+
+    /// A component's last fault.
+    fn fault(&self, component: &str) -> Option<Fault>;
+
+    /// What a component declares.
+    fn declaration(&self, component: &str) -> Option<Declaration>;
+
+    /// A component's properties with their present values.
+    fn properties(&mut self, component: &str) -> Result<Vec<(String, Datum)>, RunError>;
+
+    /// Stops every running component, in reverse order of addition. Names those that did not stop in time.
+    fn stop(&mut self) -> Vec<String>;
+
+    /// Lets time pass.
+    fn run_for(&mut self, duration: Duration) {
+        let until = self.now() + duration;
+        self.run_until(until);
+    }
+
+    /// Gives a sample to an input port from outside; see [`Run::inject_sample`].
+    fn inject<T: Message>(&mut self, at: Time, port: &str, sample: T) -> Result<(), RunError>
+    where
+        Self: Sized,
+    {
+        self.inject_sample(at, port, Arc::new(sample))
+    }
+
+    /// Publishes a sample on a topic from outside; see [`Run::publish_sample`].
+    fn publish<T: Message>(&mut self, at: Time, topic: &str, sample: T) -> Result<(), RunError>
+    where
+        Self: Sized,
+    {
+        self.publish_sample(at, topic, Arc::new(sample))
+    }
+
+    /// Whether a component cycles (TCA `isRunning()`).
+    fn is_running(&self, component: &str) -> bool {
+        self.state(component).is_some_and(State::is_running)
+    }
+}
+
+/// What cannot be done to a running system.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RunError {
+    /// Nothing of that name.
+    #[error("there is no {what} `{name}`{}", suggestion(nearest.as_deref()))]
+    Unknown {
+        /// Component, input or topic.
+        what: &'static str,
+        /// The name asked for.
+        name: String,
+        /// A name like it.
+        nearest: Option<String>,
+    },
+    /// The sample is of another type than its place takes.
+    #[error("`{place}` takes {expected}: {source}")]
+    Mismatch {
+        /// The port.
+        place: String,
+        /// What it takes.
+        expected: String,
+        /// What does not fit.
+        source: DatumError,
+    },
+    /// A property cannot have its value.
+    #[error(transparent)]
+    Property(#[from] PropertyError),
+    /// The component did not answer in time: its cycle is still under way.
+    #[error("`{component}` is busy")]
+    Busy {
+        /// The component.
+        component: String,
+    },
+}

@@ -1,0 +1,337 @@
+//! The caller's side: calls are outstanding until an answer, a cancellation or the deadline ends them.
+
+use std::sync::Arc;
+
+use crossbeam_queue::ArrayQueue;
+use datum::Sample;
+
+use super::{Answer, Ask, CallError, CallId, CallKey, Inbox, Post, Wire};
+use crate::declaration::ReferenceDeclaration;
+use crate::outside::Leaving;
+use crate::{Event, Time};
+
+/// How many calls of one component may be under way; more find the provider unavailable.
+const UNDER_WAY: usize = 128;
+
+/// Where answers wait for their caller, shared with its providers.
+pub(crate) struct Mailbox {
+    queue: ArrayQueue<Answer>,
+    /// The caller's place in the system.
+    component: usize,
+}
+
+impl Mailbox {
+    /// Leaves an answer. Should the box be full, the caller meets its deadline instead.
+    pub(crate) fn put(&self, answer: Answer, leaving: &mut Leaving<'_>) {
+        if self.queue.push(answer).is_ok() {
+            leaving.outside.trigger(self.component);
+        }
+    }
+}
+
+/// A reference at run time.
+pub(crate) struct Reference {
+    pub declaration: ReferenceDeclaration,
+    pub wiring: Option<Wiring>,
+}
+
+/// What a reference is joined to.
+pub(crate) struct Wiring {
+    pub inbox: Arc<Inbox>,
+    /// The provider's place in the system.
+    pub provider: usize,
+    /// The service's position of each of the reference's operations.
+    pub operations: Vec<usize>,
+    pub wire: Wire,
+}
+
+/// All calls of one component.
+pub(crate) struct Caller {
+    mailbox: Arc<Mailbox>,
+    outstanding: Vec<Outstanding>,
+    /// Ended, for the next cycle to see.
+    ended: Vec<Ended>,
+    /// Ended, and seen by the present cycle.
+    frozen: Vec<Ended>,
+    /// Number of the last call.
+    last: u64,
+}
+
+/// Which operation of which reference.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Slot {
+    pub port: usize,
+    pub operation: usize,
+}
+
+struct Outstanding {
+    number: u64,
+    slot: Slot,
+    attempt: u32,
+    deadline: Time,
+    /// Kept for another attempt.
+    argument: Arc<dyn Sample>,
+}
+
+/// The end of a call.
+pub(crate) struct Ended {
+    pub number: u64,
+    slot: Slot,
+    pub result: Result<Arc<dyn Sample>, CallError>,
+}
+
+impl Caller {
+    pub(crate) fn new(component: usize) -> Self {
+        Self {
+            mailbox: Arc::new(Mailbox {
+                queue: ArrayQueue::new(UNDER_WAY),
+                component,
+            }),
+            outstanding: Vec::new(),
+            ended: Vec::new(),
+            frozen: Vec::new(),
+            last: 0,
+        }
+    }
+
+    /// A number for a call that a cycle is about to make.
+    pub(crate) fn number(&mut self) -> CallId {
+        self.last += 1;
+        CallId(self.last)
+    }
+
+    /// Makes a call that a cycle has committed.
+    pub(crate) fn call(
+        &mut self,
+        references: &[Reference],
+        slot: Slot,
+        number: u64,
+        argument: Arc<dyn Sample>,
+        one_way: bool,
+        leaving: &mut Leaving<'_>,
+    ) {
+        let wire = wire_of(references, slot);
+        let one_way = one_way || wire.one_way;
+        let call = Outstanding {
+            number,
+            slot,
+            attempt: 1,
+            deadline: leaving.now + wire.timeout,
+            argument,
+        };
+        let full = self.outstanding.len() + self.ended.len() + self.frozen.len() >= UNDER_WAY;
+        let posted = if full && !one_way {
+            Err(CallError::Unavailable)
+        } else {
+            self.post(references, &call, one_way, leaving)
+        };
+        match posted {
+            Ok(()) if one_way => {}
+            Ok(()) => {
+                leaving.outside.wake_at(leaving.me, call.deadline);
+                self.outstanding.push(call);
+            }
+            Err(_) if one_way => {
+                let reference = references.get(slot.port);
+                leaving.emit(&Event::Dropped {
+                    component: leaving.name,
+                    port: reference.map_or("", |reference| &reference.declaration.name),
+                    to: "the one-way call's provider",
+                    total: 1,
+                });
+            }
+            Err(error) => self.end(references, number, slot, Err(error), leaving),
+        }
+    }
+
+    /// One attempt.
+    fn post(
+        &self,
+        references: &[Reference],
+        call: &Outstanding,
+        one_way: bool,
+        leaving: &mut Leaving<'_>,
+    ) -> Result<(), CallError> {
+        let (reference, operation) = names(references, call.slot);
+        leaving.emit(&Event::Called {
+            component: leaving.name,
+            reference,
+            operation,
+            call: CallId(call.number),
+            attempt: call.attempt,
+            argument: &*call.argument,
+        });
+        let wiring = references
+            .get(call.slot.port)
+            .and_then(|reference| reference.wiring.as_ref())
+            .ok_or(CallError::Unavailable)?;
+        let operation = wiring.operations.get(call.slot.operation);
+        wiring.inbox.post(Post::Ask(Ask {
+            key: CallKey {
+                caller: leaving.me,
+                number: call.number,
+            },
+            operation: *operation.ok_or(CallError::Unavailable)?,
+            argument: Arc::clone(&call.argument),
+            caller: Arc::clone(leaving.name),
+            deadline: (!one_way).then_some(call.deadline),
+            answer_to: (!one_way).then(|| Arc::clone(&self.mailbox)),
+        }))?;
+        leaving.outside.trigger(wiring.provider);
+        Ok(())
+    }
+
+    /// Takes back a call; the provider is told. A call that has ended stays ended.
+    pub(crate) fn cancel(
+        &mut self,
+        references: &[Reference],
+        call: CallId,
+        leaving: &mut Leaving<'_>,
+    ) {
+        let found = self.outstanding.iter().position(|one| one.number == call.0);
+        let Some(call) = found.map(|index| self.outstanding.remove(index)) else {
+            return;
+        };
+        tell_cancelled(references, &call, leaving);
+        let cancelled = Err(CallError::Cancelled);
+        self.end(references, call.number, call.slot, cancelled, leaving);
+    }
+
+    /// Ends what has been answered and what has waited too long. Says whether anything waits for the next cycle.
+    pub(crate) fn settle(&mut self, references: &[Reference], leaving: &mut Leaving<'_>) -> bool {
+        for _ in 0..self.mailbox.queue.len() {
+            let Some(answer) = self.mailbox.queue.pop() else {
+                break;
+            };
+            // An answer to a call that has ended is too late.
+            let found = (self.outstanding.iter()).position(|one| one.number == answer.number);
+            if let Some(index) = found {
+                let call = self.outstanding.remove(index);
+                self.end(references, call.number, call.slot, answer.result, leaving);
+            }
+        }
+        let now = leaving.now;
+        while let Some(index) = self.outstanding.iter().position(|one| one.deadline <= now) {
+            let call = self.outstanding.remove(index);
+            self.expire(references, call, leaving);
+        }
+        !self.ended.is_empty()
+    }
+
+    /// An attempt has timed out: another one, or the end.
+    fn expire(
+        &mut self,
+        references: &[Reference],
+        mut call: Outstanding,
+        leaving: &mut Leaving<'_>,
+    ) {
+        let wire = wire_of(references, call.slot);
+        if wire.cancel_on_timeout {
+            tell_cancelled(references, &call, leaving);
+        }
+        if call.attempt > wire.retries {
+            let timeout = Err(CallError::Timeout);
+            return self.end(references, call.number, call.slot, timeout, leaving);
+        }
+        call.attempt += 1;
+        call.deadline = leaving.now + wire.timeout;
+        match self.post(references, &call, false, leaving) {
+            Ok(()) => {
+                leaving.outside.wake_at(leaving.me, call.deadline);
+                self.outstanding.push(call);
+            }
+            Err(error) => self.end(references, call.number, call.slot, Err(error), leaving),
+        }
+    }
+
+    fn end(
+        &mut self,
+        references: &[Reference],
+        number: u64,
+        slot: Slot,
+        result: Result<Arc<dyn Sample>, CallError>,
+        leaving: &mut Leaving<'_>,
+    ) {
+        let (reference, operation) = names(references, slot);
+        leaving.emit(&Event::Replied {
+            component: leaving.name,
+            reference,
+            operation,
+            call: CallId(number),
+            result: result.as_deref(),
+        });
+        self.ended.push(Ended {
+            number,
+            slot,
+            result,
+        });
+        leaving.outside.trigger(leaving.me);
+    }
+
+    /// What has ended becomes visible to the cycle that begins.
+    pub(crate) fn freeze(&mut self) {
+        self.frozen.append(&mut self.ended);
+    }
+
+    /// Hands over the ended calls of an operation.
+    pub(crate) fn take(&mut self, slot: Slot) -> Vec<Ended> {
+        if self.frozen.is_empty() {
+            return Vec::new();
+        }
+        self.frozen
+            .extract_if(.., |ended| ended.slot == slot)
+            .collect()
+    }
+
+    /// Forgets all calls: the component ends running, and nobody waits for the answers.
+    pub(crate) fn abandon(&mut self, references: &[Reference], leaving: &mut Leaving<'_>) {
+        for call in std::mem::take(&mut self.outstanding) {
+            tell_cancelled(references, &call, leaving);
+        }
+        self.ended.clear();
+        self.frozen.clear();
+    }
+
+    /// The next deadline.
+    pub(crate) fn deadline(&self) -> Option<Time> {
+        self.outstanding.iter().map(|call| call.deadline).min()
+    }
+
+    /// Whether something has come for the next cycle.
+    pub(crate) fn has_news(&self) -> bool {
+        !self.ended.is_empty() || !self.mailbox.queue.is_empty()
+    }
+}
+
+fn wire_of(references: &[Reference], slot: Slot) -> Wire {
+    references
+        .get(slot.port)
+        .and_then(|reference| reference.wiring.as_ref())
+        .map_or_else(Wire::default, |wiring| wiring.wire)
+}
+
+fn names(references: &[Reference], slot: Slot) -> (&str, &str) {
+    let Some(reference) = references.get(slot.port) else {
+        return ("", "");
+    };
+    let operation = reference.declaration.operations.get(slot.operation);
+    (
+        &reference.declaration.name,
+        operation.map_or("", |operation| &operation.name),
+    )
+}
+
+fn tell_cancelled(references: &[Reference], call: &Outstanding, leaving: &mut Leaving<'_>) {
+    let reference = references.get(call.slot.port);
+    let Some(wiring) = reference.and_then(|reference| reference.wiring.as_ref()) else {
+        return;
+    };
+    let key = CallKey {
+        caller: leaving.me,
+        number: call.number,
+    };
+    // A provider that cannot be told is not at work on it either, or will see the deadline.
+    if wiring.inbox.post(Post::Cancel(key)).is_ok() {
+        leaving.outside.trigger(wiring.provider);
+    }
+}

@@ -1,0 +1,198 @@
+//! The provider's side: requests wait for its cycle, and stay open until it answers.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crossbeam_queue::ArrayQueue;
+use datum::Sample;
+
+use super::{Answer, Ask, CallError, CallKey, Mailbox, Post, RequestId, ServiceFault};
+use crate::declaration::ServiceDeclaration;
+use crate::outside::Leaving;
+use crate::{Event, Time};
+
+/// How many requests may wait for a provider; more find it unavailable.
+const WAITING: usize = 128;
+
+/// The way into a service, shared with its callers.
+pub(crate) struct Inbox {
+    queue: ArrayQueue<Post>,
+    /// Whether the provider is running.
+    open: AtomicBool,
+}
+
+impl Inbox {
+    fn new() -> Arc<Self> {
+        Arc::new(Self {
+            queue: ArrayQueue::new(WAITING),
+            open: AtomicBool::new(false),
+        })
+    }
+
+    /// Leaves something for the provider's next cycle.
+    pub(crate) fn post(&self, post: Post) -> Result<(), CallError> {
+        if !self.open.load(Ordering::Acquire) {
+            return Err(CallError::Unavailable);
+        }
+        self.queue.push(post).map_err(|_| CallError::Unavailable)
+    }
+}
+
+/// A service port at run time.
+pub(crate) struct Service {
+    pub declaration: ServiceDeclaration,
+    pub inbox: Arc<Inbox>,
+    /// Frozen, not yet taken by the component.
+    waiting: Vec<(RequestId, Ask)>,
+    /// Taken, not yet answered.
+    open: Vec<Open>,
+    /// Taken, and no longer waited for; of this cycle.
+    cancelled: Vec<RequestId>,
+    next: u64,
+}
+
+/// A request that the component has taken.
+struct Open {
+    id: RequestId,
+    key: CallKey,
+    operation: usize,
+    caller: Arc<str>,
+    deadline: Option<Time>,
+    answer_to: Arc<Mailbox>,
+}
+
+impl Service {
+    pub(crate) fn new(declaration: ServiceDeclaration) -> Self {
+        Self {
+            declaration,
+            inbox: Inbox::new(),
+            waiting: Vec::new(),
+            open: Vec::new(),
+            cancelled: Vec::new(),
+            next: 0,
+        }
+    }
+
+    /// Takes in what came since the last cycle; forgets what nobody waits for any more.
+    pub(crate) fn freeze(&mut self, now: Time) {
+        self.cancelled.clear();
+        for _ in 0..self.inbox.queue.len() {
+            match self.inbox.queue.pop() {
+                None => break,
+                Some(Post::Cancel(key)) => self.cancel(key),
+                Some(Post::Ask(ask)) => {
+                    self.next += 1;
+                    self.waiting.push((RequestId(self.next), ask));
+                }
+            }
+        }
+        let alive = |deadline: Option<Time>| deadline.is_none_or(|deadline| now < deadline);
+        self.waiting.retain(|(_, ask)| alive(ask.deadline));
+        let cancelled = &mut self.cancelled;
+        self.open.retain(|open| {
+            let keep = alive(open.deadline);
+            if !keep {
+                cancelled.push(open.id);
+            }
+            keep
+        });
+    }
+
+    fn cancel(&mut self, key: CallKey) {
+        self.waiting.retain(|(_, ask)| ask.key != key);
+        while let Some(index) = self.open.iter().position(|open| open.key == key) {
+            self.cancelled.push(self.open.remove(index).id);
+        }
+    }
+
+    /// Whether something waits for the component.
+    pub(crate) fn has_news(&self) -> bool {
+        !self.inbox.queue.is_empty() || !self.waiting.is_empty()
+    }
+
+    /// Hands over the waiting requests of an operation; those that expect an answer stay open.
+    pub(crate) fn take(&mut self, operation: usize) -> Vec<(RequestId, Ask)> {
+        if self.waiting.is_empty() {
+            return Vec::new();
+        }
+        let taken: Vec<_> = self
+            .waiting
+            .extract_if(.., |(_, ask)| ask.operation == operation)
+            .collect();
+        self.open.extend(taken.iter().filter_map(|(id, ask)| {
+            Some(Open {
+                id: *id,
+                key: ask.key,
+                operation: ask.operation,
+                caller: Arc::clone(&ask.caller),
+                deadline: ask.deadline,
+                answer_to: ask.answer_to.clone()?,
+            })
+        }));
+        taken
+    }
+
+    /// The taken requests that nobody waits for any more, as of this cycle.
+    pub(crate) fn cancelled(&self) -> &[RequestId] {
+        &self.cancelled
+    }
+
+    /// Sends an answer. One that nobody waits for any more goes nowhere.
+    pub(crate) fn answer(
+        &mut self,
+        to: RequestId,
+        result: Result<Arc<dyn Sample>, ServiceFault>,
+        leaving: &mut Leaving<'_>,
+    ) {
+        let Some(index) = self.open.iter().position(|open| open.id == to) else {
+            return;
+        };
+        let open = self.open.remove(index);
+        self.send(open, result.map_err(CallError::Fault), leaving);
+    }
+
+    fn send(
+        &self,
+        open: Open,
+        result: Result<Arc<dyn Sample>, CallError>,
+        leaving: &mut Leaving<'_>,
+    ) {
+        let operation = self.declaration.operations.get(open.operation);
+        leaving.emit(&Event::Answered {
+            component: leaving.name,
+            service: &self.declaration.name,
+            operation: operation.map_or("", |operation| &operation.name),
+            caller: &open.caller,
+            result: result.as_deref(),
+        });
+        open.answer_to.put(
+            Answer {
+                number: open.key.number,
+                result,
+            },
+            leaving,
+        );
+    }
+
+    /// The component begins to run.
+    pub(crate) fn open(&self) {
+        self.inbox.open.store(true, Ordering::Release);
+    }
+
+    /// The component ends running: whoever waits for it learns that nobody is there.
+    pub(crate) fn close(&mut self, leaving: &mut Leaving<'_>) {
+        self.inbox.open.store(false, Ordering::Release);
+        self.refuse(leaving);
+    }
+
+    /// Answers everything with [`CallError::Unavailable`].
+    pub(crate) fn refuse(&mut self, leaving: &mut Leaving<'_>) {
+        self.freeze(leaving.now);
+        for operation in 0..self.declaration.operations.len() {
+            drop(self.take(operation));
+        }
+        for open in std::mem::take(&mut self.open) {
+            self.send(open, Err(CallError::Unavailable), leaving);
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! The builder of a system: components, properties, connections, topics, wires. It reads no file.
+
+mod error;
+mod join;
+
+use std::sync::Arc;
+
+use datum::Datum;
+
+pub use error::{BuildError, End};
+
+use crate::body::Body;
+use crate::declaration::Declaration;
+use crate::property::PropertyError;
+use crate::unit::Unit;
+use crate::{Activity, Component, Interface, Observer, Policy, Simulation};
+
+/// A system in the making.
+///
+/// ```
+/// use component::{Activity, Component, Cycle, Fault, Interface, Out, Policy, Span, System};
+///
+/// datum::message! {
+///     /// A count.
+///     pub struct Count = "example/Count" {
+///         /// ticks
+///         pub ticks: u32,
+///     }
+/// }
+///
+/// struct Ticker { ticks: Out<Count> }
+///
+/// impl Component for Ticker {
+///     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+///         cycle.write(self.ticks, Count { ticks: 1 });
+///         Ok(())
+///     }
+/// }
+///
+/// let mut system = System::new();
+/// system.add("Ticker", Activity::periodic(10.ms()), |interface| {
+///     Box::new(Ticker { ticks: interface.output("ticks", "one a cycle") })
+/// })?;
+/// system.publish("Ticker.ticks", "ticks")?;
+/// let mut run = system.simulate();
+/// run.run_for(1.s());
+/// assert_eq!(run.cycles("Ticker"), 101);
+/// # Ok::<(), component::BuildError>(())
+/// ```
+#[derive(Default)]
+pub struct System {
+    pub(crate) units: Vec<Unit>,
+    pub(crate) observers: Vec<Box<dyn Observer>>,
+    pub(crate) topics: Vec<Topic>,
+}
+
+/// A component of a system under construction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ComponentId(pub(crate) usize);
+
+/// A topic: who writes to it, who reads it.
+pub(crate) struct Topic {
+    pub name: String,
+    pub publishers: Vec<End>,
+    pub subscribers: Vec<(End, Policy)>,
+}
+
+impl System {
+    /// A system without components.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The same as [`System::new`], for those who look for a builder.
+    pub fn builder() -> Self {
+        Self::default()
+    }
+
+    /// Adds a component: its name, what drives it, its constructor. The order of additions is the order of
+    /// everything else: of configuring, of cycles due at one instant.
+    pub fn add(
+        &mut self,
+        name: &str,
+        activity: Activity,
+        construct: impl FnOnce(&mut Interface) -> Box<dyn Component>,
+    ) -> Result<ComponentId, BuildError> {
+        if name.is_empty() || self.id(name).is_some() {
+            return Err(BuildError::Name {
+                name: name.to_owned(),
+            });
+        }
+        let mut interface = Interface::new();
+        let component = construct(&mut interface);
+        if let Some(problem) = interface.problems().first() {
+            return Err(BuildError::Declaration {
+                component: name.to_owned(),
+                source: problem.clone(),
+            });
+        }
+        let index = self.units.len();
+        let body = Body::new(interface, index);
+        let unit = Unit::new(Arc::from(name), index, activity, component, body);
+        self.units.push(unit);
+        Ok(ComponentId(index))
+    }
+
+    /// A component by name.
+    pub fn id(&self, name: &str) -> Option<ComponentId> {
+        let found = self.units.iter().position(|unit| *unit.name == *name);
+        found.map(ComponentId)
+    }
+
+    /// What a component declares.
+    pub fn declaration(&self, component: ComponentId) -> Option<&Declaration> {
+        let unit = self.units.get(component.0);
+        unit.map(|unit| &unit.body.declaration)
+    }
+
+    /// Sets a property; the value is checked against its type, range and choices.
+    pub fn set_property(
+        &mut self,
+        component: ComponentId,
+        property: &str,
+        value: &Datum,
+    ) -> Result<(), PropertyError> {
+        let Some(unit) = self.units.get_mut(component.0) else {
+            return Err(PropertyError::Unknown {
+                component: format!("component {}", component.0),
+                property: property.to_owned(),
+                nearest: None,
+            });
+        };
+        // Put in place when the component is configured.
+        let values = [(property.to_owned(), value.clone())];
+        unit.body.prepare(&unit.name, &values)
+    }
+
+    /// Adds an observer; it sees everything from the first configuring on.
+    pub fn observe(&mut self, observer: impl Observer + 'static) {
+        self.observers.push(Box::new(observer));
+    }
+
+    /// Starts the system in simulated time: every component is configured, then those that run on start-up start,
+    /// all at time zero. What fails is left out, and seen in its state and by the observers.
+    pub fn simulate(self) -> Simulation {
+        Simulation::new(self)
+    }
+}

@@ -1,0 +1,107 @@
+//! What can be wrong with a system's construction.
+
+use std::fmt;
+
+use datum::{DatumError, Difference};
+
+use crate::declaration::DeclarationError;
+use crate::property::{PropertyError, suggestion};
+
+/// One end of a connection: `component.port`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct End {
+    /// The component's name.
+    pub component: String,
+    /// The port's, service's or reference's name.
+    pub port: String,
+    /// The component's place in the system.
+    pub(crate) unit: usize,
+    /// The port's place in the component.
+    pub(crate) index: usize,
+}
+
+impl fmt::Display for End {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}.{}", self.component, self.port)
+    }
+}
+
+/// Why a system cannot be built as asked.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum BuildError {
+    /// A component's name that is empty or taken.
+    #[error("`{name}` cannot be a component's name: it is empty or taken")]
+    Name {
+        /// The name.
+        name: String,
+    },
+    /// The component's own declarations do not go together.
+    #[error("component `{component}`: {source}")]
+    Declaration {
+        /// The component.
+        component: String,
+        /// What does not.
+        source: DeclarationError,
+    },
+    /// Nothing of that name.
+    #[error("there is no {what} `{name}`{}", suggestion(nearest.as_deref()))]
+    Unknown {
+        /// Component, input, output, service, reference.
+        what: &'static str,
+        /// The name asked for.
+        name: String,
+        /// A name like it.
+        nearest: Option<String>,
+    },
+    /// Two ends of different types.
+    #[error("`{from}` and `{to}` differ: {difference}")]
+    Types {
+        /// The writing end, or the reference.
+        from: End,
+        /// The reading end, or the service.
+        to: End,
+        /// The first difference.
+        difference: Difference,
+    },
+    /// Two ends of different interfaces.
+    #[error("`{from}` requires {required}, `{to}` provides {provided}")]
+    Interfaces {
+        /// The reference.
+        from: End,
+        /// Its interface.
+        required: String,
+        /// The service.
+        to: End,
+        /// Its interface.
+        provided: String,
+    },
+    /// An operation that the service lacks.
+    #[error("`{from}` calls `{operation}`, which `{to}` does not serve")]
+    Operation {
+        /// The reference.
+        from: End,
+        /// The operation.
+        operation: String,
+        /// The service.
+        to: End,
+    },
+    /// Joined already: a connection twice, a second topic for an output, a second service for a reference.
+    #[error("`{end}` is joined already: to {to}")]
+    Joined {
+        /// The end.
+        end: End,
+        /// To what.
+        to: String,
+    },
+    /// Zeros cannot stand for a stale sample of this type.
+    #[error("`{to}` has no sample of zeros: {source}")]
+    NoZero {
+        /// The reading end.
+        to: End,
+        /// Why.
+        source: DatumError,
+    },
+    /// A property that cannot have its value.
+    #[error(transparent)]
+    Property(#[from] PropertyError),
+}

@@ -1,0 +1,223 @@
+//! Joining: port to port, port to topic, reference to service.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
+
+use super::{BuildError, End, System, Topic};
+use crate::Policy;
+use crate::body::Body;
+use crate::declaration::{OperationDeclaration, PortDeclaration};
+use crate::port::Link;
+use crate::property::suggestion_among;
+use crate::service::{Wire, Wiring};
+
+/// A table of a component's named things.
+struct Table<'a> {
+    what: &'static str,
+    names: Vec<&'a str>,
+}
+
+fn inputs(body: &Body) -> Table<'_> {
+    ports("input", &body.declaration.inputs)
+}
+
+fn outputs(body: &Body) -> Table<'_> {
+    ports("output", &body.declaration.outputs)
+}
+
+fn ports<'a>(what: &'static str, ports: &'a [PortDeclaration]) -> Table<'a> {
+    Table {
+        what,
+        names: ports.iter().map(|port| &*port.name).collect(),
+    }
+}
+
+fn services(body: &Body) -> Table<'_> {
+    let services = &body.declaration.services;
+    Table {
+        what: "service",
+        names: services.iter().map(|service| &*service.name).collect(),
+    }
+}
+
+fn references(body: &Body) -> Table<'_> {
+    let references = &body.declaration.references;
+    Table {
+        what: "reference",
+        names: references.iter().map(|reference| &*reference.name).collect(),
+    }
+}
+
+impl System {
+    /// Connects an output to an input: `connect("TrajectoryFollower.twist", "RoverDriver.twist", Policy::data())`.
+    pub fn connect(&mut self, from: &str, to: &str, policy: Policy) -> Result<(), BuildError> {
+        let from = self.end(from, outputs)?;
+        let to = self.end(to, inputs)?;
+        self.join(&from, &to, &policy)
+    }
+
+    /// Lets an output publish to a topic. An output has one topic; a topic may have several publishers.
+    pub fn publish(&mut self, from: &str, topic: &str) -> Result<(), BuildError> {
+        let from = self.end(from, outputs)?;
+        if let Some(taken) = &self.units[from.unit].body.topics[from.index] {
+            return Err(BuildError::Joined {
+                end: from,
+                to: format!("topic `{taken}`"),
+            });
+        }
+        let index = self.topic(topic);
+        for (to, policy) in self.topics[index].subscribers.clone() {
+            self.join(&from, &to, &policy)?;
+        }
+        self.units[from.unit].body.topics[from.index] = Some(topic.to_owned());
+        self.topics[index].publishers.push(from);
+        Ok(())
+    }
+
+    /// Lets an input read a topic, from each of its publishers with this policy.
+    pub fn subscribe(&mut self, topic: &str, to: &str, policy: Policy) -> Result<(), BuildError> {
+        let to = self.end(to, inputs)?;
+        let index = self.topic(topic);
+        let known = &self.topics[index].subscribers;
+        if known.iter().any(|(known, _)| *known == to) {
+            return Err(BuildError::Joined {
+                end: to,
+                to: format!("topic `{topic}`"),
+            });
+        }
+        for from in self.topics[index].publishers.clone() {
+            self.join(&from, &to, &policy)?;
+        }
+        self.topics[index].subscribers.push((to, policy));
+        Ok(())
+    }
+
+    /// Wires a reference to a service: `wire("ASMCoordinator.planner", "TrajectoryPlanner.planning", wire)`.
+    pub fn wire(&mut self, from: &str, to: &str, wire: Wire) -> Result<(), BuildError> {
+        let from = self.end(from, references)?;
+        let to = self.end(to, services)?;
+        let reference = &self.units[from.unit].body.references[from.index];
+        let service = &self.units[to.unit].body.services[to.index];
+        if reference.wiring.is_some() {
+            return Err(BuildError::Joined {
+                end: from,
+                to: "a service".to_owned(),
+            });
+        }
+        if reference.declaration.interface != service.declaration.interface {
+            return Err(BuildError::Interfaces {
+                required: reference.declaration.interface.clone(),
+                provided: service.declaration.interface.clone(),
+                from,
+                to,
+            });
+        }
+        let mut operations = Vec::new();
+        for called in &reference.declaration.operations {
+            let served = &service.declaration.operations;
+            operations.push(find_operation(called, served, &from, &to)?);
+        }
+        let wiring = Wiring {
+            inbox: Arc::clone(&service.inbox),
+            provider: to.unit,
+            operations,
+            wire,
+        };
+        self.units[from.unit].body.references[from.index].wiring = Some(wiring);
+        Ok(())
+    }
+
+    /// The place of a topic, made if need be.
+    fn topic(&mut self, name: &str) -> usize {
+        let found = self.topics.iter().position(|topic| topic.name == name);
+        found.unwrap_or_else(|| {
+            self.topics.push(Topic {
+                name: name.to_owned(),
+                publishers: Vec::new(),
+                subscribers: Vec::new(),
+            });
+            self.topics.len() - 1
+        })
+    }
+
+    fn join(&mut self, from: &End, to: &End, policy: &Policy) -> Result<(), BuildError> {
+        let name = to.to_string();
+        let output = self.units[from.unit].body.outputs[from.index].schema().clone();
+        let input = &mut self.units[to.unit].body.inputs[to.index];
+        output
+            .compare(input.schema())
+            .map_err(|difference| BuildError::Types {
+                from: from.clone(),
+                to: to.clone(),
+                difference,
+            })?;
+        let sender = input.open(policy).map_err(|source| BuildError::NoZero {
+            to: to.clone(),
+            source,
+        })?;
+        let link = Link {
+            reader: to.unit,
+            to: name,
+            trigger: policy.trigger,
+            mandatory: policy.mandatory,
+            dropped: Arc::new(AtomicU64::new(0)),
+        };
+        self.units[from.unit].body.outputs[from.index].join(sender, link);
+        Ok(())
+    }
+
+    /// Finds `component.port`. Components may have dots in their names, ports have none.
+    fn end(&self, path: &str, table: fn(&Body) -> Table<'_>) -> Result<End, BuildError> {
+        let (component, port) = path.rsplit_once('.').unwrap_or((path, ""));
+        let Some(id) = self.id(component) else {
+            let names = self.units.iter().map(|unit| &*unit.name);
+            return Err(BuildError::Unknown {
+                what: "component",
+                name: component.to_owned(),
+                nearest: suggestion_among(component, names),
+            });
+        };
+        let table = table(&self.units[id.0].body);
+        let Some(index) = table.names.iter().position(|name| *name == port) else {
+            let nearest = suggestion_among(port, table.names.iter().copied());
+            return Err(BuildError::Unknown {
+                what: table.what,
+                name: path.to_owned(),
+                nearest: nearest.map(|port| format!("{component}.{port}")),
+            });
+        };
+        Ok(End {
+            component: component.to_owned(),
+            port: port.to_owned(),
+            unit: id.0,
+            index,
+        })
+    }
+}
+
+/// The service's position of an operation that a reference calls.
+fn find_operation(
+    called: &OperationDeclaration,
+    served: &[OperationDeclaration],
+    from: &End,
+    to: &End,
+) -> Result<usize, BuildError> {
+    let found = (served.iter().enumerate()).find(|(_, served)| served.name == called.name);
+    let Some((index, operation)) = found else {
+        return Err(BuildError::Operation {
+            from: from.clone(),
+            operation: called.name.clone(),
+            to: to.clone(),
+        });
+    };
+    called
+        .request
+        .compare(&operation.request)
+        .and_then(|()| called.response.compare(&operation.response))
+        .map_err(|difference| BuildError::Types {
+            from: from.clone(),
+            to: to.clone(),
+            difference,
+        })?;
+    Ok(index)
+}

@@ -1,0 +1,330 @@
+//! A unit: a component with its runtime state, taken through its life and its cycles. Executors drive units.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
+
+use datum::Datum;
+
+use crate::activity::Drive;
+use crate::body::Body;
+use crate::outside::{Leaving, Outside};
+use crate::property::PropertyError;
+use crate::{
+    Activity, Component, Cycle, Event, Fault, LifeCycleError, Setup, State, Time, Transition,
+};
+
+/// A component that an executor drives.
+pub(crate) struct Unit {
+    pub name: Arc<str>,
+    /// Its place in the system.
+    pub index: usize,
+    pub activity: Activity,
+    pub body: Body,
+    component: Box<dyn Component>,
+    state: State,
+    /// The last fault.
+    pub fault: Option<Fault>,
+    pub status: Arc<Status>,
+}
+
+/// What others may know of a unit while its thread has it.
+pub(crate) struct Status {
+    state: AtomicU8,
+    pub cycles: AtomicU64,
+    /// Periods missed.
+    pub overruns: AtomicU64,
+    /// Somebody wants the present cycle to end.
+    pub interrupt: AtomicBool,
+}
+
+impl Status {
+    pub(crate) fn state(&self) -> State {
+        State::from_number(self.state.load(Ordering::Acquire))
+    }
+}
+
+impl Unit {
+    pub(crate) fn new(
+        name: Arc<str>,
+        index: usize,
+        activity: Activity,
+        component: Box<dyn Component>,
+        body: Body,
+    ) -> Self {
+        Self {
+            name,
+            index,
+            activity,
+            body,
+            component,
+            state: State::PreOperational,
+            fault: None,
+            status: Arc::new(Status {
+                state: AtomicU8::new(State::PreOperational as u8),
+                cycles: AtomicU64::new(0),
+                overruns: AtomicU64::new(0),
+                interrupt: AtomicBool::new(false),
+            }),
+        }
+    }
+
+    pub(crate) fn state(&self) -> State {
+        self.state
+    }
+
+    /// One cycle: freeze, compute, commit all or nothing. A unit that is not running only takes in its properties.
+    pub(crate) fn cycle(&mut self, now: Time, outside: &mut dyn Outside) {
+        let mut leaving = leaving(&self.name, self.index, now, outside);
+        self.body.apply(&mut leaving);
+        if !self.state.is_running() {
+            return;
+        }
+        self.body.freeze(&mut leaving);
+        let number = self.status.cycles.fetch_add(1, Ordering::Relaxed) + 1;
+        leaving.emit(&Event::Cycle {
+            component: &self.name,
+            number,
+        });
+        match self.compute(now, number) {
+            Ok(error) => self.commit(error, now, outside),
+            Err(fault) => self.fail(fault, now, outside),
+        }
+    }
+
+    /// Runs the component's own code. `Ok` may carry an error that the component has reported.
+    fn compute(&mut self, now: Time, number: u64) -> Result<Option<Fault>, Fault> {
+        let Self {
+            component,
+            body,
+            status,
+            state,
+            ..
+        } = self;
+        guarded(|| {
+            let mut cycle = Cycle::new(body, now, number, &status.interrupt);
+            if *state == State::RunTimeError {
+                component.recover(&mut cycle)?;
+            } else {
+                component.update(&mut cycle)?;
+            }
+            cycle.finish()
+        })
+    }
+
+    fn commit(&mut self, error: Option<Fault>, now: Time, outside: &mut dyn Outside) {
+        let drive = &mut self.activity.drive;
+        let committed = self.body.commit(
+            &mut leaving(&self.name, self.index, now, outside),
+            |period| *drive = Drive::of_period(period),
+        );
+        match error.or(committed.err()) {
+            Some(fault) => {
+                self.note(fault, now, outside);
+                self.enter(State::RunTimeError, now, outside);
+            }
+            None => self.enter(State::Running, now, outside),
+        }
+    }
+
+    /// An exception (RTT `exception`): nothing of the cycle leaves, the component is stopped and cleaned up.
+    pub(crate) fn fail(&mut self, fault: Fault, now: Time, outside: &mut dyn Outside) {
+        if self.state == State::FatalError {
+            return;
+        }
+        self.body.discard();
+        self.note(fault, now, outside);
+        let before = self.state;
+        self.enter(State::Exception, now, outside);
+        let component = &mut self.component;
+        let tidied = guarded(|| {
+            if before.is_running() {
+                component.stop();
+            }
+            if before.is_configured() {
+                component.cleanup();
+            }
+            Ok(())
+        });
+        self.close(now, outside);
+        if let Err(fault) = tidied {
+            self.note(fault, now, outside);
+            self.enter(State::FatalError, now, outside);
+        }
+    }
+
+    /// Takes the component through a transition, where RTT's guards allow it.
+    pub(crate) fn transition(
+        &mut self,
+        transition: Transition,
+        now: Time,
+        outside: &mut dyn Outside,
+    ) -> Result<(), LifeCycleError> {
+        let Some(target) = transition.target(self.state) else {
+            return Err(LifeCycleError::Refused {
+                component: self.name.to_string(),
+                transition,
+                state: self.state,
+            });
+        };
+        match self.hook(transition, now, outside) {
+            Ok(()) => {
+                self.arrive(transition, target, now, outside);
+                Ok(())
+            }
+            Err(fault) => {
+                self.refuse(transition, &fault, now, outside);
+                Err(LifeCycleError::Failed {
+                    component: self.name.to_string(),
+                    transition,
+                    fault,
+                })
+            }
+        }
+    }
+
+    /// Runs the component's hook of a transition.
+    fn hook(
+        &mut self,
+        transition: Transition,
+        now: Time,
+        outside: &mut dyn Outside,
+    ) -> Result<(), Fault> {
+        let Self {
+            component,
+            body,
+            name,
+            ..
+        } = self;
+        body.apply(&mut leaving(name, self.index, now, outside));
+        guarded(|| match transition {
+            Transition::Configure => {
+                let mut setup = Setup::new(body, name);
+                component.configure(&mut setup)?;
+                setup.finish()
+            }
+            Transition::Start => component.start(),
+            Transition::Stop => {
+                component.stop();
+                Ok(())
+            }
+            Transition::Cleanup => {
+                component.cleanup();
+                Ok(())
+            }
+            Transition::Recover | Transition::ResetException => Ok(()),
+        })
+    }
+
+    fn arrive(
+        &mut self,
+        transition: Transition,
+        target: State,
+        now: Time,
+        outside: &mut dyn Outside,
+    ) {
+        match transition {
+            Transition::Start => {
+                self.status.interrupt.store(false, Ordering::Relaxed);
+                self.body.open();
+            }
+            Transition::Stop => self.close(now, outside),
+            Transition::Configure
+            | Transition::Cleanup
+            | Transition::Recover
+            | Transition::ResetException => {}
+        }
+        self.enter(target, now, outside);
+    }
+
+    /// A hook failed: a panic is an exception; otherwise the component stays where RTT leaves it.
+    fn refuse(
+        &mut self,
+        transition: Transition,
+        fault: &Fault,
+        now: Time,
+        outside: &mut dyn Outside,
+    ) {
+        if matches!(fault, Fault::Panicked(_)) {
+            return self.fail(fault.clone(), now, outside);
+        }
+        self.note(fault.clone(), now, outside);
+        if transition == Transition::Configure {
+            self.enter(State::PreOperational, now, outside);
+        }
+    }
+
+    /// Whoever waits for the component learns that it does not run.
+    fn close(&mut self, now: Time, outside: &mut dyn Outside) {
+        (self.body).close(&mut leaving(&self.name, self.index, now, outside));
+    }
+
+    fn enter(&mut self, to: State, now: Time, outside: &mut dyn Outside) {
+        let from = std::mem::replace(&mut self.state, to);
+        self.status.state.store(to as u8, Ordering::Release);
+        if from != to {
+            let component = &self.name;
+            outside.emit(now, &Event::LifeCycle { component, from, to });
+        }
+    }
+
+    /// Remembers a fault and tells it, once.
+    pub(crate) fn note(&mut self, fault: Fault, now: Time, outside: &mut dyn Outside) {
+        outside.emit(
+            now,
+            &Event::Fault {
+                component: &self.name,
+                fault: &fault,
+            },
+        );
+        self.fault = Some(fault);
+    }
+
+    /// Counts periods that were missed.
+    pub(crate) fn overrun(&mut self, missed: u64, now: Time, outside: &mut dyn Outside) {
+        self.status.overruns.fetch_add(missed, Ordering::Relaxed);
+        let component = &self.name;
+        outside.emit(now, &Event::Overrun { component, missed });
+    }
+
+    /// Ends calls that have waited too long. Says whether anything waits for the next cycle.
+    pub(crate) fn settle(&mut self, now: Time, outside: &mut dyn Outside) -> bool {
+        let mut leaving = leaving(&self.name, self.index, now, outside);
+        let body = &mut self.body;
+        body.caller.settle(&body.references, &mut leaving)
+    }
+
+    /// Sets properties, all or none: at the next cycle's beginning, or at once if the component does not run.
+    pub(crate) fn set_properties(
+        &mut self,
+        values: &[(String, Datum)],
+        now: Time,
+        outside: &mut dyn Outside,
+    ) -> Result<(), PropertyError> {
+        self.body.prepare(&self.name, values)?;
+        if !self.state.is_running() {
+            (self.body).apply(&mut leaving(&self.name, self.index, now, outside));
+        }
+        Ok(())
+    }
+}
+
+fn leaving<'a>(
+    name: &'a Arc<str>,
+    me: usize,
+    now: Time,
+    outside: &'a mut dyn Outside,
+) -> Leaving<'a> {
+    Leaving {
+        now,
+        me,
+        name,
+        outside,
+    }
+}
+
+/// Runs a component's code; a panic is a fault like another.
+fn guarded<R>(code: impl FnOnce() -> Result<R, Fault>) -> Result<R, Fault> {
+    // After a panic the component is not called again but to stop and clean up; it sees what it left behind.
+    catch_unwind(AssertUnwindSafe(code)).unwrap_or_else(|payload| Err(Fault::panicked(&*payload)))
+}

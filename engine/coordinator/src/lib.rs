@@ -1,0 +1,1 @@
+//! An ASM machine as a component: bindings, event frames, faults

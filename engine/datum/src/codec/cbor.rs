@@ -1,0 +1,176 @@
+//! CBOR (RFC 8949), for machines: numeric arrays are typed arrays (RFC 8746), records are maps with text keys.
+//!
+//! Deterministic: the same datum gives the same bytes (definite lengths, shortest integers, floats of 64 bits,
+//! entries in their own order), so that what is hashed can be encoded.
+
+use std::borrow::Cow;
+
+use cbor4ii::core::dec::{self, Decode, Read};
+use cbor4ii::core::enc::{self, Encode};
+use cbor4ii::core::utils::{BufWriter, SliceReader};
+use cbor4ii::core::{major, marker, types};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::DEPTH;
+use crate::{Datum, DatumError, Name, Numbers, Problem};
+
+/// Any serde value as CBOR.
+pub fn encode<T: Serialize + ?Sized>(value: &T) -> Result<Vec<u8>, DatumError> {
+    let mut writer = BufWriter::new(Vec::new());
+    write(&Datum::of(value)?, &mut writer).map_err(malformed)?;
+    Ok(writer.into_inner())
+}
+
+/// Any serde value from CBOR.
+pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, DatumError> {
+    read_whole(bytes)?.to()
+}
+
+/// One datum from CBOR, and nothing after it.
+pub(super) fn read_whole(bytes: &[u8]) -> Result<Datum, DatumError> {
+    let mut reader = SliceReader::new(bytes);
+    let datum = read(&mut reader, DEPTH)?;
+    let rest = reader.fill(1).map_err(malformed)?;
+    if !rest.as_ref().is_empty() {
+        return Err(malformed("bytes are left over"));
+    }
+    Ok(datum)
+}
+
+fn malformed(reason: impl ToString) -> DatumError {
+    DatumError::new(Problem::Malformed {
+        codec: "CBOR",
+        reason: reason.to_string(),
+    })
+}
+
+type Written<W> = Result<(), enc::Error<<W as enc::Write>::Error>>;
+
+fn write<W: enc::Write>(datum: &Datum, writer: &mut W) -> Written<W> {
+    match datum {
+        Datum::Null => types::Null.encode(writer),
+        Datum::Bool(value) => value.encode(writer),
+        Datum::Int(value) => value.encode(writer),
+        Datum::Float(value) => value.encode(writer),
+        Datum::Text(value) => value.as_str().encode(writer),
+        Datum::Bytes(bytes) => types::Bytes(&**bytes).encode(writer),
+        Datum::Numbers(numbers) => {
+            let bytes = numbers.to_bytes();
+            types::Tag(numbers.tag(), types::Bytes(bytes.as_slice())).encode(writer)
+        }
+        Datum::List(elements) => {
+            types::Array::bounded(elements.len(), writer)?;
+            elements
+                .iter()
+                .try_for_each(|element| write(element, writer))
+        }
+        Datum::Record(entries) => {
+            types::Map::bounded(entries.len(), writer)?;
+            entries.iter().try_for_each(|(name, value)| {
+                name.as_ref().encode(writer)?;
+                write(value, writer)
+            })
+        }
+    }
+}
+
+/// Reads one datum that may nest `depth` levels deep.
+fn read<'de>(reader: &mut SliceReader<'de>, depth: usize) -> Result<Datum, DatumError> {
+    let Some(depth) = depth.checked_sub(1) else {
+        return Err(DatumError::new(Problem::TooDeep(DEPTH)));
+    };
+    let first = peek(reader)?;
+    match dec::if_major(first) {
+        major::UNSIGNED | major::NEGATIVE => i64::decode(reader).map(Datum::Int).map_err(malformed),
+        major::BYTES => Ok(Datum::Bytes(bytes(reader)?.as_ref().into())),
+        major::STRING => text(reader).map(|text| Datum::Text(text.into_owned())),
+        major::ARRAY => list(reader, depth),
+        major::MAP => record(reader, depth),
+        major::TAG => tagged(reader, depth),
+        _simple => simple(reader, first),
+    }
+}
+
+fn peek(reader: &mut SliceReader<'_>) -> Result<u8, DatumError> {
+    let ahead = reader.fill(1).map_err(malformed)?;
+    (ahead.as_ref().first().copied()).ok_or_else(|| malformed("it ends too early"))
+}
+
+fn bytes<'de>(reader: &mut SliceReader<'de>) -> Result<Cow<'de, [u8]>, DatumError> {
+    types::Bytes::<Cow<'de, [u8]>>::decode(reader)
+        .map(|bytes| bytes.0)
+        .map_err(malformed)
+}
+
+fn text<'de>(reader: &mut SliceReader<'de>) -> Result<Cow<'de, str>, DatumError> {
+    Cow::<'de, str>::decode(reader).map_err(malformed)
+}
+
+/// Reads as many as announced, or up to the break of an indefinite length.
+fn each(
+    reader: &mut SliceReader<'_>,
+    announced: Option<usize>,
+    mut one: impl FnMut(&mut SliceReader<'_>) -> Result<(), DatumError>,
+) -> Result<(), DatumError> {
+    match announced {
+        Some(count) => (0..count).try_for_each(|_| one(reader)),
+        None => {
+            while !dec::is_break(reader).map_err(malformed)? {
+                one(reader)?;
+            }
+            Ok(())
+        }
+    }
+}
+
+fn list(reader: &mut SliceReader<'_>, depth: usize) -> Result<Datum, DatumError> {
+    let announced = types::Array::len(reader).map_err(malformed)?;
+    let mut elements = Vec::new();
+    each(reader, announced, |reader| {
+        elements.push(read(reader, depth)?);
+        Ok(())
+    })?;
+    Ok(Datum::List(elements))
+}
+
+fn record(reader: &mut SliceReader<'_>, depth: usize) -> Result<Datum, DatumError> {
+    let announced = types::Map::len(reader).map_err(malformed)?;
+    let mut entries: Vec<(Name, Datum)> = Vec::new();
+    each(reader, announced, |reader| {
+        if dec::if_major(peek(reader)?) != major::STRING {
+            return Err(DatumError::new(Problem::KeyNotText));
+        }
+        let name = text(reader)?.into_owned();
+        entries.push((name.into(), read(reader, depth)?));
+        Ok(())
+    })?;
+    Ok(Datum::Record(entries))
+}
+
+/// A typed array becomes packed numbers; other tags are passed over, their content is what counts.
+fn tagged(reader: &mut SliceReader<'_>, depth: usize) -> Result<Datum, DatumError> {
+    let tag = types::Tag::tag(reader).map_err(malformed)?;
+    let content = read(reader, depth)?;
+    if let Datum::Bytes(bytes) = &content
+        && let Some(numbers) = Numbers::from_tagged(tag, bytes)
+    {
+        return Ok(Datum::Numbers(numbers));
+    }
+    Ok(content)
+}
+
+fn simple(reader: &mut SliceReader<'_>, first: u8) -> Result<Datum, DatumError> {
+    match first {
+        marker::FALSE | marker::TRUE => bool::decode(reader).map(Datum::Bool).map_err(malformed),
+        marker::NULL | marker::UNDEFINED => {
+            reader.advance(1);
+            Ok(Datum::Null)
+        }
+        marker::F32 => f32::decode(reader)
+            .map(|value| Datum::Float(value.into()))
+            .map_err(malformed),
+        marker::F64 => f64::decode(reader).map(Datum::Float).map_err(malformed),
+        other => Err(malformed(format_args!("byte {other:#04x} starts nothing known"))),
+    }
+}

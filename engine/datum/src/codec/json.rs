@@ -1,0 +1,70 @@
+//! JSON, for people: exact floats; the numbers JSON lacks as `"NaN"`, `"Infinity"`, `"-Infinity"`.
+
+use serde::de::DeserializeOwned;
+use serde::ser::{Serialize, Serializer};
+
+use crate::{Datum, DatumError, Problem};
+
+/// Any serde value as JSON text on one line.
+pub fn encode<T: Serialize + ?Sized>(value: &T) -> Result<String, DatumError> {
+    serde_json::to_string(&Json(&Datum::of(value)?)).map_err(malformed)
+}
+
+/// Any serde value as indented JSON text.
+pub fn encode_pretty<T: Serialize + ?Sized>(value: &T) -> Result<String, DatumError> {
+    serde_json::to_string_pretty(&Json(&Datum::of(value)?)).map_err(malformed)
+}
+
+/// Any serde value from JSON text.
+pub fn decode<T: DeserializeOwned>(text: &str) -> Result<T, DatumError> {
+    read_whole(text.as_bytes())?.to()
+}
+
+/// One datum from JSON text in UTF-8. The parser bounds the depth itself.
+pub(super) fn read_whole(text: &[u8]) -> Result<Datum, DatumError> {
+    serde_json::from_slice(text).map_err(malformed)
+}
+
+fn malformed(error: serde_json::Error) -> DatumError {
+    DatumError::new(Problem::Malformed {
+        codec: "JSON",
+        reason: error.to_string(),
+    })
+}
+
+/// A datum as JSON wants it written.
+struct Json<'a>(&'a Datum);
+
+impl Serialize for Json<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.0 {
+            Datum::Float(value) if value.is_nan() => serializer.serialize_str("NaN"),
+            Datum::Float(value) if value.is_infinite() && *value > 0.0 => {
+                serializer.serialize_str("Infinity")
+            }
+            Datum::Float(value) if value.is_infinite() => serializer.serialize_str("-Infinity"),
+            Datum::List(elements) => serializer.collect_seq(elements.iter().map(Json)),
+            Datum::Numbers(numbers) => {
+                serializer.collect_seq(numbers.iter().map(|number| Owned(number)))
+            }
+            Datum::Record(entries) => {
+                serializer.collect_map(entries.iter().map(|(name, value)| (name, Json(value))))
+            }
+            Datum::Null
+            | Datum::Bool(_)
+            | Datum::Int(_)
+            | Datum::Float(_)
+            | Datum::Text(_)
+            | Datum::Bytes(_) => self.0.serialize(serializer),
+        }
+    }
+}
+
+/// One of a run of packed numbers.
+struct Owned(Datum);
+
+impl Serialize for Owned {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Json(&self.0).serialize(serializer)
+    }
+}

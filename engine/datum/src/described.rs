@@ -1,0 +1,297 @@
+//! What may be a field of a message, and how it travels.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use serde::de::{self, Deserialize, Deserializer, SeqAccess, Visitor};
+use serde::ser::{Serialize, Serializer};
+
+use crate::numbers::Packed;
+use crate::ser::Raw;
+use crate::{Datum, Schema, Shape};
+
+/// A type that may be a field of a message: it knows its schema, its initial value and its way through serde.
+///
+/// The `_many` methods let a number decide that a run of it is packed into one byte string.
+pub trait Described: Sized {
+    /// The schema of the type.
+    fn describe() -> Schema;
+
+    /// The value a new message has here: zero, empty, false.
+    fn initial() -> Self;
+
+    /// Writes a field.
+    fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error>;
+
+    /// Reads a field.
+    fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error>;
+
+    /// Writes a run: element by element.
+    fn write_many<S: Serializer>(many: &[Self], serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(many.iter().map(Writing))
+    }
+
+    /// Reads a run: element by element.
+    fn read_many<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Self>, D::Error> {
+        deserializer.deserialize_seq(Run(PhantomData))
+    }
+}
+
+/// The door through which [`message!`](crate::message!) sends each field: `#[serde(with = "datum::field")]`.
+pub mod field {
+    use super::{Deserializer, Described, Serializer};
+
+    /// Writes a field.
+    pub fn serialize<T: Described, S: Serializer>(
+        value: &T,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        value.write(serializer)
+    }
+
+    /// Reads a field.
+    pub fn deserialize<'de, T: Described, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<T, D::Error> {
+        T::read(deserializer)
+    }
+}
+
+macro_rules! scalar {
+    ($($type:ty => $shape:ident, $initial:expr;)+) => {
+        $(impl Described for $type {
+            fn describe() -> Schema {
+                Schema::plain(Shape::$shape)
+            }
+
+            fn initial() -> Self {
+                $initial
+            }
+
+            fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                self.serialize(serializer)
+            }
+
+            fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                Self::deserialize(deserializer)
+            }
+        })+
+    };
+}
+
+scalar! {
+    bool => Bool, false;
+    u64 => U64, 0;
+    String => Text, Self::new();
+    Datum => Any, Self::Null;
+}
+
+macro_rules! packed {
+    ($($type:ty => $shape:ident, $initial:expr;)+) => {
+        $(impl Described for $type {
+            fn describe() -> Schema {
+                Schema::plain(Shape::$shape)
+            }
+
+            fn initial() -> Self {
+                $initial
+            }
+
+            fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                self.serialize(serializer)
+            }
+
+            fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                Self::deserialize(deserializer)
+            }
+
+            fn write_many<S: Serializer>(many: &[Self], serializer: S) -> Result<S::Ok, S::Error> {
+                if serializer.is_human_readable() {
+                    return serializer.collect_seq(many);
+                }
+                serializer.serialize_newtype_struct(Self::NAME, &Raw(&Self::pack(many)))
+            }
+
+            fn read_many<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Self>, D::Error> {
+                deserializer.deserialize_newtype_struct(Self::NAME, Pack(PhantomData))
+            }
+        })+
+    };
+}
+
+packed! {
+    i8 => I8, 0;
+    i16 => I16, 0;
+    u16 => U16, 0;
+    i32 => I32, 0;
+    u32 => U32, 0;
+    i64 => I64, 0;
+    f32 => F32, 0.0;
+    f64 => F64, 0.0;
+}
+
+/// Single bytes; a run of them is a byte string.
+impl Described for u8 {
+    fn describe() -> Schema {
+        Schema::plain(Shape::U8)
+    }
+
+    fn initial() -> Self {
+        0
+    }
+
+    fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_u8(*self)
+    }
+
+    fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Self::deserialize(deserializer)
+    }
+
+    fn write_many<S: Serializer>(many: &[Self], serializer: S) -> Result<S::Ok, S::Error> {
+        if serializer.is_human_readable() {
+            return serializer.collect_seq(many);
+        }
+        serializer.serialize_bytes(many)
+    }
+
+    fn read_many<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Self>, D::Error> {
+        deserializer.deserialize_byte_buf(Pack(PhantomData))
+    }
+}
+
+impl<T: Described> Described for Vec<T> {
+    fn describe() -> Schema {
+        Schema::many(T::describe(), None)
+    }
+
+    fn initial() -> Self {
+        Self::new()
+    }
+
+    fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        T::write_many(self, serializer)
+    }
+
+    fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        T::read_many(deserializer)
+    }
+}
+
+impl<T: Described, const N: usize> Described for [T; N] {
+    fn describe() -> Schema {
+        Schema::many(T::describe(), Some(N))
+    }
+
+    fn initial() -> Self {
+        std::array::from_fn(|_| T::initial())
+    }
+
+    fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        T::write_many(self, serializer)
+    }
+
+    fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let all = T::read_many(deserializer)?;
+        all.try_into().map_err(|all: Vec<T>| {
+            de::Error::custom(format_args!("expected {N} elements, found {}", all.len()))
+        })
+    }
+}
+
+impl<T: Described> Described for Option<T> {
+    fn describe() -> Schema {
+        Schema::plain(Shape::Option(Box::new(T::describe())))
+    }
+
+    fn initial() -> Self {
+        None
+    }
+
+    fn write<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            None => serializer.serialize_none(),
+            Some(value) => serializer.serialize_some(&Writing(value)),
+        }
+    }
+
+    fn read<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Option::<Reading<T>>::deserialize(deserializer).map(|some| some.map(|reading| reading.0))
+    }
+}
+
+/// Lends a described value to serde.
+struct Writing<'a, T>(&'a T);
+
+impl<T: Described> Serialize for Writing<'_, T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.0.write(serializer)
+    }
+}
+
+/// Takes a described value from serde.
+struct Reading<T>(T);
+
+impl<'de, T: Described> Deserialize<'de> for Reading<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        T::read(deserializer).map(Self)
+    }
+}
+
+/// Memory reserved on the word of a peer; more is allocated only as elements really come.
+const TRUSTED_CAPACITY: usize = 4096;
+
+fn read_all<'de, T: Described, A: SeqAccess<'de>>(mut from: A) -> Result<Vec<T>, A::Error> {
+    let mut all = Vec::with_capacity(from.size_hint().unwrap_or(0).min(TRUSTED_CAPACITY));
+    while let Some(Reading(element)) = from.next_element()? {
+        all.push(element);
+    }
+    Ok(all)
+}
+
+/// Reads a run element by element.
+struct Run<T>(PhantomData<T>);
+
+impl<'de, T: Described> Visitor<'de> for Run<T> {
+    type Value = Vec<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "a list of {}", T::describe())
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, all: A) -> Result<Vec<T>, A::Error> {
+        read_all(all)
+    }
+}
+
+/// Reads a run of numbers, packed or one by one.
+struct Pack<T>(PhantomData<T>);
+
+impl<'de, T: Described + Packed> Visitor<'de> for Pack<T> {
+    type Value = Vec<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "a list of {}", T::describe())
+    }
+
+    fn visit_newtype_struct<D: Deserializer<'de>>(
+        self,
+        deserializer: D,
+    ) -> Result<Vec<T>, D::Error> {
+        deserializer.deserialize_any(self)
+    }
+
+    fn visit_bytes<E: de::Error>(self, bytes: &[u8]) -> Result<Vec<T>, E> {
+        T::unpack(bytes).ok_or_else(|| {
+            E::custom(format_args!(
+                "{} bytes do not divide into {}",
+                bytes.len(),
+                T::describe()
+            ))
+        })
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, all: A) -> Result<Vec<T>, A::Error> {
+        read_all(all)
+    }
+}

@@ -1,0 +1,51 @@
+//! Self-describing data: what travels between components, whoever wrote them.
+//!
+//! A [`Message`] is a Rust struct with a ROS name and a [`Schema`]; the [`message!`] macro writes one.
+//! A [`Datum`] is the same data without the struct, for those who learn a type at run time:
+//! the coordinator, the recorder, the monitor. Codecs turn a datum into bytes and back.
+//!
+//! ```
+//! datum::message! {
+//!     /// A planar point.
+//!     #[derive(Copy)]
+//!     pub struct Point = "example/Point" {
+//!         /// metres
+//!         pub x: f64,
+//!         /// metres
+//!         pub y: f64,
+//!     }
+//! }
+//!
+//! let point = Point { x: 1.0, y: 2.0 };
+//! let datum = datum::Datum::of(&point)?;
+//! assert_eq!(datum.get("x").as_deref(), Some(&datum::Datum::Float(1.0)));
+//! assert_eq!(datum.to::<Point>()?, point);
+//! # Ok::<(), datum::DatumError>(())
+//! ```
+
+// The macro names this crate `datum`; so must its own tests.
+extern crate self as datum;
+
+mod codec;
+
+mod de;
+mod described;
+mod error;
+mod message;
+mod numbers;
+mod sample;
+mod schema;
+mod ser;
+mod value;
+
+pub use codec::{Codec, cbor, json};
+pub use value::{Datum, Name};
+pub use described::{Described, field};
+pub use error::{DatumError, Problem};
+pub use message::Message;
+pub use numbers::Numbers;
+pub use sample::Sample;
+pub use schema::{Difference, Field, Schema, Shape};
+
+/// The serde that [`message!`] derives with, so that its users need no other.
+pub use serde;

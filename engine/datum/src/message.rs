@@ -1,0 +1,124 @@
+//! Messages: Rust structs with a ROS name and a schema.
+
+use std::fmt::Debug;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::{Datum, Schema, Shape};
+
+/// A type that travels: named as ROS names it, described by a schema. The [`message!`](crate::message!) macro writes one.
+pub trait Message:
+    Serialize + DeserializeOwned + Clone + Debug + PartialEq + Send + Sync + 'static
+{
+    /// The type's name: `geometry_msgs/Twist`.
+    const NAME: &'static str;
+
+    /// The type's shape.
+    fn schema() -> &'static Schema;
+}
+
+/// A datum is the message whose type is known at run time only.
+impl Message for Datum {
+    const NAME: &'static str = "";
+
+    fn schema() -> &'static Schema {
+        static ANY: Schema = Schema {
+            name: std::borrow::Cow::Borrowed(""),
+            shape: Shape::Any,
+        };
+        &ANY
+    }
+}
+
+/// Declares message types: the struct, its serde, its [`Default`] and its [`Message`].
+///
+/// Fields keep the order of the ROS definition; each documents its unit. A field starts at zero, or at the value
+/// given after `=`. On reading, an omitted field has that value, and an unknown field is an error.
+/// Field types are whatever is [`Described`](crate::Described): numbers, text, other messages, runs and options of them.
+///
+/// ```
+/// datum::message! {
+///     /// A rotation (geometry_msgs/Quaternion).
+///     #[derive(Copy)]
+///     pub struct Quaternion = "geometry_msgs/Quaternion" {
+///         /// the vector part
+///         pub x: f64,
+///         pub y: f64,
+///         pub z: f64,
+///         /// the scalar part
+///         pub w: f64 = 1.0,
+///     }
+/// }
+/// assert_eq!(Quaternion::default().w, 1.0);
+/// ```
+#[macro_export]
+macro_rules! message {
+    ($(
+        $(#[$meta:meta])*
+        $vis:vis struct $name:ident = $ros:literal {
+            $($(#[doc = $doc:literal])* $field_vis:vis $field:ident: $type:ty $(= $initial:expr)?),* $(,)?
+        }
+    )+) => {
+        $(
+            $(#[$meta])*
+            #[derive(Debug, Clone, PartialEq, $crate::serde::Serialize, $crate::serde::Deserialize)]
+            #[serde(crate = "datum::serde", default, deny_unknown_fields)]
+            $vis struct $name {
+                $(
+                    $(#[doc = $doc])*
+                    #[serde(with = "datum::field")]
+                    $field_vis $field: $type,
+                )*
+            }
+
+            impl ::core::default::Default for $name {
+                fn default() -> Self {
+                    Self {
+                        $($field: $crate::message!(@initial $type $(= $initial)?),)*
+                    }
+                }
+            }
+
+            impl $crate::Message for $name {
+                const NAME: &'static str = $ros;
+
+                fn schema() -> &'static $crate::Schema {
+                    static SCHEMA: ::std::sync::OnceLock<$crate::Schema> = ::std::sync::OnceLock::new();
+                    SCHEMA.get_or_init(|| {
+                        $crate::Schema::record($ros, ::std::vec![$($crate::Field {
+                            name: ::std::borrow::Cow::Borrowed(stringify!($field)),
+                            doc: ::std::borrow::Cow::Borrowed(concat!($($doc),*).trim_ascii()),
+                            schema: <$type as $crate::Described>::describe(),
+                        }),*])
+                    })
+                }
+            }
+
+            impl $crate::Described for $name {
+                fn describe() -> $crate::Schema {
+                    <Self as $crate::Message>::schema().clone()
+                }
+
+                fn initial() -> Self {
+                    <Self as ::core::default::Default>::default()
+                }
+
+                fn write<S: $crate::serde::Serializer>(
+                    &self,
+                    serializer: S,
+                ) -> ::core::result::Result<S::Ok, S::Error> {
+                    $crate::serde::Serialize::serialize(self, serializer)
+                }
+
+                fn read<'de, D: $crate::serde::Deserializer<'de>>(
+                    deserializer: D,
+                ) -> ::core::result::Result<Self, D::Error> {
+                    $crate::serde::Deserialize::deserialize(deserializer)
+                }
+            }
+        )+
+    };
+    (@initial $type:ty = $initial:expr) => { $initial };
+    (@initial $type:ty) => { <$type as $crate::Described>::initial() };
+}

@@ -1,0 +1,237 @@
+//! The shape of a type, as data: compared before a connection is made, shown to people, stored beside a recording.
+
+use std::borrow::Cow;
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use crate::Name;
+
+/// What a type looks like.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Schema {
+    /// The message type's name, `geometry_msgs/Twist`; empty for what has none.
+    pub name: Name,
+    /// Its shape.
+    pub shape: Shape,
+}
+
+/// The kinds of data.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Shape {
+    /// Known at run time only.
+    Any,
+    /// A truth value.
+    Bool,
+    /// 8 bits, signed.
+    I8,
+    /// 16 bits, signed.
+    I16,
+    /// 32 bits, signed.
+    I32,
+    /// 64 bits, signed.
+    I64,
+    /// 8 bits.
+    U8,
+    /// 16 bits.
+    U16,
+    /// 32 bits.
+    U32,
+    /// 64 bits.
+    U64,
+    /// Single precision.
+    F32,
+    /// Double precision.
+    F64,
+    /// Text.
+    Text,
+    /// Maybe absent.
+    Option(Box<Schema>),
+    /// Any number of elements.
+    List(Box<Schema>),
+    /// A fixed number of elements.
+    Array(Box<Schema>, usize),
+    /// Named fields in order.
+    Record(Vec<Field>),
+}
+
+/// A field of a record.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Field {
+    /// Its name.
+    pub name: Name,
+    /// What it is, with its unit.
+    pub doc: Name,
+    /// Its schema.
+    pub schema: Schema,
+}
+
+/// The first place where two schemas differ.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{}{left} here, {right} there", Place(path))]
+pub struct Difference {
+    /// Path of field names to the place; empty for the whole.
+    pub path: String,
+    /// What the one schema has there.
+    pub left: String,
+    /// What the other has.
+    pub right: String,
+}
+
+impl Schema {
+    /// A schema without a name.
+    pub fn plain(shape: Shape) -> Self {
+        Self {
+            name: Cow::Borrowed(""),
+            shape,
+        }
+    }
+
+    /// A named message of some fields.
+    pub fn record(name: &'static str, fields: Vec<Field>) -> Self {
+        Self {
+            name: Cow::Borrowed(name),
+            shape: Shape::Record(fields),
+        }
+    }
+
+    /// What is known of a type by name only.
+    pub fn opaque(name: impl Into<Name>) -> Self {
+        Self {
+            name: name.into(),
+            shape: Shape::Any,
+        }
+    }
+
+    /// A run of elements; of a fixed number, if one is given.
+    pub fn many(element: Self, count: Option<usize>) -> Self {
+        let element = Box::new(element);
+        Self::plain(match count {
+            Some(count) => Shape::Array(element, count),
+            None => Shape::List(element),
+        })
+    }
+
+    /// Says where this schema and another part ways. Docs may differ; [`Shape::Any`] agrees with everything.
+    pub fn compare(&self, other: &Self) -> Result<(), Difference> {
+        if self.shape == Shape::Any || other.shape == Shape::Any {
+            let named = !self.name.is_empty() && !other.name.is_empty();
+            return self.agree(!named || self.name == other.name, other);
+        }
+        self.agree(self.name == other.name, other)?;
+        match (&self.shape, &other.shape) {
+            (Shape::List(left), Shape::List(right))
+            | (Shape::Option(left), Shape::Option(right)) => {
+                left.compare(right).map_err(|there| there.within("*"))
+            }
+            (Shape::Array(left, n), Shape::Array(right, m)) if n == m => {
+                left.compare(right).map_err(|there| there.within("*"))
+            }
+            (Shape::Record(left), Shape::Record(right)) => compare_fields(left, right),
+            (left, right) => self.agree(left == right, other),
+        }
+    }
+
+    fn agree(&self, agree: bool, other: &Self) -> Result<(), Difference> {
+        if agree {
+            return Ok(());
+        }
+        Err(Difference {
+            path: String::new(),
+            left: self.to_string(),
+            right: other.to_string(),
+        })
+    }
+}
+
+fn compare_fields(left: &[Field], right: &[Field]) -> Result<(), Difference> {
+    let name = |field: Option<&Field>| match field {
+        Some(field) => format!("field `{}`", field.name),
+        None => "no field".to_owned(),
+    };
+    for index in 0..left.len().max(right.len()) {
+        let (here, there) = (left.get(index), right.get(index));
+        match (here, there) {
+            (Some(a), Some(b)) if a.name == b.name => {
+                (a.schema.compare(&b.schema)).map_err(|difference| difference.within(&a.name))?;
+            }
+            (here, there) => {
+                return Err(Difference {
+                    path: String::new(),
+                    left: name(here),
+                    right: name(there),
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+impl Difference {
+    fn within(mut self, segment: &str) -> Self {
+        self.path = if self.path.is_empty() {
+            segment.to_owned()
+        } else {
+            format!("{segment}.{}", self.path)
+        };
+        self
+    }
+}
+
+/// The name, or the shape of what has none.
+impl fmt::Display for Schema {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.name.is_empty() {
+            return self.shape.fmt(f);
+        }
+        f.write_str(&self.name)
+    }
+}
+
+/// As ROS writes types: `float64[36]`, `string`, `geometry_msgs/Pose[]`.
+impl fmt::Display for Shape {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let word = match self {
+            Self::Any => "any",
+            Self::Bool => "bool",
+            Self::I8 => "int8",
+            Self::I16 => "int16",
+            Self::I32 => "int32",
+            Self::I64 => "int64",
+            Self::U8 => "uint8",
+            Self::U16 => "uint16",
+            Self::U32 => "uint32",
+            Self::U64 => "uint64",
+            Self::F32 => "float32",
+            Self::F64 => "float64",
+            Self::Text => "string",
+            Self::Option(some) => return write!(f, "{some}?"),
+            Self::List(element) => return write!(f, "{element}[]"),
+            Self::Array(element, count) => return write!(f, "{element}[{count}]"),
+            Self::Record(fields) => return record(f, fields),
+        };
+        f.write_str(word)
+    }
+}
+
+fn record(f: &mut fmt::Formatter<'_>, fields: &[Field]) -> fmt::Result {
+    f.write_str("{")?;
+    for (index, field) in fields.iter().enumerate() {
+        let comma = if index == 0 { "" } else { ", " };
+        write!(f, "{comma}{}: {}", field.name, field.schema)?;
+    }
+    f.write_str("}")
+}
+
+/// `pose.position: ` in front of a difference, or nothing for the whole.
+struct Place<'a>(&'a str);
+
+impl fmt::Display for Place<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0.is_empty() {
+            return Ok(());
+        }
+        write!(f, "`{}`: ", self.0)
+    }
+}

@@ -1,0 +1,225 @@
+//! The datum: a value that carries its own shape.
+
+use std::borrow::Cow;
+use std::fmt;
+use std::sync::Arc;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::{DatumError, Numbers, de, ser};
+
+/// The name of a record's entry; borrowed where the program spells it, so naming costs nothing.
+pub type Name = Cow<'static, str>;
+
+/// Data of any message type. An enum value without content is [`Datum::Text`].
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum Datum {
+    /// Absent: an empty option.
+    #[default]
+    Null,
+    /// A truth value.
+    Bool(bool),
+    /// A whole number.
+    Int(i64),
+    /// A number, NaN and infinities included (REP-117 needs them).
+    Float(f64),
+    /// Text.
+    Text(String),
+    /// Raw bytes, shared when cloned.
+    Bytes(Arc<[u8]>),
+    /// Packed numbers, shared when cloned.
+    Numbers(Numbers),
+    /// Elements in order.
+    List(Vec<Datum>),
+    /// Named entries in declaration order.
+    Record(Vec<(Name, Datum)>),
+}
+
+impl Datum {
+    /// Any serialisable value as a datum.
+    pub fn of<T: Serialize + ?Sized>(value: &T) -> Result<Self, DatumError> {
+        ser::datum_of(value)
+    }
+
+    /// The value of a type that this datum describes; the error names the place that does not fit.
+    pub fn to<T: DeserializeOwned>(&self) -> Result<T, DatumError> {
+        de::value_of(self)
+    }
+
+    /// A record from its entries.
+    pub fn record<N: Into<Name>>(entries: impl IntoIterator<Item = (N, Datum)>) -> Self {
+        Self::Record(
+            entries
+                .into_iter()
+                .map(|(name, value)| (name.into(), value))
+                .collect(),
+        )
+    }
+
+    /// Text, from anything that is.
+    pub fn text(text: impl Into<String>) -> Self {
+        Self::Text(text.into())
+    }
+
+    /// What stands at a path of names and indices: `pose.position.x`, `poses.0`. The empty path is the whole.
+    ///
+    /// An element of packed numbers or of bytes is made on the way, hence the [`Cow`].
+    pub fn get(&self, path: &str) -> Option<Cow<'_, Datum>> {
+        let mut here = self;
+        let mut segments = path.split('.').filter(|segment| !segment.is_empty());
+        while let Some(segment) = segments.next() {
+            here = match here {
+                Self::Record(entries) => &entries.iter().find(|(name, _)| name == segment)?.1,
+                Self::List(elements) => elements.get(segment.parse::<usize>().ok()?)?,
+                Self::Numbers(_) | Self::Bytes(_) => {
+                    let element = here.element(segment.parse().ok()?)?;
+                    return segments.next().is_none().then_some(element);
+                }
+                Self::Null | Self::Bool(_) | Self::Int(_) | Self::Float(_) | Self::Text(_) => {
+                    return None;
+                }
+            };
+        }
+        Some(Cow::Borrowed(here))
+    }
+
+    /// The element at an index of a list, of packed numbers or of bytes.
+    pub fn element(&self, index: usize) -> Option<Cow<'_, Datum>> {
+        match self {
+            Self::List(elements) => elements.get(index).map(Cow::Borrowed),
+            Self::Numbers(numbers) => numbers.get(index).map(Cow::Owned),
+            Self::Bytes(bytes) => bytes
+                .get(index)
+                .map(|byte| Cow::Owned(Self::Int(i64::from(*byte)))),
+            Self::Null
+            | Self::Bool(_)
+            | Self::Int(_)
+            | Self::Float(_)
+            | Self::Text(_)
+            | Self::Record(_) => None,
+        }
+    }
+
+    /// How many elements or entries; `None` for what has none.
+    pub fn len(&self) -> Option<usize> {
+        match self {
+            Self::List(elements) => Some(elements.len()),
+            Self::Numbers(numbers) => Some(numbers.len()),
+            Self::Bytes(bytes) => Some(bytes.len()),
+            Self::Record(entries) => Some(entries.len()),
+            Self::Null | Self::Bool(_) | Self::Int(_) | Self::Float(_) | Self::Text(_) => None,
+        }
+    }
+
+    /// The text, if it is one.
+    pub fn as_text(&self) -> Option<&str> {
+        if let Self::Text(text) = self { Some(text) } else { None }
+    }
+
+    /// The whole number, if it is one.
+    pub fn as_int(&self) -> Option<i64> {
+        if let Self::Int(value) = self { Some(*value) } else { None }
+    }
+
+    /// The number, if it is one, whole or not.
+    #[allow(
+        clippy::cast_precision_loss,
+        reason = "a number read as a float is meant as one"
+    )]
+    pub fn as_float(&self) -> Option<f64> {
+        if let Self::Float(value) = self {
+            return Some(*value);
+        }
+        self.as_int().map(|value| value as f64)
+    }
+
+    /// The truth value, if it is one.
+    pub fn as_bool(&self) -> Option<bool> {
+        if let Self::Bool(value) = self { Some(*value) } else { None }
+    }
+
+    /// What kind of data this is, in the words of an error message.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Null => "nothing",
+            Self::Bool(_) => "a truth value",
+            Self::Int(_) => "a whole number",
+            Self::Float(_) => "a number",
+            Self::Text(_) => "text",
+            Self::Bytes(_) => "bytes",
+            Self::Numbers(_) => "packed numbers",
+            Self::List(_) => "a list",
+            Self::Record(_) => "a record",
+        }
+    }
+}
+
+impl From<bool> for Datum {
+    fn from(value: bool) -> Self {
+        Self::Bool(value)
+    }
+}
+
+impl From<i64> for Datum {
+    fn from(value: i64) -> Self {
+        Self::Int(value)
+    }
+}
+
+impl From<f64> for Datum {
+    fn from(value: f64) -> Self {
+        Self::Float(value)
+    }
+}
+
+impl From<&str> for Datum {
+    fn from(value: &str) -> Self {
+        Self::Text(value.to_owned())
+    }
+}
+
+impl From<String> for Datum {
+    fn from(value: String) -> Self {
+        Self::Text(value)
+    }
+}
+
+/// For people: compact, long runs shortened. `{x: 1.0, name: "a", ranges: 720 × f32}`.
+impl fmt::Display for Datum {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Null => f.write_str("null"),
+            Self::Bool(value) => write!(f, "{value}"),
+            Self::Int(value) => write!(f, "{value}"),
+            Self::Float(value) => write!(f, "{value:?}"),
+            Self::Text(value) => write!(f, "{value:?}"),
+            Self::Bytes(bytes) => write!(f, "{} bytes", bytes.len()),
+            Self::Numbers(numbers) if numbers.len() > 8 => {
+                write!(f, "{} × {}", numbers.len(), numbers.element())
+            }
+            Self::Numbers(numbers) => list(f, numbers.iter()),
+            Self::List(elements) => list(f, elements.iter()),
+            Self::Record(entries) => {
+                f.write_str("{")?;
+                for (index, (name, value)) in entries.iter().enumerate() {
+                    let comma = if index == 0 { "" } else { ", " };
+                    write!(f, "{comma}{name}: {value}")?;
+                }
+                f.write_str("}")
+            }
+        }
+    }
+}
+
+fn list<D: fmt::Display>(
+    f: &mut fmt::Formatter<'_>,
+    elements: impl Iterator<Item = D>,
+) -> fmt::Result {
+    f.write_str("[")?;
+    for (index, element) in elements.enumerate() {
+        let comma = if index == 0 { "" } else { ", " };
+        write!(f, "{comma}{element}")?;
+    }
+    f.write_str("]")
+}

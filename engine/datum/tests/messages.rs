@@ -1,0 +1,161 @@
+//! Messages through every representation.
+#![allow(clippy::unwrap_used, clippy::panic, missing_docs, reason = "tests")]
+
+use datum::{Codec, Datum, Message, Numbers, Shape, cbor, json};
+
+datum::message! {
+    /// A vector.
+    #[derive(Copy)]
+    pub struct Vector3 = "geometry_msgs/Vector3" {
+        /// metres
+        pub x: f64,
+        pub y: f64,
+        pub z: f64 = 1.0,
+    }
+
+    /// A scan.
+    pub struct Scan = "test/Scan" {
+        /// where the sensor was
+        pub at: Vector3,
+        /// metres; +Infinity where nothing is (REP-117)
+        pub ranges: Vec<f32>,
+        pub cells: Vec<i8>,
+        pub raw: Vec<u8>,
+        pub covariance: [f64; 36],
+        pub frame: String,
+        pub trail: Vec<Vector3>,
+        pub maybe: Option<Vector3>,
+        pub count: u32,
+        pub big: i64,
+        pub ok: bool,
+    }
+
+    /// Nothing.
+    #[derive(Eq)]
+    pub struct Empty = "std_msgs/Empty" {}
+}
+
+fn scan() -> Scan {
+    Scan {
+        at: Vector3 { x: 0.1, y: -2.5e-300, z: 7.0 },
+        ranges: vec![1.5, f32::INFINITY, f32::NEG_INFINITY, 0.1],
+        cells: vec![-1, 0, 100, -128],
+        raw: vec![0, 255],
+        covariance: std::array::from_fn(|index| index as f64 / 7.0),
+        frame: "laser".into(),
+        trail: vec![Vector3::default(); 2],
+        maybe: Some(Vector3::default()),
+        count: u32::MAX,
+        big: i64::MIN,
+        ok: true,
+    }
+}
+
+#[test]
+fn a_message_survives_every_codec() {
+    for message in [scan(), Scan::default()] {
+        let datum = Datum::of(&message).unwrap();
+        assert_eq!(datum.to::<Scan>().unwrap(), message);
+        assert_eq!(cbor::decode::<Scan>(&cbor::encode(&message).unwrap()).unwrap(), message);
+        assert_eq!(json::decode::<Scan>(&json::encode(&message).unwrap()).unwrap(), message);
+        assert_eq!(cbor::decode::<Datum>(&cbor::encode(&datum).unwrap()).unwrap(), datum);
+        assert_eq!(datum.to::<Datum>().unwrap(), datum);
+        for codec in [Codec::Cbor, Codec::Json] {
+            let bytes = codec.encode(&datum).unwrap();
+            assert_eq!(codec.decode(&bytes).unwrap().to::<Scan>().unwrap(), message);
+            assert_eq!(Codec::of_content_type(codec.content_type()), Some(codec));
+        }
+    }
+}
+
+#[test]
+fn nan_survives_every_codec() {
+    let mut message = scan();
+    message.ranges = vec![f32::NAN];
+    message.at.x = f64::NAN;
+    let by_cbor = cbor::decode::<Scan>(&cbor::encode(&message).unwrap()).unwrap();
+    let by_json = json::decode::<Scan>(&json::encode(&message).unwrap()).unwrap();
+    for back in [by_cbor, by_json] {
+        assert!(back.ranges[0].is_nan() && back.at.x.is_nan());
+    }
+}
+
+#[test]
+fn an_empty_message_survives() {
+    assert_eq!(cbor::decode::<Empty>(&cbor::encode(&Empty {}).unwrap()).unwrap(), Empty {});
+    assert_eq!(json::encode(&Empty {}).unwrap(), "{}");
+}
+
+#[test]
+fn numeric_arrays_are_one_byte_string() {
+    let datum = Datum::of(&scan()).unwrap();
+    assert!(matches!(&*datum.get("cells").unwrap(), Datum::Numbers(Numbers::I8(cells)) if cells[0] == -1));
+    assert!(matches!(&*datum.get("covariance").unwrap(), Datum::Numbers(Numbers::F64(_))));
+    assert!(matches!(&*datum.get("raw").unwrap(), Datum::Bytes(_)));
+
+    let mut grid = Scan::default();
+    grid.cells = vec![3; 160_000];
+    let overhead = cbor::encode(&grid).unwrap().len() - 160_000;
+    assert!(overhead < 500, "{overhead} bytes beside the cells");
+}
+
+#[test]
+fn a_path_finds_what_is_inside() {
+    let datum = Datum::of(&scan()).unwrap();
+    assert_eq!(datum.get("at.x").as_deref(), Some(&Datum::Float(0.1)));
+    assert_eq!(datum.get("trail.1.z").as_deref(), Some(&Datum::Float(1.0)));
+    assert_eq!(datum.get("ranges.0").as_deref(), Some(&Datum::Float(1.5)));
+    assert_eq!(datum.get("cells.0").as_deref(), Some(&Datum::Int(-1)));
+    assert_eq!(datum.get("").as_deref(), Some(&datum));
+    for nowhere in ["at.w", "trail.2", "cells.4", "cells.0.x", "frame.x", "trail.x"] {
+        assert_eq!(datum.get(nowhere), None, "{nowhere}");
+    }
+}
+
+#[test]
+fn omitted_fields_have_their_initial_value_and_unknown_ones_are_refused() {
+    assert_eq!(json::decode::<Vector3>(r#"{"x": 3}"#).unwrap(), Vector3 { x: 3.0, y: 0.0, z: 1.0 });
+    let error = json::decode::<Scan>(r#"{"at": {"w": 3}}"#).unwrap_err();
+    assert!(error.to_string().starts_with("`at`: unknown field `w`"), "{error}");
+}
+
+#[test]
+fn an_error_names_the_place() {
+    let error = json::decode::<Scan>(r#"{"trail": [{}, {"x": "far"}]}"#).unwrap_err();
+    assert_eq!(error.path, "trail.1.x");
+    let error = json::decode::<Scan>(r#"{"cells": [1, 200]}"#).unwrap_err();
+    assert_eq!(error.path, "cells.1");
+    let error = json::decode::<Scan>(r#"{"covariance": [1.0]}"#).unwrap_err();
+    assert_eq!(error.to_string(), "`covariance`: expected 36 elements, found 1");
+}
+
+#[test]
+fn a_schema_says_what_the_struct_is() {
+    let schema = Scan::schema();
+    assert_eq!(schema.name, "test/Scan");
+    assert_eq!(
+        schema.shape.to_string(),
+        "{at: geometry_msgs/Vector3, ranges: float32[], cells: int8[], raw: uint8[], covariance: float64[36], \
+         frame: string, trail: geometry_msgs/Vector3[], maybe: geometry_msgs/Vector3?, count: uint32, big: int64, ok: bool}"
+    );
+    let Shape::Record(fields) = &schema.shape else { panic!("a record") };
+    assert_eq!(fields[1].doc, "metres; +Infinity where nothing is (REP-117)");
+    assert_eq!(json::decode::<datum::Schema>(&json::encode(schema).unwrap()).unwrap(), *schema);
+}
+
+mod other {
+    datum::message! {
+        pub struct Vector3 = "geometry_msgs/Vector3" { pub x: f64, pub y: f32, pub z: f64 }
+        pub struct Scan = "test/Scan" { pub at: Vector3 }
+    }
+}
+
+#[test]
+fn a_comparison_names_the_first_difference() {
+    assert_eq!(Scan::schema().compare(Scan::schema()), Ok(()));
+    assert_eq!(Scan::schema().compare(Datum::schema()), Ok(()));
+    let difference = Scan::schema().compare(other::Scan::schema()).unwrap_err();
+    assert_eq!(difference.to_string(), "`at.y`: float64 here, float32 there");
+    let difference = Empty::schema().compare(Scan::schema()).unwrap_err();
+    assert_eq!(difference.to_string(), "std_msgs/Empty here, test/Scan there");
+}

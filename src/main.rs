@@ -1,0 +1,3 @@
+//! The front door: the `asmotion` binary.
+
+fn main() {}
