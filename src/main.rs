@@ -1,3 +1,5 @@
-//! The front door: the `asmotion` binary.
+//! The `asmotion` binary.
 
-fn main() {}
+fn main() -> std::process::ExitCode {
+    asmotion::main()
+}

@@ -1,1 +1,43 @@
-//! Programs of the language.
+//! Programs of the language: what they do, what is said about their mistakes, and that nothing
+//! brings the pipeline down.
+
+mod conformance;
+mod limits;
+mod messages;
+mod replay;
+mod semantics;
+mod specifications;
+
+use asm_lang::{Failure, Files, Specification};
+use std::path::{Path, PathBuf};
+
+/// The folder of this subject.
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/language")
+}
+
+/// The `.asm` files of a folder, sorted: stem and text.
+fn programs(folder: &Path) -> Vec<(String, String)> {
+    let mut files: Vec<PathBuf> =
+        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    let programs = files.into_iter().filter(|file| file.extension().is_some_and(|end| end == "asm"));
+    programs
+        .map(|file| {
+            let stem = file.file_stem().unwrap().to_string_lossy().into_owned();
+            (stem, std::fs::read_to_string(file).unwrap())
+        })
+        .collect()
+}
+
+/// Opens a text that imports nothing but the libraries.
+fn open(name: &str, text: &str) -> Result<Specification, Failure> {
+    let mut files = Files::new();
+    files.add(&format!("{name}.asm"), text);
+    asm_lang::open(&format!("{name}.asm"), &files)
+}
+
+/// Opens a text that has no errors.
+fn opened(name: &str, text: &str) -> Specification {
+    open(name, text).unwrap_or_else(|failure| panic!("{name}.asm:\n{failure}"))
+}

@@ -76,8 +76,8 @@ impl Specification {
             FaultKind::TooDeep(limit) => Diagnostic::error("R010", format!("calls nest deeper than {limit}, {when}"))
                 .label(at, "called once more")
                 .help("check that the recursion ends for every argument"),
-            FaultKind::Endless(limit) => Diagnostic::error("R011", format!("a loop ran {limit} times, {when}"))
-                .label(at, "this loop")
+            FaultKind::Endless(limit) => Diagnostic::error("R011", format!("the loops ran {limit} times {when}"))
+                .label(at, "this loop did not end")
                 .help("check that its body makes the guard false"),
             FaultKind::TooLarge(count) => Diagnostic::error("R012", format!("a collection of {count} elements would be built, {when}"))
                 .label(at, "built here")

@@ -118,7 +118,16 @@ impl Declared {
     }
 
     fn imported_rules(&mut self, units: &[Unit], index: usize) {
-        self.imported_names(units, index, |into, from| into.rules = from.rules.clone());
+        // the main rule of an imported file is its own affair
+        let mains: Vec<Span> = units.iter().filter_map(|unit| Some(unit.tree.main.as_ref()?.name.span)).collect();
+        let imported = |rules: &[Rule], id: &RuleId| !mains.contains(&rules[id.0 as usize].span);
+        let rules = std::mem::take(&mut self.rules);
+        self.imported_names(units, index, |into, from| {
+            into.rules = from.rules.clone();
+            into.rules.values_mut().for_each(|known| known.retain(|id| imported(&rules, id)));
+            into.rules.retain(|_, known| !known.is_empty());
+        });
+        self.rules = rules;
         let unit = &units[index];
         for &(import, from) in &unit.imports {
             let import = &unit.tree.imports[import];
@@ -155,15 +164,18 @@ impl Declared {
             }
             let name = &domain.name;
             if let Some(&first) = self.scopes[index].domains.get(&name.text) {
+                let first = &self.domains[first.0 as usize];
                 // Old models declare again what a library brings; the same thing twice does no harm.
-                let same_basic = matches!(domain.kind, ast::DomainKind::Basic | ast::DomainKind::Any)
+                let same = matches!(domain.kind, ast::DomainKind::Basic | ast::DomainKind::Any)
                     || (&*name.text == "Agent" || &*name.text == "Reserve");
-                if !same_basic {
-                    let first = self.domains[first.0 as usize].span;
-                    let error = HirError::Duplicate { name: name.text.clone(), at: name.span, first };
-                    self.report.push(error.diagnostic());
+                // The library's type variables have names that a model may well want for itself.
+                if same || first.kind != DomainKind::Any {
+                    if !same {
+                        let error = HirError::Duplicate { name: name.text.clone(), at: name.span, first: first.span };
+                        self.report.push(error.diagnostic());
+                    }
+                    continue;
                 }
-                continue;
             }
             let id = DomainId(self.domains.len() as u32);
             let kind = match &domain.kind {
@@ -403,24 +415,16 @@ impl Declared {
     }
 
     fn named_type(&mut self, unit: usize, name: &Arc<str>, at: Span) -> TypeId {
-        let Some(&domain) = self.scopes[unit].domains.get(name) else {
-            let similar = self.scopes[unit].similar_domain(name);
-            self.report.push(HirError::UnknownDomain { name: name.clone(), at, similar }.diagnostic());
-            return self.types.id(Type::Invalid);
-        };
-        let ty = match self.domains[domain.0 as usize].kind {
-            DomainKind::Basic => match &**name {
-                "Boolean" => Type::Boolean,
-                "Integer" => Type::Integer,
-                "Natural" => Type::Natural,
-                "Real" => Type::Real,
-                "Complex" => Type::Complex,
-                "Char" => Type::Char,
-                "String" => Type::String,
-                "Rule" => Type::Rule,
-                _ => Type::Undef,
-            },
-            _ => Type::Domain(domain),
+        let known = self.scopes[unit].domains.get(name).copied();
+        let declared = known.filter(|id| self.domains[id.0 as usize].kind != DomainKind::Basic);
+        let ty = match (declared, Type::basic(name)) {
+            (Some(domain), _) => Type::Domain(domain),
+            (None, Some(basic)) => basic,
+            (None, None) => {
+                let similar = self.scopes[unit].similar_domain(name);
+                self.report.push(HirError::UnknownDomain { name: name.clone(), at, similar }.diagnostic());
+                Type::Invalid
+            }
         };
         self.types.id(ty)
     }

@@ -101,9 +101,7 @@ impl HirError {
                 let finding = error("A004").label(*at, "no domain has this name");
                 match similar {
                     Some(name) => finding.fix(format!("did you mean `{name}`?"), *at, name.to_string()),
-                    None => finding.help(
-                        "declare it in the signature; the basic domains come with `import StandardLibrary`",
-                    ),
+                    None => finding.help("declare it in the signature, or import the module that declares it"),
                 }
             }
             Self::UnknownConstant { at, similar, .. } => {
@@ -196,7 +194,7 @@ impl HirError {
                 .label(*at, "defined here")
                 .label(*declared, "declared here")
                 .help("`definitions:` defines static and derived functions, `default init` gives the others their first value"),
-            Self::NoMain { at, .. } => error("A022")
+            Self::NoMain { at, .. } => warning("W005")
                 .label(*at, "this `asm` cannot run")
                 .help("add `main rule r_Main = …`, or make it a `module`"),
             Self::MainParameters { at } => error("A023")

@@ -242,7 +242,7 @@ impl<'a> Resolver<'a> {
             let domain = self.declared.atoms[atom.0 as usize].domain;
             return self.made(TermKind::Value(Value::Atom(atom)), Type::Domain(domain), name.span);
         }
-        if scope.domains.contains_key(&name.text) {
+        if scope.domains.contains_key(&name.text) || Type::basic(&name.text).is_some() {
             let domain = ast::Type { kind: ast::TypeKind::Named(name.text.clone()), span: name.span };
             let ty = self.declared.resolve_type(self.unit, &domain);
             return self.made(TermKind::Extent(ty), Type::Powerset(ty), name.span);
@@ -308,14 +308,13 @@ impl<'a> Resolver<'a> {
             self.error(HirError::UnknownFunction { name: name.text.clone(), at: name.span, similar });
             return self.invalid(span);
         }
-        let mut best: Option<(u32, FunctionId, Bindings)> = None;
-        for &candidate in &candidates {
-            let Some((fit, bindings)) = self.fit(candidate, &arguments) else { continue };
-            if best.as_ref().is_none_or(|(known, ..)| fit < *known) {
-                best = Some((fit, candidate, bindings));
-            }
-        }
-        let Some((_, function, bindings)) = best else {
+        // of two that fit alike, this file's own is meant
+        let fitting = candidates.iter().filter_map(|&candidate| {
+            let (fit, bindings) = self.fit(candidate, &arguments)?;
+            let foreign = self.declared.functions[candidate.0 as usize].span.file != name.span.file;
+            Some(((fit, foreign), candidate, bindings))
+        });
+        let Some((_, function, bindings)) = fitting.min_by_key(|(fit, ..)| *fit) else {
             return self.no_overload(name, &candidates, &arguments, span);
         };
         let codomain = self.declared.functions[function.0 as usize].codomain;
@@ -339,7 +338,7 @@ impl<'a> Resolver<'a> {
         let types = &self.declared.types;
         let mut bindings = Bindings::new();
         let actual: Vec<TypeId> = match arguments {
-            [tuple] if parameters.len() > 1 => match types.get(tuple.ty) {
+            [tuple] if parameters.len() > 1 => match types.get(types.root(tuple.ty, &self.declared.domains)) {
                 Type::Prod(items) => items.clone(),
                 _ => return None,
             },
@@ -445,7 +444,8 @@ impl<'a> Resolver<'a> {
         let mut bound = Vec::new();
         for binder in binders {
             let range = self.term(&binder.range);
-            let item = match self.declared.types.get(range.ty) {
+            let root = self.declared.types.root(range.ty, &self.declared.domains);
+            let item = match self.declared.types.get(root) {
                 Type::Powerset(item) | Type::Seq(item) | Type::Bag(item) => *item,
                 Type::Undef | Type::Invalid => range.ty,
                 _ => {
@@ -488,11 +488,8 @@ impl<'a> Resolver<'a> {
         let last = self.term(&from.to);
         let step = from.step.as_ref().map(|step| self.term(step));
         let root = self.declared.types.root(first.ty, &self.declared.domains);
-        let numeric = matches!(
-            self.declared.types.get(root),
-            Type::Integer | Type::Natural | Type::Real | Type::Invalid
-        );
-        if !numeric {
+        let counts = self.declared.types.get(root).is_whole();
+        if !counts && !matches!(self.declared.types.get(root), Type::Real | Type::Invalid) {
             let actual = self.show(first.ty);
             let error = HirError::Mismatch {
                 what: "interval".to_owned(),
@@ -504,7 +501,10 @@ impl<'a> Resolver<'a> {
             self.error(error);
         }
         for bound in [Some(&last), step.as_ref()].into_iter().flatten() {
-            self.expect(bound, first.ty, "interval", Some(first.span));
+            let other = self.declared.types.root(bound.ty, &self.declared.domains);
+            if !(counts && self.declared.types.get(other).is_whole()) {
+                self.expect(bound, first.ty, "interval", None);
+            }
         }
         let ty = of(collection, root);
         self.made(TermKind::Interval(collection, first, last, step), ty, span)
@@ -523,14 +523,13 @@ impl<'a> Resolver<'a> {
         let domains: Vec<TypeId> =
             domains.iter().map(|domain| self.declared.resolve_type(self.unit, domain)).collect();
         let candidates = self.declared.scopes[self.unit].rules.get(&name.text).cloned().unwrap_or_default();
-        let fits = |id: &RuleId| {
-            let parameters = &self.declared.rules[id.0 as usize].parameters;
-            domains.is_empty()
-                || parameters.len() == domains.len()
-                    && parameters.iter().zip(&domains).all(|(&a, &b)| self.compatible(a, b))
-        };
-        match candidates.iter().copied().find(fits) {
-            Some(rule) => self.made(TermKind::Rule(rule), Type::Rule, span),
+        // the domains pick the overload; without them the first rule is meant
+        let best = candidates.iter().copied().filter_map(|id| {
+            let fit = if domains.is_empty() { Some(0) } else { self.rule_fit(id, &domains) };
+            Some((fit?, id))
+        });
+        match best.min() {
+            Some((_, rule)) => self.made(TermKind::Rule(rule), Type::Rule, span),
             None => {
                 self.unknown_rule(name);
                 self.invalid(span)
@@ -548,6 +547,18 @@ impl<'a> Resolver<'a> {
         self.error(HirError::UnknownRule { name: name.text.clone(), at: name.span, similar });
     }
 
+    /// How well a rule's parameters fit.
+    fn rule_fit(&self, rule: RuleId, actual: &[TypeId]) -> Option<u32> {
+        let parameters = &self.declared.rules[rule.0 as usize].parameters;
+        if parameters.len() != actual.len() {
+            return None;
+        }
+        let (types, domains) = (&self.declared.types, &self.declared.domains);
+        let mut bindings = Bindings::new();
+        let mut pairs = parameters.iter().zip(actual);
+        pairs.try_fold(0, |sum, (&wanted, &actual)| Some(sum + types.fit(wanted, actual, domains, &mut bindings)?))
+    }
+
     /// The rule of this name that fits the arguments best.
     pub fn callee(&mut self, name: &ast::Name, arguments: &[Term]) -> Option<RuleId> {
         let candidates = self.declared.scopes[self.unit].rules.get(&name.text).cloned().unwrap_or_default();
@@ -555,25 +566,9 @@ impl<'a> Resolver<'a> {
             self.unknown_rule(name);
             return None;
         };
-        let mut best: Option<(u32, RuleId)> = None;
-        for &id in &candidates {
-            let parameters = &self.declared.rules[id.0 as usize].parameters;
-            if parameters.len() != arguments.len() {
-                continue;
-            }
-            let mut bindings = Bindings::new();
-            let fit = parameters.iter().zip(arguments).try_fold(0, |sum, (&wanted, argument)| {
-                let fit =
-                    self.declared.types.fit(wanted, argument.ty, &self.declared.domains, &mut bindings);
-                fit.map(|fit| sum + fit)
-            });
-            if let Some(fit) = fit
-                && best.is_none_or(|(known, _)| fit < known)
-            {
-                best = Some((fit, id));
-            }
-        }
-        if let Some((_, id)) = best {
+        let types: Vec<TypeId> = arguments.iter().map(|argument| argument.ty).collect();
+        let fitting = candidates.iter().filter_map(|&id| Some((self.rule_fit(id, &types)?, id)));
+        if let Some((_, id)) = fitting.min() {
             return Some(id);
         }
         let rule = &self.declared.rules[first.0 as usize];

@@ -44,6 +44,29 @@ pub enum Type {
     Map(TypeId, TypeId),
 }
 
+impl Type {
+    /// The basic domain of this name. Basic domains are known everywhere, with and without a library.
+    pub fn basic(name: &str) -> Option<Self> {
+        Some(match name {
+            "Boolean" => Self::Boolean,
+            "Integer" => Self::Integer,
+            "Natural" => Self::Natural,
+            "Real" => Self::Real,
+            "Complex" => Self::Complex,
+            "Char" => Self::Char,
+            "String" => Self::String,
+            "Rule" => Self::Rule,
+            "Undef" => Self::Undef,
+            _ => return None,
+        })
+    }
+
+    /// Whether its values are whole numbers.
+    pub(crate) fn is_whole(&self) -> bool {
+        matches!(self, Self::Integer | Self::Natural)
+    }
+}
+
 /// The table of types.
 #[derive(Debug, Default)]
 pub struct Types {

@@ -8,5 +8,5 @@
 mod lower;
 mod program;
 
-pub use lower::{Lowered, lower};
+pub use lower::{Lowered, lower, lower_with};
 pub use program::*;

@@ -17,6 +17,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use value::RuleId;
 
+/// Most locations of a function with more than this are never met.
+const MAX_DENSE: u32 = 1 << 16;
+
 /// A program, and where its parts stand in the sources.
 #[derive(Debug)]
 pub struct Lowered {
@@ -31,7 +34,16 @@ pub struct Lowered {
 /// # Errors
 /// The model uses a form that no machine executes yet, or a macro that cannot be specialised.
 pub fn lower(model: &Model) -> Result<Lowered, Report> {
-    let mut lowering = Lowering::new(model);
+    lower_with(model, MAX_DENSE)
+}
+
+/// Lowers a model so that functions with more locations than `dense` are interned. A run is the same
+/// whatever the limit; functions without arguments have their slot in any case.
+///
+/// # Errors
+/// As [`lower`].
+pub fn lower_with(model: &Model, dense: u32) -> Result<Lowered, Report> {
+    let mut lowering = Lowering::new(model, dense);
     lowering.layout();
     lowering.definitions();
     lowering.initial_state();
@@ -61,10 +73,12 @@ struct Lowering<'a> {
     routines: BTreeMap<rule::Special, RoutineId>,
     /// How deep macros are being specialised within each other.
     depth: usize,
+    /// A function with more locations than this is interned.
+    dense: u64,
 }
 
 impl<'a> Lowering<'a> {
-    fn new(model: &'a Model) -> Self {
+    fn new(model: &'a Model, dense: u32) -> Self {
         let names = |names: &mut dyn Iterator<Item = &Arc<str>>| names.cloned().collect();
         let symbols = Symbols {
             atoms: names(&mut model.atoms.iter().map(|atom| &atom.name)),
@@ -78,7 +92,9 @@ impl<'a> Lowering<'a> {
             domains: Vec::new(),
             functions: Vec::new(),
             slots: 0,
+            dense: Vec::new(),
             initial_order: Vec::new(),
+            initial_inputs: Vec::new(),
             bodies: Vec::new(),
             routines: Vec::new(),
             rules: Vec::new(),
@@ -99,6 +115,7 @@ impl<'a> Lowering<'a> {
             caches: BTreeMap::new(),
             routines: BTreeMap::new(),
             depth: 0,
+            dense: u64::from(dense.max(1)),
         }
     }
 
@@ -155,7 +172,10 @@ impl<'a> Lowering<'a> {
             }
         }
         let order = facts::initial_order(self.model);
-        self.program.initial_order = order.into_iter().map(function_id).collect();
+        let (later, now) = order.into_iter().partition(|&function| self.facts.begins_with_input(function));
+        let ids = |functions: Vec<hir::FunctionId>| functions.into_iter().map(function_id).collect();
+        self.program.initial_order = ids(now);
+        self.program.initial_inputs = ids(later);
     }
 
     fn invariants(&mut self) {

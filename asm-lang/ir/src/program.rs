@@ -40,8 +40,12 @@ pub struct Program {
     pub functions: Vec<Function>,
     /// How many slots are fixed; interned locations get the numbers from here on.
     pub slots: Slot,
+    /// The functions with fixed slots, in the order of their slots.
+    pub dense: Vec<FunctionId>,
     /// The functions with initial values, each after those its values depend on.
     pub initial_order: Vec<FunctionId>,
+    /// Those of them whose initial values depend on the inputs of the first step, likewise.
+    pub initial_inputs: Vec<FunctionId>,
     /// Definitions, initial values, conditions.
     pub bodies: Vec<Body<Term>>,
     /// Rules, specialised.
@@ -82,6 +86,8 @@ pub struct Domain {
     pub elements: Elements,
     /// The domain it is a subset of.
     pub base: Option<DomainId>,
+    /// Whether `extend` may add elements: it is abstract, or a subset of such a domain.
+    pub grows: bool,
 }
 
 /// The elements of a domain.
@@ -124,6 +130,9 @@ pub struct Function {
     pub storage: Storage,
     /// Its value in the initial state, by arguments.
     pub initial: Option<BodyId>,
+    /// Nanoseconds a unit, if it tells the time (`mCurrTimeSecs`): what the environment leaves open
+    /// is the time of the step.
+    pub clock: Option<i64>,
     /// Whether the specification declares it itself: only these are shown.
     pub own: bool,
 }
@@ -224,6 +233,18 @@ pub enum AxisRange {
         /// How many.
         count: u32,
     },
+}
+
+impl Program {
+    /// The function one of whose locations has this fixed slot.
+    pub fn dense_function(&self, slot: Slot) -> Option<FunctionId> {
+        let begins_after = |id: &FunctionId| match self.functions[id.0 as usize].storage {
+            Storage::Dense { base, .. } => base <= slot,
+            Storage::None | Storage::Interned => false,
+        };
+        let after = self.dense.partition_point(begins_after);
+        self.dense.get(after.checked_sub(1)?).copied().filter(|_| slot < self.slots)
+    }
 }
 
 impl AxisRange {
@@ -502,8 +523,8 @@ pub enum RuleNode {
     Skip,
     /// `place := value`
     Update(Place, Term),
-    /// `place <- routine(…)`
-    Assign(Place, RoutineId, Vec<Term>),
+    /// `place <- routine(…)`; without a place, the result is dropped.
+    Assign(Option<Place>, RoutineId, Vec<Term>),
     /// A routine with its arguments.
     Call(RoutineId, Vec<Term>),
     /// A rule value with its arguments.

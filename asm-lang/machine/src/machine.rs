@@ -49,6 +49,8 @@ pub struct Step<'a> {
     pub extended: &'a [(DomainId, Atom)],
     /// What `print` wrote.
     pub printed: &'a [String],
+    /// The time it was done at.
+    pub now_ns: i64,
 }
 
 /// A program, compiled, and its state. Cloning shares the code and copies the state.
@@ -94,7 +96,7 @@ impl Machine {
     }
 
     /// The program.
-    pub fn program(&self) -> &Program {
+    pub fn program(&self) -> &Arc<Program> {
         &self.program
     }
 
@@ -126,10 +128,13 @@ impl Machine {
     ) -> Result<Step<'_>, Box<Fault>> {
         let number = self.steps + 1;
         self.rounds += 1;
-        self.scratch.record.clear();
+        self.scratch.record.begin(now_ns);
         self.scratch.before.clear();
         self.scratch.updates.begin(self.state.len());
         let reserve = self.state.reserve.len();
+        if self.steps == 0 && !self.program.initial_inputs.is_empty() {
+            self.initialise_with_inputs(environment, now_ns)?;
+        }
         let evaluated = self.run(environment, chooser, number, now_ns, |run| {
             let main = run.program.main;
             let done = match main {
@@ -163,6 +168,7 @@ impl Machine {
             before: &self.scratch.before,
             extended: &self.scratch.updates.extended,
             printed: &self.scratch.record.printed,
+            now_ns: self.scratch.record.now_ns,
         }
     }
 
@@ -186,7 +192,7 @@ impl Machine {
         let program = self.program.clone();
         for (index, domain) in program.domains.iter().enumerate() {
             if let Elements::Computed(body) = domain.elements {
-                let elements = self.build(|run| run.call_body(body, 0))?;
+                let elements = self.build(&mut NoInputs, 0, |run| run.call_body(body, 0))?;
                 let elements: Vec<Value> = match elements {
                     Value::Set(elements) => elements.iter().cloned().collect(),
                     Value::Seq(elements) => {
@@ -201,22 +207,45 @@ impl Machine {
             }
         }
         for &function in &program.initial_order {
-            self.initialise_function(&program, function)?;
+            self.initialise_function(&program, function, &mut NoInputs, 0)?;
         }
         self.state.initial = self.state.slots.clone();
+        match program.initial_inputs.is_empty() {
+            true => self.check_initial(),
+            false => Ok(()),
+        }
+    }
+
+    /// Completes the initial state with what the environment says in the first step.
+    fn initialise_with_inputs(&mut self, environment: &mut dyn Environment, now_ns: i64) -> Result<(), Box<Fault>> {
+        let program = self.program.clone();
+        for &function in &program.initial_inputs {
+            self.initialise_function(&program, function, environment, now_ns)?;
+        }
+        self.state.initial = self.state.slots.clone();
+        self.check_initial()
+    }
+
+    fn check_initial(&mut self) -> Result<(), Box<Fault>> {
         self.run(&mut NoInputs, &mut First, 0, 0, |run| {
             let _ = run.check_invariants(false);
         })
     }
 
-    fn initialise_function(&mut self, program: &Program, function: FunctionId) -> Result<(), Box<Fault>> {
+    fn initialise_function(
+        &mut self,
+        program: &Program,
+        function: FunctionId,
+        environment: &mut dyn Environment,
+        now_ns: i64,
+    ) -> Result<(), Box<Fault>> {
         let declared = &program.functions[function.0 as usize];
         let (Some(body), Storage::Dense { base, count, .. }) = (declared.initial, &declared.storage) else {
             return Ok(());
         };
         for slot in *base..base + count {
             let arguments = self.state.location(program, slot).map(|(_, arguments)| arguments);
-            let value = self.build(|run| {
+            let value = self.build(environment, now_ns, |run| {
                 run.locals.extend(arguments.into_iter().flatten());
                 run.call_body(body, 0)
             })?;
@@ -226,8 +255,13 @@ impl Machine {
     }
 
     /// Computes something while the initial state is being built.
-    fn build<T>(&mut self, work: impl FnOnce(&mut Run<'_>) -> T) -> Result<T, Box<Fault>> {
-        self.run(&mut NoInputs, &mut First, 0, 0, |run| {
+    fn build<T>(
+        &mut self,
+        environment: &mut dyn Environment,
+        now_ns: i64,
+        work: impl FnOnce(&mut Run<'_>) -> T,
+    ) -> Result<T, Box<Fault>> {
+        self.run(environment, &mut First, 0, now_ns, |run| {
             run.building = true;
             work(run)
         })
@@ -258,6 +292,7 @@ impl Machine {
             base: 0,
             agent: Value::Undef,
             depth: 0,
+            iterations: 0,
             step,
             round: self.rounds,
             now_ns,

@@ -52,6 +52,7 @@ pub(crate) struct Record {
     pub inputs: Vec<Input>,
     pub choices: Vec<Choice>,
     pub printed: Vec<String>,
+    pub now_ns: i64,
 }
 
 /// A step under way.
@@ -72,6 +73,8 @@ pub(crate) struct Run<'a> {
     pub base: usize,
     pub agent: Value,
     pub depth: u32,
+    /// How often the loops of the step went round.
+    pub iterations: u32,
     pub step: u64,
     /// What was asked of the environment in this round holds.
     pub round: u64,
@@ -82,10 +85,11 @@ pub(crate) struct Run<'a> {
 }
 
 impl Record {
-    pub fn clear(&mut self) {
+    pub fn begin(&mut self, now_ns: i64) {
         self.inputs.clear();
         self.choices.clear();
         self.printed.clear();
+        self.now_ns = now_ns;
     }
 }
 
@@ -121,26 +125,30 @@ impl Run<'_> {
 
     /// What an input location holds in this step.
     pub fn input(&mut self, slot: Slot, function: FunctionId, arguments: usize, origin: Origin) -> Value {
-        if self.state.asked[slot as usize] == self.round {
-            return self.state.slots[slot as usize].clone();
+        let index = slot as usize;
+        // the initial state knows the inputs of the first step and no others
+        let is_past = self.building && self.step > 1;
+        if is_past || self.state.asked[index] == self.round {
+            return self.state.slots[index].clone();
         }
-        self.state.asked[slot as usize] = self.round;
         let arguments = &self.stack[arguments..];
-        let monitored = self.program.functions[function.0 as usize].kind == FunctionKind::Monitored;
-        match self.environment.read(function, arguments) {
-            Ok(Some(value)) => {
-                self.record.inputs.push(Input { slot, value: value.clone() });
-                self.state.slots[slot as usize] = value.clone();
-                value
-            }
-            Ok(None) if monitored => {
-                self.record.inputs.push(Input { slot, value: Value::Undef });
-                self.state.slots[slot as usize] = Value::Undef;
-                Value::Undef
-            }
-            Ok(None) => self.state.slots[slot as usize].clone(),
-            Err(reason) => self.fail(FaultKind::Input { slot, reason }, origin),
+        let declared = &self.program.functions[function.0 as usize];
+        let value = match (self.environment.read(function, arguments), declared.clock) {
+            (Ok(Some(value)), _) => Some(value),
+            (Ok(None), Some(unit)) => Some(Value::Int(self.now_ns.div_euclid(unit))),
+            (Ok(None), None) => (declared.kind == FunctionKind::Monitored).then_some(Value::Undef),
+            (Err(reason), _) => return self.fail(FaultKind::Input { slot, reason }, origin),
+        };
+        self.state.asked[index] = self.round;
+        let Some(value) = value else {
+            return self.state.slots[index].clone();
+        };
+        self.record.inputs.push(Input { slot, value: value.clone() });
+        self.state.slots[index] = value.clone();
+        if self.step <= 1 {
+            self.state.initial[index] = value.clone();
         }
+        value
     }
 
     /// The slot of a location whose arguments are on the stack from `arguments` on.

@@ -79,7 +79,8 @@ impl State {
 
     /// A new element for a domain.
     pub(crate) fn fresh(&mut self, program: &Program, domain: DomainId) -> Atom {
-        let number = 1 + self.reserve.iter().filter(|(known, _)| *known == domain).count() as u32;
+        let last = self.reserve.iter().rev().find(|(known, _)| *known == domain);
+        let number = last.map_or(1, |(_, number)| number + 1);
         self.reserve.push((domain, number));
         Atom((program.symbols.atoms.len() + self.reserve.len() - 1) as u32)
     }
@@ -118,28 +119,31 @@ impl State {
         dense(program, function, arguments).or_else(|| self.find(function, arguments))
     }
 
+    /// The function one of whose locations a slot is.
+    pub fn function(&self, program: &Program, slot: Slot) -> Option<FunctionId> {
+        match slot.checked_sub(self.fixed) {
+            Some(index) => self.locations.get(index as usize).map(|(function, _)| *function),
+            None => program.dense_function(slot),
+        }
+    }
+
     /// The location of a slot.
     pub fn location(&self, program: &Program, slot: Slot) -> Option<(FunctionId, Vec<Value>)> {
         if let Some(index) = slot.checked_sub(self.fixed) {
             let (function, arguments) = self.locations.get(index as usize)?;
             return Some((*function, arguments.to_vec()));
         }
-        // functions have their slots in order of declaration
-        program.functions.iter().enumerate().find_map(|(index, function)| match &function.storage {
-            Storage::Dense { base, count, axes } if (*base..base + count).contains(&slot) => {
-                let mut rest = slot - base;
-                let arguments = axes
-                    .iter()
-                    .map(|axis| {
-                        let index = rest / axis.stride;
-                        rest %= axis.stride;
-                        axis.over.argument(index)
-                    })
-                    .collect();
-                Some((FunctionId(index as u32), arguments))
-            }
-            _ => None,
-        })
+        let function = program.dense_function(slot)?;
+        let Storage::Dense { base, axes, .. } = &program.functions[function.0 as usize].storage else {
+            return None;
+        };
+        let mut rest = slot - base;
+        let argument = |axis: &ir::Axis| {
+            let index = rest / axis.stride;
+            rest %= axis.stride;
+            axis.over.argument(index)
+        };
+        Some((function, axes.iter().map(argument).collect()))
     }
 
     /// All locations and what they hold, by function and arguments; those of the specification only.

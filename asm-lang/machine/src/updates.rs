@@ -78,6 +78,11 @@ impl Updates {
         self.covered.clear();
         self.undo.clear();
         self.depth = 0;
+        if self.last_epoch > u32::MAX / 2 {
+            // no mark of an earlier step counts any more
+            self.marks.fill(Mark::default());
+            self.last_epoch = 0;
+        }
         self.new_epoch();
         self.grow(slots);
     }
@@ -90,14 +95,8 @@ impl Updates {
     }
 
     fn new_epoch(&mut self) {
-        self.last_epoch = match self.last_epoch.checked_add(1) {
-            Some(next) => next,
-            None => {
-                // after four thousand million sets, old marks could be taken for new ones
-                self.marks.fill(Mark::default());
-                1
-            }
-        };
+        // a step does not open two thousand million sets: its loops end before
+        self.last_epoch = self.last_epoch.wrapping_add(1);
         self.epoch = self.last_epoch;
     }
 

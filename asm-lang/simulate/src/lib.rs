@@ -1,9 +1,12 @@
 //! Runs without a robot: environments, seeded choice, traces.
 
 mod environment;
+mod literal;
 mod random;
 mod show;
+mod trace;
 
 pub use environment::Script;
 pub use random::{Random, Seeded};
 pub use show::{applied, location, updates};
+pub use trace::{Choices, Inputs, Recorded, Recording, Trace};

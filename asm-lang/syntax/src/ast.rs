@@ -7,7 +7,9 @@ pub mod rule;
 pub mod term;
 
 pub use rule::{Assignee, Rule, RuleKind, SwitchRule};
-pub use term::{Binder, Collection, Comprehension, Interval, Literal, Operator, Quantifier, Term, TermKind};
+pub use term::{
+    Binder, Collection, Comprehension, Interval, Literal, Operator, Quantifier, Term, TermKind,
+};
 
 use source::Span;
 use std::sync::Arc;

@@ -37,10 +37,18 @@ pub(crate) enum SyntaxError {
     BarePoint { number: String, at: Span },
 
     #[error("`{found}` is written `{meant}`")]
-    Foreign { found: String, meant: &'static str, at: Span },
+    Foreign {
+        found: String,
+        meant: &'static str,
+        text: String,
+        at: Span,
+    },
 
-    #[error("`;` does not separate rules")]
+    #[error("`;` separates nothing")]
     Semicolon { at: Span },
+
+    #[error("`{word}` names an element of a run, which a specification cannot do")]
+    ElementName { word: String, at: Span },
 
     // ── files ──
     #[error("the file is empty: it begins with `asm` and a name")]
@@ -63,19 +71,32 @@ pub(crate) enum SyntaxError {
 
     // ── structure ──
     #[error("the file ends before {missing}")]
-    CutOff { missing: String, at: Span, open: Vec<Place> },
+    CutOff {
+        missing: String,
+        at: Span,
+        open: Vec<Place>,
+    },
 
     #[error("`{missing}` is missing: this `{}` is still open", open.0)]
-    Unclosed { missing: String, found: Place, open: Place, misaligned: Option<(Place, Place)> },
+    Unclosed {
+        missing: String,
+        at: Span,
+        open: Place,
+        misaligned: Option<(Place, Place)>,
+    },
 
     #[error("`else if` needs one `endif` for each `if`")]
-    ElseIf { found: Place, outer: Span, inner: Span },
+    ElseIf { at: Span, outer: Span, inner: Span },
 
     #[error("`{}` closes nothing", found.0)]
     ClosesNothing { found: Place },
 
     #[error("several rules stand where one belongs")]
-    SeveralRules { first: Span, second: Span, all: Option<(Span, String)> },
+    SeveralRules {
+        first: Span,
+        second: Span,
+        all: Option<(Span, String)>,
+    },
 
     #[error("a rule is missing before `{}`", found.0)]
     NoRule { found: Place, after: Option<Place> },
@@ -83,14 +104,20 @@ pub(crate) enum SyntaxError {
     #[error("rules stand without brackets")]
     BracketedRule { at: Span },
 
-    #[error("`{rule}` is called without brackets")]
-    CallWithoutBrackets { rule: String, at: Span },
+    #[error("`{}` is called without brackets", call.0)]
+    CallWithoutBrackets { call: Place },
 
     #[error("`{word}` stands in brackets of its own")]
-    BareQuantifier { word: String, at: Span },
+    BareQuantifier { word: &'static str, at: Span },
 
     #[error("nested too deep")]
     TooDeep { at: Span },
+
+    #[error("`,` does not separate rules")]
+    CommaBetweenRules { at: Span },
+
+    #[error("the arguments of a function stand in round brackets")]
+    SquareArguments { at: Span },
 
     // ── words ──
     #[error("`=` compares; an update is written `:=`")]
@@ -100,7 +127,12 @@ pub(crate) enum SyntaxError {
     UpdateForEquals { at: Span },
 
     #[error("expected `{word}` after {after}")]
-    MissingWord { word: &'static str, after: String, found: Place, opener: Option<Place> },
+    MissingWord {
+        word: &'static str,
+        after: String,
+        at: Span,
+        opener: Option<Place>,
+    },
 
     #[error("unknown word `{}`", found.0)]
     UnknownWord { found: Place, meant: String },
@@ -112,13 +144,32 @@ pub(crate) enum SyntaxError {
     ComplexName { found: Place, what: &'static str },
 
     #[error("the name of {what} begins with {beginning}")]
-    Misnamed { what: &'static str, beginning: &'static str, found: Place, better: Option<String> },
+    Misnamed {
+        what: &'static str,
+        beginning: &'static str,
+        found: Place,
+        better: Option<String>,
+    },
 
     #[error("`{}` is reserved and means nothing", found.0)]
     Unused { found: Place },
 
     #[error("expected {what}, found `{}`", found.0)]
-    Expected { what: String, found: Place, after: Option<Place>, open: Option<Place> },
+    Expected {
+        what: String,
+        found: Place,
+        after: Option<Place>,
+        open: Option<Place>,
+    },
+
+    #[error("a product of domains is written `Prod(A, B)`")]
+    ProductSign { at: Span },
+
+    #[error("`in` is no operator")]
+    InfixMembership { at: Span },
+
+    #[error("`<-` takes the result of a rule, `r_x(…)`")]
+    ReturnOfNoRule { at: Span },
 
     #[error("too many errors: the rest of the file was not read")]
     TooMany { at: Span },
@@ -131,19 +182,45 @@ pub(crate) enum SyntaxError {
     OldInterval { at: Span },
 
     #[error("`{block}` with {count}")]
-    FewRules { block: &'static str, count: &'static str, at: Span },
+    FewRules {
+        block: &'static str,
+        count: &'static str,
+        at: Span,
+    },
 
     #[error("{what} after {before}")]
-    OutOfOrder { what: &'static str, before: &'static str, at: Span, earlier: Span },
+    OutOfOrder {
+        what: &'static str,
+        before: &'static str,
+        at: Span,
+        earlier: Span,
+    },
 
     #[error("`{section}:` is missing before {what}")]
-    NoSection { section: &'static str, what: &'static str, at: Span },
+    NoSection {
+        section: &'static str,
+        what: &'static str,
+        at: Span,
+    },
 
     #[error("`{name}` does not begin with `{prefix}`")]
-    PropertyPrefix { prefix: &'static str, name: String, at: Span },
+    PropertyPrefix {
+        prefix: &'static str,
+        name: String,
+        at: Span,
+    },
 }
 
 impl SyntaxError {
+    /// The code of what a file needs to be told only once.
+    pub(crate) fn once(&self) -> Option<&'static str> {
+        match self {
+            Self::Semicolon { .. } => Some("L010"),
+            Self::TooDeep { .. } => Some("L039"),
+            _ => None,
+        }
+    }
+
     /// The words for people, and the fix for tools.
     pub(crate) fn diagnostic(&self) -> Diagnostic {
         let error = |code| Diagnostic::error(code, self);
@@ -158,7 +235,9 @@ impl SyntaxError {
                 .help("close it with `*/`"),
             Self::OpenQuote { quote, open } => error("L004")
                 .label(*open, "reaches to the end of the line")
-                .help(format!("close it with `{quote}`; a text cannot go on in the next line")),
+                .help(format!(
+                    "close it with `{quote}`; a text cannot go on in the next line"
+                )),
             Self::CharLength { text, at } => {
                 let found = error("L005").label(*at, "not one character");
                 if text.is_empty() {
@@ -171,68 +250,96 @@ impl SyntaxError {
                 .label(*at, "too large")
                 .note(format!("the largest number is {}", i64::MAX)),
             Self::Exponent { number, at } => exponent(error("L007"), number, *at),
-            Self::BarePoint { number, at } => error("L008")
-                .label(*at, "not a number")
-                .fix("write at least one digit", *at, format!("{number}0")),
-            Self::Foreign { found, meant, at } => foreign(error("L009"), found, meant, *at),
+            Self::BarePoint { number, at } => error("L008").label(*at, "not a number").fix(
+                "write at least one digit",
+                *at,
+                format!("{number}0"),
+            ),
+            Self::Foreign {
+                found,
+                meant,
+                text,
+                at,
+            } => {
+                let foreign = error("L009").label(*at, "as other languages write it");
+                let foreign = match found.as_str() {
+                    "=>" => foreign.help("to compare, write `>=`"),
+                    _ => foreign,
+                };
+                foreign.fix(format!("write `{meant}`"), *at, text.clone())
+            }
             Self::Semicolon { at } => error("L010")
                 .label(*at, "not part of the language")
-                .help("rules stand side by side in `par … endpar`, one after the other in `seq … endseq`")
+                .help("`par … endpar` and `seq … endseq` hold several rules")
                 .fix("leave it out, here and elsewhere", *at, ""),
+            Self::ElementName { at, .. } => error("L011")
+                .label(*at, "not part of a specification")
+                .help("take an element by `choose` or `forall`, or declare it `static`"),
 
-            Self::Empty { at } => error("L011")
+            Self::Empty { at } => error("L020")
                 .label(*at, "nothing to read")
                 .help("the smallest file is `asm name signature: definitions:`"),
-            Self::NoHeading { at } => error("L012")
+            Self::NoHeading { at } => error("L021")
                 .label(*at, "begins here")
                 .help("write `asm name` first, with the name of the file"),
-            Self::SecondHeading { at, first } => error("L013")
+            Self::SecondHeading { at, first } => error("L022")
                 .label(*at, "named again")
                 .label(*first, "named here")
                 .help("a file holds one `asm` or one `module`; put the other into its own file"),
-            Self::SecondExport { at, first } => error("L014")
+            Self::SecondExport { at, first } => error("L023")
                 .label(*at, "the second one")
                 .label(*first, "the first one")
                 .help("name everything in one `export`, with commas between"),
-            Self::SecondMain { at, first } => error("L015")
+            Self::SecondMain { at, first } => error("L024")
                 .label(*at, "the second one")
                 .label(*first, "the first one")
                 .help("remove `main` from one of them"),
-            Self::AgentOutsideInit { at } => error("L016")
+            Self::AgentOutsideInit { at } => error("L025")
                 .label(*at, "belongs to no initial state")
                 .help("put it after `default init name:`"),
 
             Self::CutOff { missing, at, open } => {
-                let found = error("L020").label(*at, format!("expected {missing}, found the end"));
+                let found = error("L030").label(*at, format!("expected {missing}, found the end"));
                 open.iter().fold(found, |found, (word, span)| {
                     found.label(*span, format!("this `{word}` is still open"))
                 })
             }
-            Self::Unclosed { missing, found, open, misaligned } => {
-                let unclosed = error("L021")
-                    .label(found.1, format!("expected `{missing}` before this"))
+            Self::Unclosed {
+                missing,
+                at,
+                open,
+                misaligned,
+            } => {
+                let unclosed = error("L031")
+                    .label(*at, format!("expected `{missing}` before this"))
                     .label(open.1, "opened here");
                 match misaligned {
                     Some((inner, end)) => unclosed
-                        .label(inner.1, format!("perhaps it is this `{}` that was not closed", inner.0))
-                        .label(end.1, format!("for the `{}` that closes it is indented otherwise", end.0)),
+                        .label(
+                            inner.1,
+                            format!("perhaps it is this `{}` that was not closed", inner.0),
+                        )
+                        .label(
+                            end.1,
+                            format!("for the `{}` that closes it is indented otherwise", end.0),
+                        ),
                     None => unclosed,
                 }
             }
-            Self::ElseIf { found, outer, inner } => error("L022")
-                .label(found.1, "expected another `endif` before this")
+            Self::ElseIf { at, outer, inner } => error("L032")
+                .label(*at, "expected another `endif` before this")
                 .label(*outer, "this `if` is still open")
                 .label(*inner, "this one is an `if` of its own"),
             Self::ClosesNothing { found } => {
-                error("L023").label(found.1, "nothing is open that this could close")
+                error("L033").label(found.1, "nothing is open that this could close")
             }
             Self::SeveralRules { first, second, all } => {
-                let found = error("L024").label(*second, "the second rule");
+                let found = error("L034").label(*second, "the second rule");
                 let found = match all {
                     Some(_) => found.label(*first, "the first rule"),
                     None => found.label(*first, "declares one rule"),
                 };
-                let found = found.help("put them into `par … endpar`, or into `seq … endseq` if one follows the other");
+                let found = found.help("put them into `par … endpar` or `seq … endseq`");
                 match all {
                     Some((span, text)) => {
                         found.fix("do them in parallel", *span, format!("par {text} endpar"))
@@ -241,52 +348,66 @@ impl SyntaxError {
                 }
             }
             Self::NoRule { found, after } => {
-                let missing = error("L025").label(found.1, "expected a rule before this");
+                let missing = error("L035").label(found.1, "expected a rule before this");
                 let missing = match after {
                     Some((word, span)) => missing.label(*span, format!("`{word}` wants a rule")),
                     None => missing,
                 };
                 missing.help("`skip` is the rule that does nothing")
             }
-            Self::BracketedRule { at } => error("L026")
+            Self::BracketedRule { at } => error("L036")
                 .label(*at, "not the beginning of a rule")
                 .help("leave the brackets out, or write `par … endpar`"),
-            Self::CallWithoutBrackets { rule, at } => error("L027")
+            Self::CallWithoutBrackets { call: (rule, at) } => error("L037")
                 .label(*at, "expected `[` after this")
                 .help("a turbo rule is called with round brackets")
                 .fix("call it", *at, format!("{rule}[]")),
-            Self::BareQuantifier { word, at } => error("L028")
+            Self::BareQuantifier { word, at } => error("L038")
                 .label(*at, "not the beginning of a term")
                 .help(format!("write `({word} $x in D with …)`")),
-            Self::TooDeep { at } => error("L029")
+            Self::TooDeep { at } => error("L039")
                 .label(*at, format!("more than {} levels", crate::MAX_DEPTH))
                 .help("name a part of it by a function or a rule of its own"),
+            Self::CommaBetweenRules { at } => {
+                error("L040")
+                    .label(*at, "not expected here")
+                    .fix("leave it out", *at, "")
+            }
+            Self::SquareArguments { at } => error("L041")
+                .label(*at, "square brackets call a rule")
+                .help("write `f(x) := …`"),
 
-            Self::EqualsForUpdate { at } => error("L030")
-                .label(*at, "compares")
-                .fix("write an update", *at, ":="),
-            Self::UpdateForEquals { at } => error("L031")
-                .label(*at, "updates")
-                .fix("write a comparison", *at, "="),
-            Self::MissingWord { word, found, opener, .. } => {
-                let missing = error("L032").label(found.1, format!("expected `{word}` before this"));
+            Self::EqualsForUpdate { at } => {
+                error("L050")
+                    .label(*at, "compares")
+                    .fix("write an update", *at, ":=")
+            }
+            Self::UpdateForEquals { at } => {
+                error("L051")
+                    .label(*at, "updates")
+                    .fix("write a comparison", *at, "=")
+            }
+            Self::MissingWord {
+                word, at, opener, ..
+            } => {
+                let missing = error("L052").label(*at, format!("expected `{word}` before this"));
                 match opener {
                     Some((word, span)) => missing.label(*span, format!("this `{word}`")),
                     None => missing,
                 }
             }
-            Self::UnknownWord { found, meant } => error("L033")
+            Self::UnknownWord { found, meant } => error("L053")
                 .label(found.1, "not understood here")
                 .fix(format!("did you mean `{meant}`?"), found.1, meant.clone()),
-            Self::ReservedName { found, .. } => {
-                error("L034").label(found.1, "reserved").help("take another name")
-            }
-            Self::ComplexName { found, .. } => error("L035")
+            Self::ReservedName { found, .. } => error("L054")
+                .label(found.1, "reserved")
+                .help("take another name"),
+            Self::ComplexName { found, .. } => error("L055")
                 .label(found.1, "a number")
                 .note("`i` is the imaginary unit: `i`, `i2` and `1+i2` are numbers")
                 .help("take another name"),
             Self::Misnamed { found, better, .. } => {
-                let misnamed = error("L036").label(found.1, "not such a name");
+                let misnamed = error("L056").label(found.1, "not such a name");
                 match better {
                     Some(better) => {
                         misnamed.fix(format!("call it `{better}`"), found.1, better.clone())
@@ -294,38 +415,52 @@ impl SyntaxError {
                     None => misnamed,
                 }
             }
-            Self::Unused { found } => unused(error("L037"), found),
-            Self::Expected { what, found, after, open } => {
-                let mut expected = error("L038").label(found.1, "not expected here");
+            Self::Unused { found } => unused(error("L057"), found),
+            Self::Expected {
+                what,
+                found,
+                after,
+                open,
+            } => {
+                let mut expected = error("L058").label(found.1, "not expected here");
                 if let Some((_, span)) = after {
                     expected = expected.label(*span, format!("expected {what} after this"));
                 }
                 if let Some((word, span)) = open {
                     expected = expected.label(*span, format!("this `{word}` is still open"));
                 }
-                if Keyword::spelled(&found.0).is_some() {
+                if after.is_none() && Keyword::spelled(&found.0).is_some() {
                     expected = expected.note(format!("`{}` is a reserved word", found.0));
                 }
                 expected
             }
-            Self::TooMany { at } => error("L039").label(*at, "reading stopped here"),
+            Self::ProductSign { at } => error("L059")
+                .label(*at, "multiplies numbers")
+                .help("write `Prod(A, B) -> C` for a function of two arguments"),
+            Self::InfixMembership { at } => error("L060")
+                .label(*at, "only binds variables")
+                .help("whether a set has an element says `contains(set, element)`"),
+            Self::ReturnOfNoRule { at } => error("L061")
+                .label(*at, "expected the name of a rule after this")
+                .help("the value of a function is written by `:=`"),
+            Self::TooMany { at } => error("L062").label(*at, "reading stopped here"),
 
-            Self::OldExists { at } => warning("L050")
+            Self::OldExists { at } => warning("L070")
                 .label(*at, "the spelling before AsmetaS 26.06")
                 .fix("write it the new way", *at, "exists"),
-            Self::OldInterval { at } => warning("L051")
+            Self::OldInterval { at } => warning("L071")
                 .label(*at, "an old spelling, AsmetaS refuses it")
                 .fix("write it the new way", *at, " : "),
-            Self::FewRules { at, .. } => warning("L052")
+            Self::FewRules { at, .. } => warning("L072")
                 .label(*at, "AsmetaS wants at least two rules here")
                 .help("a rule alone needs no block; `skip` is the rule that does nothing"),
-            Self::OutOfOrder { at, earlier, .. } => warning("L053")
+            Self::OutOfOrder { at, earlier, .. } => warning("L073")
                 .label(*at, "AsmetaS wants this first")
                 .label(*earlier, "and this after it"),
-            Self::NoSection { section, at, .. } => warning("L054")
+            Self::NoSection { section, at, .. } => warning("L074")
                 .label(*at, "AsmetaS wants the heading before this")
                 .help(format!("write `{section}:`")),
-            Self::PropertyPrefix { prefix, name, at } => warning("L055")
+            Self::PropertyPrefix { prefix, name, at } => warning("L075")
                 .label(*at, "AsmetaS refuses this name")
                 .fix("rename it", *at, format!("{prefix}{name}")),
         }
@@ -334,7 +469,10 @@ impl SyntaxError {
 
 fn exponent(found: Diagnostic, number: &str, at: Span) -> Diagnostic {
     let found = found.label(at, "not a number of the language");
-    let plain = number.parse::<f64>().map(|value| format!("{value:?}")).unwrap_or_default();
+    let plain = number
+        .parse::<f64>()
+        .map(|value| format!("{value:?}"))
+        .unwrap_or_default();
     if plain.is_empty() || plain.contains(['e', 'i', 'N']) {
         found.help("write all the digits")
     } else {
@@ -342,19 +480,12 @@ fn exponent(found: Diagnostic, number: &str, at: Span) -> Diagnostic {
     }
 }
 
-fn foreign(diagnostic: Diagnostic, found: &str, meant: &str, at: Span) -> Diagnostic {
-    let diagnostic = diagnostic.label(at, "as other languages write it");
-    let diagnostic = match found {
-        "=>" => diagnostic.help("to compare, write `>=`"),
-        _ => diagnostic,
-    };
-    diagnostic.fix(format!("write `{meant}`"), at, format!(" {meant} "))
-}
-
 fn unused(diagnostic: Diagnostic, found: &Place) -> Diagnostic {
     let diagnostic = diagnostic.label(found.1, "AsmetaL reserves this word and never uses it");
     match found.0.as_str() {
-        "endcase" => diagnostic.help("a case ends where the next one begins, the last at `endswitch`"),
+        "endcase" => {
+            diagnostic.help("a case ends where the next one begins, the last at `endswitch`")
+        }
         "FAIRNESS" | "fairness" => diagnostic.help("write `JUSTICE` or `COMPASSION`"),
         _ => diagnostic,
     }

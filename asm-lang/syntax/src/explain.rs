@@ -1,16 +1,19 @@
 //! Why the parser stopped, in the user's words.
 //!
 //! The parser knows a token and the tokens it would rather have seen. A second look at the text up
-//! to there tells what was open; both together tell the user's mistake from its traces.
+//! to there tells what was open; both together tell a mistake from its traces.
 
+mod block;
 mod expected;
+mod name;
+mod sign;
+mod word;
 
 use crate::error::{Place, SyntaxError};
 use crate::findings::Findings;
-use crate::lexer::{Keyword, Lexer, Sign, Spanned, Token};
-use crate::nesting::{Nesting, closer, opener, starts_item};
-use crate::spelling::nearest;
-use expected::{Expected, starts_rule};
+use crate::lexer::{Keyword, Lexer, Spanned, Token};
+use crate::nesting::{Nesting, Open, closer};
+use expected::Expected;
 use lalrpop_util::ParseError;
 use source::Span;
 use std::convert::Infallible;
@@ -18,8 +21,11 @@ use std::convert::Infallible;
 /// An error as the parser found it.
 pub(crate) type Failure<'input> = ParseError<usize, Token<'input>, Infallible>;
 
-/// So many bytes count as one line, however long it is.
+/// So many bytes count as one line at most.
 const LINE: usize = 1000;
+
+/// So many characters of a token are shown at most.
+const SHOWN: usize = 40;
 
 /// Follows the parser from error to error.
 #[derive(Debug)]
@@ -27,9 +33,11 @@ pub(crate) struct Explainer<'input, 'run> {
     text: &'input str,
     findings: &'run Findings,
     lexer: Lexer<'input, 'run>,
-    ahead: Option<Spanned<'input>>,
+    /// The token that is looked at.
+    found: Option<Spanned<'input>>,
+    /// What is open before it.
     nesting: Nesting<'input>,
-    /// Where the last three tokens begin, the oldest first.
+    /// Where the third last token before it begins.
     recent: [usize; 3],
     last: Option<Last>,
 }
@@ -40,374 +48,230 @@ struct Last {
     at: usize,
     /// Where reading went on.
     resumed: usize,
+    /// Whether the word there was meant otherwise than the grammar takes it.
+    misused: bool,
 }
 
 impl<'input, 'run> Explainer<'input, 'run> {
-    /// Reads `text` once more; what is wrong with its tokens goes to `unheard`.
+    /// Reads `text` a second time; what its tokens are blamed for goes to `unheard`.
     pub(crate) fn new(
         text: &'input str,
         findings: &'run Findings,
         unheard: &'run Findings,
     ) -> Self {
         let mut lexer = Lexer::new(text, unheard);
-        let ahead = lexer.next();
+        let found = lexer.next();
         let nesting = Nesting::new(text);
-        Self { text, findings, lexer, ahead, nesting, recent: [0; 3], last: None }
+        Self {
+            text,
+            findings,
+            lexer,
+            found,
+            nesting,
+            recent: [0; 3],
+            last: None,
+        }
     }
 
     /// Reports an error, unless it only follows from one before. What the parser gave up for it
     /// reaches from `start` to `resumed`.
     pub(crate) fn explain(&mut self, failure: &Failure<'_>, start: usize, resumed: usize) {
-        let (found, expected) = match failure {
-            ParseError::UnrecognizedToken { token: (start, _, end), expected } => {
-                (*start..*end, Expected::new(expected))
-            }
+        let (from, to, expected) = match failure {
+            ParseError::UnrecognizedToken {
+                token: (from, _, to),
+                expected,
+            } => (*from, *to, Expected::new(expected)),
             ParseError::UnrecognizedEof { location, expected } => {
-                (*location..*location, Expected::new(expected))
+                (*location, *location, Expected::new(expected))
             }
-            // Neither is made by a parser whose lexer cannot fail.
-            ParseError::InvalidToken { location } => (*location..*location, Expected::default()),
-            ParseError::ExtraToken { token: (start, _, end) } => {
-                (*start..*end, Expected::default())
-            }
+            // A grammar that reads to the end of the text has none of these.
+            ParseError::ExtraToken {
+                token: (from, _, to),
+            } => (*from, *to, Expected::default()),
+            ParseError::InvalidToken { location } => (*location, *location, Expected::default()),
             ParseError::User { error } => match *error {},
         };
-        self.advance(found.start.max(usize::from(found.is_empty()) * self.text.len()));
-        let at = self.findings.span(found.start, found.end);
+        let at = self.findings.span(from, to);
         self.findings.caught(at);
-        let error = match self.ahead {
-            Some(token) => self.token(token, &expected),
-            None => self.end(at, &expected),
+        self.advance(if from < to { from } else { self.text.len() });
+        let error = match self.found {
+            Some(found) => self.at_token(found, &expected),
+            None => self.at_end(at, &expected),
         };
-        if !self.follows(&error, start, found.start) {
-            if matches!(error, SyntaxError::Unclosed { .. } | SyntaxError::CutOff { .. }) {
-                // What looks like several rules is the inside of what was not closed.
-                self.findings.retract("L024", start);
+        let misused = matches!(
+            error,
+            SyntaxError::ReservedName { .. } | SyntaxError::Foreign { .. }
+        );
+        if !self.follows(&error, start, from) {
+            if matches!(
+                error,
+                SyntaxError::Unclosed { .. } | SyntaxError::CutOff { .. }
+            ) {
+                // What looked like several rules is the inside of what was not closed.
+                self.findings.retract("L034", start);
             }
             self.findings.report(error);
         }
-        self.last = Some(Last { at: found.start, resumed: resumed.max(found.end) });
+        self.last = Some(Last {
+            at: from,
+            resumed: resumed.max(to),
+            misused,
+        });
     }
 
-    /// Reads up to the token that begins at `offset`.
+    /// Looks at the token that begins at `offset`.
     fn advance(&mut self, offset: usize) {
-        while let Some(token) = self.ahead.filter(|token| token.0 < offset) {
-            self.nesting.step(token);
-            self.recent = [self.recent[1], self.recent[2], token.0];
-            self.ahead = self.lexer.next();
+        while let Some(before) = self.found.filter(|(start, ..)| *start < offset) {
+            self.nesting.step(before);
+            let [_, second, third] = self.recent;
+            self.recent = [second, third, before.0];
+            self.found = self.lexer.next();
         }
     }
 
     /// Whether the error is but a trace of one before: in the same declaration, and near it, or
     /// around it, or an end whose beginning was lost.
     fn follows(&self, error: &SyntaxError, start: usize, found: usize) -> bool {
-        let declaration = self.nesting.declaration().map_or(0, |(start, _, _)| start);
-        let line = self.text.as_bytes().get(found.saturating_sub(LINE)..found).unwrap_or(&[]);
-        let line = line.iter().rev().take_while(|&&byte| byte != b'\n').count();
-        let line = (found - line).max(declaration);
+        let declaration = self.declared_from();
+        let line = self.line_start(found).max(declaration);
         if self.findings.error_between(line, found) {
             return true;
         }
-        let Some(last) = self.last.filter(|last| last.at >= declaration) else { return false };
-        let ends = matches!(error, SyntaxError::ClosesNothing { .. } | SyntaxError::NoRule { .. });
-        let [oldest, ..] = self.recent;
-        start <= last.at || oldest <= last.resumed || line <= last.resumed || ends
+        let Some(last) = self.last.filter(|last| last.at >= declaration) else {
+            return false;
+        };
+        let [third_last, ..] = self.recent;
+        let near = third_last <= last.resumed || line <= last.resumed;
+        let around = start <= last.at;
+        let lost = matches!(
+            error,
+            SyntaxError::ClosesNothing { .. } | SyntaxError::NoRule { .. }
+        );
+        near || around || lost
+    }
+
+    /// Where the errors of the current declaration begin. One at its first word belongs to the
+    /// declaration before, except where that word was meant otherwise.
+    fn declared_from(&self) -> usize {
+        let misused = |start| {
+            self.last
+                .is_some_and(|last| last.misused && last.at == start)
+        };
+        match self.nesting.declaration() {
+            Some((start, _, _)) if misused(start) => start,
+            Some((_, _, end)) => end,
+            None => 0,
+        }
+    }
+
+    fn line_start(&self, offset: usize) -> usize {
+        let line = self
+            .text
+            .as_bytes()
+            .get(offset.saturating_sub(LINE)..offset)
+            .unwrap_or(&[]);
+        offset - line.iter().rev().take_while(|&&byte| byte != b'\n').count()
     }
 
     // ── at the end of the text ──
 
-    fn end(&self, at: Span, expected: &Expected<'_>) -> SyntaxError {
-        let open: Vec<Place> = self.nesting.open().take(3).map(|open| self.place(open.opener)).collect();
-        let missing = match self.unclosed(expected) {
-            Some(missing) => format!("`{missing}`"),
-            None => expected.to_string(),
-        };
+    fn at_end(&self, at: Span, expected: &Expected<'_>) -> SyntaxError {
+        let open = self.missing_end(expected);
+        if let Some((open, _)) = &open
+            && let Some(inner) = open.else_if
+        {
+            let (outer, inner) = (self.span(open.opener), self.span(inner));
+            return SyntaxError::ElseIf { at, outer, inner };
+        }
+        let missing = open.map_or(expected.to_string(), |(_, end)| format!("`{end}`"));
+        let open = self.nesting.open().take(3);
+        let open = open.map(|open| self.place(open.opener)).collect();
         SyntaxError::CutOff { missing, at, open }
     }
 
     // ── at a token ──
 
-    fn token(&self, spanned: Spanned<'input>, expected: &Expected<'_>) -> SyntaxError {
-        let found = self.place(spanned);
-        self.reserved(spanned, expected)
-            .or_else(|| self.wrong_sign(spanned, expected))
-            .or_else(|| self.misspelled(spanned, expected))
-            .or_else(|| self.no_heading(spanned, expected))
-            .or_else(|| self.rule_out_of_place(spanned, expected))
-            .or_else(|| self.missing_end(spanned, expected))
-            .or_else(|| self.missing_word(spanned, expected))
-            .or_else(|| self.misnamed(spanned, expected))
-            .or_else(|| self.missing_rule(spanned, expected))
-            .or_else(|| self.bare(spanned, expected))
-            .unwrap_or_else(|| {
-                let bracket = self.nesting.innermost().map(|open| open.opener).filter(
-                    |opener| closer(opener.1).is_some_and(|closer| expected.has(&closer.to_string())),
-                );
-                let open = bracket.map(|opener| self.place(opener));
-                let before = self.nesting.previous.filter(|_| self.on_a_new_line(spanned));
-                let after = before.map(|before| self.place(before));
-                SyntaxError::Expected { what: expected.to_string(), found, after, open }
-            })
+    /// The first explanation that fits, from the most particular to the most general.
+    fn at_token(&self, found: Spanned<'input>, expected: &Expected<'_>) -> SyntaxError {
+        let explanations: [Explanation<'input, 'run>; _] = [
+            Self::unused_word,
+            Self::wrong_sign,
+            Self::misspelled_word,
+            Self::missing_heading,
+            Self::missing_function,
+            Self::several_rules,
+            Self::unclosed,
+            Self::closes_nothing,
+            Self::missing_word,
+            Self::complex_name,
+            Self::wrong_name,
+            Self::missing_rule,
+            Self::call_without_brackets,
+            Self::bare_quantifier,
+        ];
+        explanations
+            .iter()
+            .find_map(|explain| explain(self, found, expected))
+            .unwrap_or_else(|| self.unexpected(found, expected))
     }
 
-    /// Words that no rule of the grammar has.
-    fn reserved(&self, found: Spanned<'input>, _: &Expected<'_>) -> Option<SyntaxError> {
-        let unused = matches!(
-            found.1,
-            Token::Keyword(
-                Keyword::Try | Keyword::Catch | Keyword::Endcase | Keyword::Fairness
-            )
-        );
-        unused.then(|| SyntaxError::Unused { found: self.place(found) })
-    }
-
-    /// `=` for `:=` and the reverse.
-    fn wrong_sign(&self, found: Spanned<'input>, expected: &Expected<'_>) -> Option<SyntaxError> {
-        let at = self.findings.span(found.0, found.2);
-        match found.1 {
-            Token::Sign(Sign::Eq) if expected.has(":=") => Some(SyntaxError::EqualsForUpdate { at }),
-            Token::Sign(Sign::Assign) if expected.operator() => {
-                Some(SyntaxError::UpdateForEquals { at })
-            }
-            _ => None,
-        }
-    }
-
-    /// A name that is nearly a word expected here; words that go on like names are names.
-    fn misspelled(&self, found: Spanned<'input>, expected: &Expected<'_>) -> Option<SyntaxError> {
-        let (Token::Name(name) | Token::Constant(name)) = found.1 else { return None };
-        let rest = self.text.get(found.2..).unwrap_or("").trim_start();
-        if [":=", "<-", "(", "[", "."].iter().any(|sign| rest.starts_with(sign)) {
-            return None;
-        }
-        let meant = expected.nearest(name)?;
-        Some(SyntaxError::UnknownWord { found: self.place(found), meant: meant.to_owned() })
-    }
-
-    /// Something else before `asm` or `module`.
-    fn no_heading(&self, found: Spanned<'input>, expected: &Expected<'_>) -> Option<SyntaxError> {
-        let at = self.findings.span(found.0, found.2);
-        let first = self.nesting.declaration().is_none() && expected.item();
-        first.then_some(SyntaxError::NoHeading { at })
-    }
-
-    /// A second rule where a declaration has one, or a rule in brackets.
-    fn rule_out_of_place(
-        &self,
-        found: Spanned<'input>,
-        expected: &Expected<'_>,
-    ) -> Option<SyntaxError> {
-        let (declaration_start, declaration, declaration_end) = self.nesting.declaration()?;
-        let in_rule = matches!(
-            declaration,
-            Token::Keyword(Keyword::Rule | Keyword::Main | Keyword::Turbo | Keyword::Macro)
-        );
-        if in_rule && expected.item() && starts_rule(found.1) {
-            return Some(SyntaxError::SeveralRules {
-                first: self.findings.span(declaration_start, declaration_end),
-                second: self.findings.span(found.0, found.2),
-                all: None,
-            });
-        }
-        let bracketed = found.1 == Token::Sign(Sign::Open) && expected.rule();
-        let after_rule = matches!(self.nesting.previous, Some((_, Token::Rule(_), _)));
-        (bracketed && !after_rule)
-            .then(|| SyntaxError::BracketedRule { at: self.findings.span(found.0, found.2) })
-    }
-
-    /// An end that is missing before this token, or an end without a beginning.
-    fn missing_end(&self, found: Spanned<'input>, expected: &Expected<'_>) -> Option<SyntaxError> {
-        let ends = opener(found.1).is_some() && found.1 != Token::Sign(Sign::Gt);
-        let in_bracket = self.nesting.innermost().is_some_and(|open| {
-            matches!(open.opener.1, Token::Sign(_)) && self.on_a_new_line(found)
-        });
-        if !ends && !goes_on(found.1) && !in_bracket {
-            return None;
-        }
-        let innermost = self.nesting.innermost()?;
-        if let Some(missing) = self.unclosed(expected) {
-            if let Some(suspect) = innermost.suspect {
-                let meant = nearest(self.place(suspect).0.as_str(), [missing.as_str()])?.to_owned();
-                return Some(SyntaxError::UnknownWord { found: self.place(suspect), meant });
-            }
-            return Some(match innermost.else_if {
-                Some(inner) => SyntaxError::ElseIf {
-                    found: self.place(found),
-                    outer: self.span(innermost.opener),
-                    inner: self.span(inner),
-                },
-                None => SyntaxError::Unclosed {
-                    missing,
-                    found: self.place(found),
-                    open: self.place(innermost.opener),
-                    misaligned: self
-                        .nesting
-                        .misaligned
-                        .map(|(inner, end)| (self.place(inner), self.place(end))),
-                },
-            });
-        }
-        let closes = opener(found.1).is_some_and(|opener| {
-            self.nesting.open().any(|open| open.opener.1 == opener)
-        });
-        (ends && !closes).then(|| SyntaxError::ClosesNothing { found: self.place(found) })
-    }
-
-    /// The word between the parts of a construct.
-    fn missing_word(&self, found: Spanned<'input>, expected: &Expected<'_>) -> Option<SyntaxError> {
-        if expected.term() || expected.rule() || expected.item() {
-            return None;
-        }
-        let innermost = self.nesting.innermost()?;
-        let (word, after, opener) = match (innermost.prefix, innermost.opener.1, self.nesting.previous) {
-            (_, _, Some((start, Token::Variable(name), end))) if expected.has("in") && !expected.has("=") => {
-                let _ = (start, end);
-                ("in", format!("the variable `{name}`"), None)
-            }
-            (Some(prefix), _, _) if expected.has("do") => {
-                ("do", format!("the {} of `{}`", head(prefix.1), prefix.1), Some(prefix))
-            }
-            (_, Token::Keyword(Keyword::If), _) if expected.has("then") => {
-                ("then", "the guard of `if`".to_owned(), Some(innermost.opener))
-            }
-            (_, Token::Keyword(Keyword::Switch), _) if expected.has("case") && !expected.has("endswitch") => {
-                ("case", "the term of `switch`".to_owned(), Some(innermost.opener))
-            }
-            (_, Token::Keyword(Keyword::Switch), _) if expected.has(":") => {
-                (":", "the term of `case`".to_owned(), Some(innermost.opener))
-            }
-            (_, Token::Keyword(Keyword::Let), _) if expected.has("in") => {
-                ("in", "the bindings of `let`".to_owned(), Some(innermost.opener))
-            }
-            (_, Token::Keyword(word), previous) if self.nesting.open().next().is_none() => {
-                let signs = ["=", ":", "over", "domain", "subsetof", "rule"];
-                let word_expected = signs.into_iter().find(|sign| expected.has(sign) && !expected.operator())?;
-                let after = match previous {
-                    Some(previous) if previous.1 != Token::Keyword(word) => {
-                        format!("`{}`", self.place(previous).0)
-                    }
-                    _ => format!("`{}`", word.spelling()),
-                };
-                (word_expected, after, None)
-            }
-            _ => return None,
-        };
-        let opener = opener.map(|opener| self.place(opener));
-        Some(SyntaxError::MissingWord { word, after, found: self.place(found), opener })
-    }
-
-    /// A name of the wrong kind, or a word that cannot be a name.
-    fn misnamed(&self, found: Spanned<'input>, expected: &Expected<'_>) -> Option<SyntaxError> {
-        let place = self.place(found);
-        if let Token::Complex(_) = found.1
-            && (expected.rule() || expected.name().is_some())
-        {
-            return Some(SyntaxError::ComplexName { found: place, what: "a function" });
-        }
-        let (what, beginning) = expected.name()?;
-        let better = match (found.1, what) {
-            (Token::Name(name), "a domain") => capitalised(name),
-            (Token::Name(name), "a rule") => Some(format!("r_{name}")),
-            (Token::Name(name), "a variable") => Some(format!("${name}")),
-            (Token::Constant(name), "a function") => uncapitalised(name),
-            (Token::Keyword(_), _) => {
-                return Some(SyntaxError::ReservedName { found: place, what });
-            }
-            (Token::Name(_) | Token::Constant(_) | Token::Rule(_) | Token::Variable(_), _) => None,
-            _ => return None,
-        };
-        Some(SyntaxError::Misnamed { what, beginning, found: place, better })
-    }
-
-    /// `then else`, `par … do endpar`.
-    fn missing_rule(&self, found: Spanned<'input>, expected: &Expected<'_>) -> Option<SyntaxError> {
-        let ends = opener(found.1).is_some() || goes_on(found.1);
-        (ends && expected.rule() && !expected.item()).then(|| SyntaxError::NoRule {
+    /// What can always be said.
+    fn unexpected(&self, found: Spanned<'input>, expected: &Expected<'_>) -> SyntaxError {
+        let before = self.nesting.previous.filter(|_| self.begins_line(found));
+        SyntaxError::Expected {
+            what: expected.to_string(),
             found: self.place(found),
-            after: self.nesting.previous.map(|previous| self.place(previous)),
-        })
-    }
-
-    /// What wants brackets and has none.
-    fn bare(&self, found: Spanned<'input>, expected: &Expected<'_>) -> Option<SyntaxError> {
-        if let Some(previous @ (_, Token::Rule(rule), _)) = self.nesting.previous
-            && expected.has("[")
-            && expected.has("(")
-        {
-            return Some(SyntaxError::CallWithoutBrackets { rule: rule.to_owned(), at: self.span(previous) });
+            after: before.map(|before| self.place(before)),
+            open: self
+                .missing_end(expected)
+                .map(|(open, _)| self.place(open.opener)),
         }
-        let quantifier = matches!(
-            found.1,
-            Token::Keyword(Keyword::Forall | Keyword::Exists | Keyword::Exist)
-        );
-        (quantifier && expected.term()).then(|| SyntaxError::BareQuantifier {
-            word: found.1.to_string(),
-            at: self.span(found),
-        })
     }
 
-    /// The end the innermost opener waits for, if it may stand here.
-    fn unclosed(&self, expected: &Expected<'_>) -> Option<String> {
-        let innermost = self.nesting.open().next()?;
-        let end = closer(innermost.opener.1)?.to_string();
-        expected.has(&end).then_some(end)
+    // ── what all of them ask ──
+
+    /// What is open innermost and its end, if the end may stand here.
+    fn missing_end(&self, expected: &Expected<'_>) -> Option<(&Open<'input>, String)> {
+        let open = self.nesting.open().next()?;
+        let end = closer(open.opener.1)?.to_string();
+        expected.has(&end).then_some((open, end))
     }
 
-    fn on_a_new_line(&self, (start, _, _): Spanned<'_>) -> bool {
+    /// Whether the current declaration begins with one of these words.
+    fn declares(&self, words: &[Keyword]) -> bool {
+        let Some((_, Token::Keyword(word), _)) = self.nesting.declaration() else {
+            return false;
+        };
+        words.contains(&word)
+    }
+
+    /// What stands behind a token, blanks left out.
+    fn behind(&self, (_, _, end): Spanned<'_>) -> &'input str {
+        self.text.get(end..).unwrap_or("").trim_start()
+    }
+
+    /// Whether a token is the first of its line.
+    fn begins_line(&self, (start, ..): Spanned<'_>) -> bool {
         let between = self.nesting.previous.map_or(0, |(_, _, end)| end)..start;
-        self.text.get(between).is_some_and(|between| between.contains('\n'))
+        self.text
+            .get(between)
+            .is_some_and(|between| between.contains('\n'))
     }
 
     fn span(&self, (start, _, end): Spanned<'_>) -> Span {
         self.findings.span(start, end)
     }
 
-    fn place(&self, spanned: Spanned<'_>) -> Place {
-        let text = self.text.get(spanned.0..spanned.2).unwrap_or("");
-        let word = if text.chars().count() > 40 {
-            text.chars().take(40).chain(['…']).collect()
-        } else {
-            text.to_owned()
+    fn place(&self, token: Spanned<'_>) -> Place {
+        let text = self.text.get(token.0..token.2).unwrap_or("");
+        let shown = match text.char_indices().nth(SHOWN) {
+            Some((end, _)) => format!("{}…", text.get(..end).unwrap_or("")),
+            None => text.to_owned(),
         };
-        (word, self.span(spanned))
+        (shown, self.span(token))
     }
 }
 
-/// Whether this token goes on with something begun before, or begins a declaration: it cannot
-/// stand where something is still to come.
-fn goes_on(token: Token<'_>) -> bool {
-    let connects = matches!(
-        token,
-        Token::Keyword(
-            Keyword::Then
-                | Keyword::Else
-                | Keyword::Case
-                | Keyword::Otherwise
-                | Keyword::Do
-                | Keyword::Ifnone
-                | Keyword::With
-                | Keyword::In
-        ) | Token::Sign(Sign::Assign | Sign::Colon | Sign::Bar | Sign::Arrow)
-    );
-    connects || starts_item(token)
-}
-
-/// What stands between the first word of a rule and its `do`.
-fn head(prefix: Token<'_>) -> &'static str {
-    match prefix {
-        Token::Keyword(Keyword::While | Keyword::Whilerec) => "guard",
-        _ => "variables",
-    }
-}
-
-fn capitalised(name: &str) -> Option<String> {
-    let mut characters = name.chars();
-    let first = characters.next()?;
-    Some(first.to_uppercase().chain(characters).collect())
-}
-
-fn uncapitalised(name: &str) -> Option<String> {
-    let mut characters = name.chars();
-    let first = characters.next()?;
-    Some(first.to_lowercase().chain(characters).collect())
-}
+/// Explains some errors at a token.
+type Explanation<'input, 'run> =
+    fn(&Explainer<'input, 'run>, Spanned<'input>, &Expected<'_>) -> Option<SyntaxError>;

@@ -4,11 +4,14 @@ use crate::error::SyntaxError;
 use source::{Diagnostic, FileId, Report, Severity, Span};
 use std::cell::{Cell, RefCell};
 
-/// A file with more errors than this is not read to its end.
-const MAX_ERRORS: usize = 50;
+/// A file with so many errors is not read to its end.
+const MAX_ERRORS: u32 = 50;
 
-/// Nor is a file with more than this, counting those that only follow from others.
+/// Nor is a file with so many, counting those that only follow from others.
 const MAX_CAUGHT: u32 = 1000;
+
+/// What is beyond so many warnings is not worth telling.
+const MAX_WARNINGS: u32 = 100;
 
 /// A parser that takes so many tokens without building a node is lost.
 const MAX_IDLE: u32 = 10_000;
@@ -18,14 +21,21 @@ const MAX_IDLE: u32 = 10_000;
 pub(crate) struct Findings {
     file: FileId,
     found: RefCell<Vec<Diagnostic>>,
+    errors: Cell<u32>,
+    warnings: Cell<u32>,
+    /// The errors the parser caught, told or not.
     caught: Cell<u32>,
+    /// The tokens the parser took since it built something.
     idle: Cell<u32>,
 }
 
 impl Findings {
     /// Nothing found yet.
     pub(crate) fn new(file: FileId) -> Self {
-        Self { file, ..Self::default() }
+        Self {
+            file,
+            ..Self::default()
+        }
     }
 
     /// A place in the file.
@@ -33,29 +43,55 @@ impl Findings {
         Span::new(self.file, start, end)
     }
 
-    /// Adds a finding. What every file needs to be told once is told once; the last one that is
-    /// told is that there are too many.
+    /// Adds a finding, as long as there is room for it.
     pub(crate) fn report(&self, error: SyntaxError) {
-        let once = matches!(error, SyntaxError::TooDeep { .. } | SyntaxError::Semicolon { .. });
-        let finding = error.diagnostic();
-        if self.is_full() || (once && self.has(finding.code)) {
+        if self.is_full() || error.once().is_some_and(|code| self.has(code)) {
             return;
         }
-        let place = finding.primary.as_ref().map_or(self.span(0, 0), |label| label.span);
-        self.found.borrow_mut().push(finding);
-        if self.errors() == MAX_ERRORS {
-            self.found.borrow_mut().push(SyntaxError::TooMany { at: place }.diagnostic());
+        let finding = error.diagnostic();
+        match finding.severity {
+            Severity::Error => self.errors.update(|errors| errors + 1),
+            Severity::Warning => self.warnings.update(|warnings| warnings + 1),
         }
+        let last = finding.primary.as_ref().map(|label| label.span);
+        if finding.severity == Severity::Error || self.warnings.get() <= MAX_WARNINGS {
+            self.found.borrow_mut().push(finding);
+        }
+        if let Some(at) = last
+            && self.is_full()
+        {
+            self.give_up(at);
+        }
+    }
+
+    /// Notes that the parser caught an error, whether or not it is worth a word.
+    pub(crate) fn caught(&self, at: Span) {
+        let full = self.is_full();
+        self.caught.update(|caught| caught + 1);
+        if self.is_full() && !full {
+            self.give_up(at);
+        }
+    }
+
+    fn give_up(&self, at: Span) {
+        let finding = SyntaxError::TooMany { at }.diagnostic();
+        self.found.borrow_mut().push(finding);
+    }
+
+    /// Whether there are too many errors to go on.
+    pub(crate) fn is_full(&self) -> bool {
+        self.errors.get() >= MAX_ERRORS || self.caught.get() >= MAX_CAUGHT
     }
 
     /// Takes back the last finding if it has this code and stands behind `start`.
     pub(crate) fn retract(&self, code: &str, start: usize) {
-        self.found
-            .borrow_mut()
-            .pop_if(|last| last.code == code && place(last) >= start);
+        let wrong = |last: &mut Diagnostic| last.code == code && place(last) >= start;
+        if self.found.borrow_mut().pop_if(wrong).is_some() {
+            self.errors.update(|errors| errors.saturating_sub(1));
+        }
     }
 
-    /// Whether an error was reported between the two places.
+    /// Whether an error was reported at one of these bytes.
     pub(crate) fn error_between(&self, start: usize, end: usize) -> bool {
         let found = self.found.borrow();
         found.iter().rev().any(|finding| {
@@ -65,20 +101,7 @@ impl Findings {
 
     /// Whether an error was reported at all.
     pub(crate) fn has_errors(&self) -> bool {
-        self.errors() > 0
-    }
-
-    /// Notes that the parser caught an error, and whether it is worth a word.
-    pub(crate) fn caught(&self, at: Span) {
-        self.caught.update(|caught| caught + 1);
-        if self.caught.get() == MAX_CAUGHT && self.errors() < MAX_ERRORS {
-            self.found.borrow_mut().push(SyntaxError::TooMany { at }.diagnostic());
-        }
-    }
-
-    /// Whether there are too many errors to go on.
-    pub(crate) fn is_full(&self) -> bool {
-        self.caught.get() >= MAX_CAUGHT || self.errors() > MAX_ERRORS
+        self.errors.get() > 0
     }
 
     /// Notes that the parser takes a token; true when it has not built anything for long.
@@ -94,19 +117,21 @@ impl Findings {
 
     /// All that was found, by place.
     pub(crate) fn finish(self) -> Report {
-        Report { diagnostics: self.found.into_inner() }.finish()
+        let diagnostics = self.found.into_inner();
+        Report { diagnostics }.finish()
     }
 
     fn has(&self, code: &str) -> bool {
-        self.found.borrow().iter().any(|finding| finding.code == code)
-    }
-
-    fn errors(&self) -> usize {
-        let found = self.found.borrow();
-        found.iter().filter(|finding| finding.severity == Severity::Error).count()
+        self.found
+            .borrow()
+            .iter()
+            .any(|finding| finding.code == code)
     }
 }
 
 fn place(finding: &Diagnostic) -> usize {
-    finding.primary.as_ref().map_or(0, |label| label.span.start as usize)
+    finding
+        .primary
+        .as_ref()
+        .map_or(0, |label| label.span.start as usize)
 }

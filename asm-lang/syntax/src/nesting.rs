@@ -3,7 +3,7 @@
 use crate::MAX_DEPTH;
 use crate::error::SyntaxError;
 use crate::findings::Findings;
-use crate::lexer::{Keyword, Lexer, Sign, Spanned, Token, ends_operand};
+use crate::lexer::{Keyword, Lexer, Sign, Spanned, Token};
 use crate::spelling::nearest;
 
 /// A bracket, a block or a declaration that has begun and not ended.
@@ -15,7 +15,7 @@ pub(crate) struct Open<'input> {
     pub(crate) prefix: Option<Spanned<'input>>,
     /// The `if` that directly follows this one's `else`.
     pub(crate) else_if: Option<Spanned<'input>>,
-    /// A name directly inside that is nearly the end, or a word before it.
+    /// A name directly inside that is nearly the end.
     pub(crate) suspect: Option<Spanned<'input>>,
     /// Where the opener stands in its line, when it is the first of it.
     indent: Option<usize>,
@@ -43,7 +43,13 @@ pub(crate) struct Nesting<'input> {
 
 impl<'input> Nesting<'input> {
     pub(crate) fn new(text: &'input str) -> Self {
-        Self { text, open: Vec::new(), previous: None, misaligned: None, signs: 0 }
+        Self {
+            text,
+            open: Vec::new(),
+            previous: None,
+            misaligned: None,
+            signs: 0,
+        }
     }
 
     /// What began the current declaration.
@@ -69,7 +75,9 @@ impl<'input> Nesting<'input> {
     /// Takes a token into account.
     pub(crate) fn step(&mut self, spanned: Spanned<'input>) {
         let (_, token, _) = spanned;
-        let operand_before = self.previous.is_some_and(|(_, token, _)| ends_operand(token));
+        let operand_before = self
+            .previous
+            .is_some_and(|(_, token, _)| token.ends_operand());
         if starts_item(token) {
             self.open.clear();
             self.misaligned = None;
@@ -86,7 +94,11 @@ impl<'input> Nesting<'input> {
             token,
             Token::Keyword(Keyword::Not) | Token::Sign(Sign::Plus | Sign::Minus)
         );
-        self.signs = if sign && !operand_before { self.signs + 1 } else { 0 };
+        self.signs = if sign && !operand_before {
+            self.signs + 1
+        } else {
+            0
+        };
         self.previous = Some(spanned);
     }
 
@@ -110,24 +122,34 @@ impl<'input> Nesting<'input> {
     /// How far a token is indented, where it is the first of its line.
     fn indent(&self, (start, _, _): Spanned<'_>) -> Option<usize> {
         let before = self.text.as_bytes().get(..start)?;
-        let blanks = before.iter().rev().take_while(|&&byte| byte == b' ' || byte == b'\t').count();
-        before.get(..start - blanks)?.last().is_none_or(|&byte| byte == b'\n').then_some(blanks)
+        let blanks = before
+            .iter()
+            .rev()
+            .take_while(|&&byte| byte == b' ' || byte == b'\t')
+            .count();
+        before
+            .get(..start - blanks)?
+            .last()
+            .is_none_or(|&byte| byte == b'\n')
+            .then_some(blanks)
     }
 
     /// Closes the innermost `opener`, and with it what was left open inside.
     fn close(&mut self, opener: Token<'_>, closer: Spanned<'input>) {
         let same = |open: &Open<'_>| open.opener.1 == opener;
-        let Some(at) = self.open.iter().rposition(same).filter(|&at| at > 0) else { return };
-        let bag = is_lt(opener);
-        if bag && (at + 1 < self.open.len() || self.open.get(at).is_some_and(|open| open.compares)) {
+        let Some(at) = self.open.iter().rposition(same).filter(|&at| at > 0) else {
+            return;
+        };
+        let Some(open) = self.open.get(at) else {
+            return;
+        };
+        // In the guard of a bag, and in anything else open inside it, `>` compares.
+        if is_lt(opener) && (open.compares || at + 1 < self.open.len()) {
             return;
         }
-        let indent = self.indent(closer);
-        if let Some(open) = self.open.get(at)
-            && open.indent.is_some()
-            && indent.is_some()
-            && open.indent != indent
-            && self.misaligned.is_none()
+        if self.misaligned.is_none()
+            && let (Some(begun), Some(ended)) = (open.indent, self.indent(closer))
+            && begun != ended
         {
             self.misaligned = Some((open.opener, closer));
         }
@@ -135,8 +157,7 @@ impl<'input> Nesting<'input> {
     }
 
     fn mark_else_if(&mut self, spanned: Spanned<'input>) {
-        let after_else =
-            matches!(self.previous, Some((_, Token::Keyword(Keyword::Else), _)));
+        let after_else = matches!(self.previous, Some((_, Token::Keyword(Keyword::Else), _)));
         if let Some(open) = self.open.last_mut()
             && after_else
             && spanned.1 == Token::Keyword(Keyword::If)
@@ -151,7 +172,9 @@ impl<'input> Nesting<'input> {
             self.previous,
             Some((_, Token::Keyword(Keyword::Do | Keyword::Ifnone), _))
         );
-        let Some(open) = self.open.last_mut() else { return };
+        let Some(open) = self.open.last_mut() else {
+            return;
+        };
         match token {
             Token::Keyword(
                 Keyword::Choose
@@ -189,12 +212,18 @@ pub(crate) struct Tokens<'input, 'run> {
 
 impl<'input, 'run> Tokens<'input, 'run> {
     pub(crate) fn new(text: &'input str, findings: &'run Findings) -> Self {
-        Self { lexer: Lexer::new(text, findings), nesting: Nesting::new(text), findings }
+        Self {
+            lexer: Lexer::new(text, findings),
+            nesting: Nesting::new(text),
+            findings,
+        }
     }
 
     /// Leaves out what cannot be read, up to the next declaration.
     fn next_item(&mut self) -> Option<Spanned<'input>> {
-        self.lexer.by_ref().find(|&(_, token, _)| starts_item(token))
+        self.lexer
+            .by_ref()
+            .find(|&(_, token, _)| starts_item(token))
     }
 }
 
@@ -222,7 +251,9 @@ impl<'input> Iterator for Tokens<'input, '_> {
 
 /// Whether a declaration, a section or a part of one begins with this token, and nothing else does.
 pub(crate) fn starts_item(token: Token<'_>) -> bool {
-    let Token::Keyword(word) = token else { return false };
+    let Token::Keyword(word) = token else {
+        return false;
+    };
     matches!(
         word,
         Keyword::Asm
@@ -264,19 +295,40 @@ pub(crate) fn starts_item(token: Token<'_>) -> bool {
 const PAIRS: &[(Token<'static>, Token<'static>)] = &[
     (Token::Sign(Sign::Open), Token::Sign(Sign::Close)),
     (Token::Sign(Sign::OpenBrace), Token::Sign(Sign::CloseBrace)),
-    (Token::Sign(Sign::OpenBracket), Token::Sign(Sign::CloseBracket)),
+    (
+        Token::Sign(Sign::OpenBracket),
+        Token::Sign(Sign::CloseBracket),
+    ),
     (Token::Sign(Sign::OpenRule), Token::Sign(Sign::CloseRule)),
     (Token::Keyword(Keyword::If), Token::Keyword(Keyword::Endif)),
-    (Token::Keyword(Keyword::Switch), Token::Keyword(Keyword::Endswitch)),
-    (Token::Keyword(Keyword::Par), Token::Keyword(Keyword::Endpar)),
-    (Token::Keyword(Keyword::Seq), Token::Keyword(Keyword::Endseq)),
-    (Token::Keyword(Keyword::Let), Token::Keyword(Keyword::Endlet)),
-    (Token::Keyword(Keyword::Iterate), Token::Keyword(Keyword::Enditerate)),
+    (
+        Token::Keyword(Keyword::Switch),
+        Token::Keyword(Keyword::Endswitch),
+    ),
+    (
+        Token::Keyword(Keyword::Par),
+        Token::Keyword(Keyword::Endpar),
+    ),
+    (
+        Token::Keyword(Keyword::Seq),
+        Token::Keyword(Keyword::Endseq),
+    ),
+    (
+        Token::Keyword(Keyword::Let),
+        Token::Keyword(Keyword::Endlet),
+    ),
+    (
+        Token::Keyword(Keyword::Iterate),
+        Token::Keyword(Keyword::Enditerate),
+    ),
 ];
 
 /// What ends the thing this token begins.
 pub(crate) fn closer(opener: Token<'_>) -> Option<Token<'static>> {
-    PAIRS.iter().find(|(begin, _)| *begin == opener).map(|&(_, end)| end)
+    PAIRS
+        .iter()
+        .find(|(begin, _)| *begin == opener)
+        .map(|&(_, end)| end)
 }
 
 /// What begins the thing this token ends; `>` may end a bag.
@@ -284,7 +336,10 @@ pub(crate) fn opener(closer: Token<'_>) -> Option<Token<'static>> {
     if closer == Token::Sign(Sign::Gt) {
         return Some(Token::Sign(Sign::Lt));
     }
-    PAIRS.iter().find(|(_, end)| *end == closer).map(|&(begin, _)| begin)
+    PAIRS
+        .iter()
+        .find(|(_, end)| *end == closer)
+        .map(|&(begin, _)| begin)
 }
 
 fn is_lt(token: Token<'_>) -> bool {

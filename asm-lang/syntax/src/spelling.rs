@@ -6,16 +6,20 @@ pub(crate) fn nearest<'a>(
     written: &str,
     candidates: impl IntoIterator<Item = &'a str>,
 ) -> Option<&'a str> {
-    if ["elseif", "elsif", "elif"].contains(&written) {
-        return Some("else if");
-    }
     let written = written.to_lowercase();
     let slips = |word: &str| {
         let word = word.to_lowercase();
         let begun = written.len() >= 3 && word.starts_with(&written);
-        if begun { 1 } else { strsim::damerau_levenshtein(&written, &word) }
+        if begun {
+            1
+        } else {
+            strsim::damerau_levenshtein(&written, &word)
+        }
     };
-    let (slips, word) = candidates.into_iter().map(|word| (slips(word), word)).min()?;
+    let (slips, word) = candidates
+        .into_iter()
+        .map(|word| (slips(word), word))
+        .min()?;
     let forgiven = match word.len() {
         0..3 => 0,
         3..5 => 1,

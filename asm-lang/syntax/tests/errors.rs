@@ -3,15 +3,21 @@
 //! A file of `tests/errors` carries `//~ CODE` on each line that something is to be said about. What
 //! is said is a snapshot; read it before you accept it.
 
+#![allow(clippy::disallowed_methods, reason = "the texts are on the disk")]
+
 use asm_syntax::parse;
 use source::{Diagnostic, FileId, Severity, Sources};
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
 #[test]
 fn says_what_is_wrong() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/errors");
-    let mut files: Vec<_> = fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()).collect();
+    let mut files: Vec<_> = fs::read_dir(folder)
+        .unwrap()
+        .map(|file| file.unwrap().path())
+        .collect();
     files.sort();
     for file in files {
         let name = file.file_stem().unwrap().to_str().unwrap().to_owned();
@@ -20,16 +26,45 @@ fn says_what_is_wrong() {
         let id = sources.add(&name, text.as_str());
         let report = parse(id, &text).report;
 
-        let said: Vec<String> = report.diagnostics.iter().map(|it| render(&sources, id, it)).collect();
+        let said: Vec<String> = report
+            .diagnostics
+            .iter()
+            .map(|it| render(&sources, id, it))
+            .collect();
         insta::assert_snapshot!(name.clone(), said.join("\n"));
 
         let line = |it: &Diagnostic| {
-            sources.position(id, it.primary.as_ref().unwrap().span.start).0
+            sources
+                .position(id, it.primary.as_ref().unwrap().span.start)
+                .0
         };
-        let found: Vec<(usize, &str)> =
-            report.diagnostics.iter().map(|it| (line(it), it.code)).collect();
-        if found != expected(&text) { println!("MISMATCH {name}: {found:?} {:?}", expected(&text)); }
+        let found: Vec<(usize, &str)> = report
+            .diagnostics
+            .iter()
+            .map(|it| (line(it), it.code))
+            .collect();
+        assert_eq!(found, expected(&text), "in {name}.asm");
     }
+}
+
+#[test]
+fn has_an_example_of_every_code() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let source = fs::read_to_string(folder.join("src/error.rs")).unwrap();
+    let codes: BTreeSet<&str> = source
+        .split('"')
+        .filter(|word| word.len() == 4 && word.starts_with('L'))
+        .collect();
+    let texts: Vec<String> = fs::read_dir(folder.join("tests/errors"))
+        .unwrap()
+        .map(|file| fs::read_to_string(file.unwrap().path()).unwrap())
+        .collect();
+    let examples: BTreeSet<&str> = texts
+        .iter()
+        .flat_map(|text| expected(text))
+        .map(|(_, code)| code)
+        .collect();
+    assert_eq!(examples, codes);
 }
 
 /// The codes that a text asks for, with their lines.
@@ -41,7 +76,7 @@ fn expected(text: &str) -> Vec<(usize, &str)> {
     marked.flatten().collect()
 }
 
-/// `error L030 at 5:9 message`, then a line for each place, note, help and fix.
+/// `error L050 at 5:9 message`, then a line for each place, note, help and fix.
 fn render(sources: &Sources, file: FileId, finding: &Diagnostic) -> String {
     let severity = match finding.severity {
         Severity::Error => "error",
@@ -50,13 +85,20 @@ fn render(sources: &Sources, file: FileId, finding: &Diagnostic) -> String {
     let mut lines = vec![format!("{severity} {}: {}", finding.code, finding.message)];
     for label in finding.primary.iter().chain(&finding.secondary) {
         let (line, column) = sources.position(file, label.span.start);
-        lines.push(format!("  {line}:{column} `{}` {}", sources.snippet(label.span), label.text));
+        lines.push(format!(
+            "  {line}:{column} `{}` {}",
+            sources.snippet(label.span),
+            label.text
+        ));
     }
     lines.extend(finding.notes.iter().map(|note| format!("  note: {note}")));
     lines.extend(finding.helps.iter().map(|help| format!("  help: {help}")));
     if let Some(fix) = &finding.fix {
         let snippet = sources.snippet(fix.span);
-        lines.push(format!("  fix: {}: `{snippet}` → `{}`", fix.title, fix.text));
+        lines.push(format!(
+            "  fix: {}: `{snippet}` → `{}`",
+            fix.title, fix.text
+        ));
     }
     lines.join("\n")
 }

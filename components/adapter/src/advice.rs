@@ -1,6 +1,6 @@
 //! What to do about the obstacles: let the path be, bend it, hold, or give up.
 
-use geometry::{Distances, Disc, Point, Pose};
+use geometry::{Disc, Distances, Point, Pose};
 use messages::Path;
 
 use crate::bend::{Barrier, Bender, Limits, Obstacles, Window};
@@ -128,20 +128,19 @@ impl Adviser {
         };
         let (from, offset) = route.locate(robot);
         let place = Point::from(robot.translation.vector);
-        let around = limits.horizon + limits.reach + limits.comfort;
         self.near.clear();
-        self.near.extend(seen.filter(|point| (point - place).norm() <= around));
-        let obstacles = Obstacles {
-            seen: &self.near,
-            mapped: map,
-        };
+        let around = route.around(from, limits);
+        self.near.extend(seen.filter(|point| around(point)));
+        let obstacles = Obstacles::new(&mut self.near, map, limits);
         let window = Window {
             route,
             from,
             robot: place,
             offset,
         };
-        let driven = window.is_free(limits, &obstacles, -DRIVEN, |station| route.offsets()[station]);
+        let driven = window.is_free(limits, &obstacles, -DRIVEN, |station| {
+            route.offsets()[station]
+        });
         if driven && (self.returns || !route.is_bent(from)) {
             self.fruitless = 0;
             return self.go_on();
@@ -228,9 +227,14 @@ impl Adviser {
         } else if let Some(route) = &self.route {
             let from_path = |point: &Point| route.distance(*point);
             let near = seen.iter().copied();
-            let near: Vec<Point> = near.filter(|point| from_path(point) <= limits.reach).collect();
+            let near: Vec<Point> = near
+                .filter(|point| from_path(point) <= limits.reach)
+                .collect();
             for cluster in clusters(&near) {
-                if cluster.iter().any(|point| from_path(point) < limits.clearance) {
+                if cluster
+                    .iter()
+                    .any(|point| from_path(point) < limits.clearance)
+                {
                     cover(cluster, COVER, &mut discs);
                 }
             }
@@ -251,5 +255,181 @@ fn empty(path: &Path) -> Path {
     Path {
         header: path.header.clone(),
         poses: Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geometry::heading;
+    use messages::Pose as PoseMessage;
+
+    const LIMITS: Limits = Limits {
+        clearance: 0.25,
+        comfort: 0.4,
+        reach: 1.0,
+        horizon: 4.0,
+    };
+
+    const PATIENCE: Patience = Patience {
+        looks: 3,
+        hold: 1.0,
+    };
+
+    fn path() -> Path {
+        let ends = [
+            PoseMessage::planar(0.0, 0.0, 0.0),
+            PoseMessage::planar(8.0, 0.0, 0.0),
+        ];
+        Path::through(5, "map", ends)
+    }
+
+    fn ordered() -> Adviser {
+        let mut adviser = Adviser::default();
+        assert_eq!(adviser.order(&path()), Advice::default(), "it looks first");
+        adviser
+    }
+
+    fn look(adviser: &mut Adviser, x: f64, seen: &[Point]) -> Advice {
+        adviser.look(
+            &heading(Point::new(x, 0.0), 0.0),
+            seen.iter().copied(),
+            None,
+            &LIMITS,
+            &PATIENCE,
+        )
+    }
+
+    fn wall(x: f64) -> Vec<Point> {
+        (-15..=15)
+            .map(|step| Point::new(x, f64::from(step) * 0.1))
+            .collect()
+    }
+
+    fn is_stop(advice: &Advice) -> bool {
+        advice
+            .path
+            .as_ref()
+            .is_some_and(|path| path.poses.is_empty() && path.header.stamp.nanosec == 5)
+    }
+
+    #[test]
+    fn where_nothing_is_in_the_way_the_path_is_passed_on_as_it_is_and_once() {
+        let mut adviser = ordered();
+        assert_eq!(
+            look(&mut adviser, 0.0, &[Point::new(2.0, 0.6)]).path,
+            Some(path())
+        );
+        assert_eq!(look(&mut adviser, 1.0, &[]), Advice::default());
+    }
+
+    #[test]
+    fn a_stop_is_passed_on_at_once() {
+        let mut adviser = ordered();
+        let stop = Path::stop(9, "map");
+        assert_eq!(adviser.order(&stop).path, Some(stop));
+        assert!(!adviser.is_busy());
+        assert_eq!(look(&mut adviser, 0.0, &wall(0.5)), Advice::default());
+    }
+
+    #[test]
+    fn it_bends_once_for_one_thing_and_goes_back_when_it_is_gone() {
+        let mut adviser = ordered();
+        let thing = [Point::new(2.0, 0.0)];
+        let bent = look(&mut adviser, 0.0, &thing).path.unwrap();
+        assert!(
+            bent.poses
+                .iter()
+                .any(|pose| pose.pose.position.y.abs() > 0.2)
+        );
+        for _ in 0..5 {
+            assert_eq!(look(&mut adviser, 0.0, &thing), Advice::default());
+        }
+        let back = look(&mut adviser, 0.5, &[]).path.unwrap();
+        assert!(
+            back.poses
+                .iter()
+                .all(|pose| pose.pose.position.y.abs() < 1e-9)
+        );
+    }
+
+    #[test]
+    fn a_far_barrier_blocks_after_three_looks_and_once() {
+        let mut adviser = ordered();
+        look(&mut adviser, 0.0, &[]);
+        for _ in 0..2 {
+            assert_eq!(look(&mut adviser, 0.0, &wall(3.0)), Advice::default());
+        }
+        let blocked = look(&mut adviser, 0.0, &wall(3.0));
+        assert!(is_stop(&blocked));
+        assert!((blocked.blocked.unwrap().point - Point::new(3.0, 0.0)).norm() < 0.1);
+        for seen in [wall(3.0), Vec::new()] {
+            assert_eq!(
+                look(&mut adviser, 0.0, &seen),
+                Advice::default(),
+                "blocked is blocked"
+            );
+        }
+        adviser.order(&path());
+        assert!(
+            look(&mut adviser, 0.0, &[]).path.is_some(),
+            "until the next path"
+        );
+    }
+
+    #[test]
+    fn a_near_barrier_stops_at_once_and_need_not_block() {
+        let mut adviser = ordered();
+        look(&mut adviser, 0.0, &[]);
+        let held = look(&mut adviser, 0.0, &wall(0.8));
+        assert!(is_stop(&held) && held.blocked.is_none());
+        assert_eq!(look(&mut adviser, 0.0, &wall(0.8)), Advice::default());
+        assert_eq!(
+            look(&mut adviser, 0.0, &[]).path,
+            Some(path()),
+            "somebody only passed by"
+        );
+        for _ in 0..2 {
+            assert!(look(&mut adviser, 0.0, &wall(0.8)).blocked.is_none());
+        }
+        let blocked = look(&mut adviser, 0.0, &wall(0.8));
+        assert!(
+            blocked.blocked.is_some() && blocked.path.is_none(),
+            "it was stopped before"
+        );
+    }
+
+    #[test]
+    fn a_path_that_is_given_before_a_barrier_is_never_driven() {
+        let mut adviser = ordered();
+        let told: Vec<Advice> = (0..3)
+            .map(|_| look(&mut adviser, 0.0, &wall(0.8)))
+            .collect();
+        assert!(is_stop(&told[0]) && told[1] == Advice::default() && told[2].blocked.is_some());
+    }
+
+    #[test]
+    fn without_eyes_it_trusts_the_planner_and_when_it_loses_them_it_stops() {
+        let mut adviser = ordered();
+        assert_eq!(adviser.blind(false).path, Some(path()));
+        assert_eq!(adviser.blind(false), Advice::default());
+        assert!(is_stop(&adviser.blind(true)));
+        assert_eq!(adviser.blind(true), Advice::default());
+        assert_eq!(look(&mut adviser, 0.0, &[]).path, Some(path()));
+    }
+
+    #[test]
+    fn without_a_map_it_tells_of_what_stands_on_the_path() {
+        let adviser = ordered();
+        let beside = [Point::new(1.0, 0.9), Point::new(1.1, 0.9)];
+        assert_eq!(adviser.obstacles(&beside, None, &LIMITS), []);
+        let on_it = [
+            Point::new(3.0, 0.2),
+            Point::new(3.0, 0.3),
+            Point::new(3.0, 0.4),
+        ];
+        let discs = adviser.obstacles(&[&beside[..], &on_it[..]].concat(), None, &LIMITS);
+        assert_eq!(discs.len(), 1);
+        assert!((discs[0].centre - Point::new(3.0, 0.3)).norm() < 1e-9);
     }
 }

@@ -33,10 +33,12 @@ pub struct Barrier {
 /// What the robot must not touch.
 #[derive(Debug, Clone, Copy)]
 pub struct Obstacles<'a> {
-    /// What the laser saw, map frame.
-    pub seen: &'a [Point],
+    /// What the laser saw, map frame, in the order of x.
+    seen: &'a [Point],
     /// What the map knows, if there is a map.
-    pub mapped: Option<&'a Distances>,
+    mapped: Option<&'a Distances>,
+    /// m, what is farther away does not matter.
+    within: f64,
 }
 
 /// m, from lane to lane.
@@ -67,18 +69,37 @@ const CHANGE: f64 = 0.3;
 /// Where the robot already is too near to something, it gains at least this clearance a metre driven.
 const ESCAPE: f64 = 0.3;
 
+/// m, how much farther than comfort a thing still matters: for those who ask for spare room.
+const FARTHER: f64 = 0.1;
+
 /// m, of clearance: the least difference that counts when a robot that is too near shall not come nearer.
 const SLACK: f64 = 0.02;
 
-impl Obstacles<'_> {
-    /// m from `point` to the nearest thing the laser saw.
-    pub fn from_seen(&self, point: Point) -> f64 {
-        let squared = self.seen.iter().map(|seen| (seen - point).norm_squared());
-        squared.fold(f64::INFINITY, f64::min).sqrt()
+impl<'a> Obstacles<'a> {
+    /// What the laser saw (put in order here) and what the map knows, for questions within these limits.
+    pub fn new(seen: &'a mut [Point], mapped: Option<&'a Distances>, limits: &Limits) -> Self {
+        seen.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+        Self {
+            seen,
+            mapped,
+            within: limits.comfort.max(limits.clearance) + FARTHER,
+        }
+    }
+
+    /// m from `point` to the nearest thing the laser saw; infinite if it is too far away to matter.
+    fn seen_distance(&self, point: Point) -> f64 {
+        let first = self
+            .seen
+            .partition_point(|seen| seen.x < point.x - self.within);
+        let near = self.seen[first..].iter();
+        near.take_while(|seen| seen.x <= point.x + self.within)
+            .map(|seen| (seen - point).norm_squared())
+            .fold(f64::INFINITY, f64::min)
+            .sqrt()
     }
 
     /// m from `point` to the nearest thing on the map; 0 outside of it, infinite without a map.
-    fn from_mapped(&self, point: Point) -> f64 {
+    fn mapped_distance(&self, point: Point) -> f64 {
         self.mapped.map_or(f64::INFINITY, |map| {
             let cell = map.layout().cell(point);
             cell.and_then(|cell| map.metres(cell)).unwrap_or(0.0)
@@ -109,10 +130,7 @@ pub struct Window<'a> {
 impl Window<'_> {
     /// How many stations lie within the horizon.
     pub fn len(&self, limits: &Limits) -> usize {
-        let left = self.route.stations().len() - self.from;
-        let step = self.route.step();
-        let within = if step > 0.0 { limits.horizon / step } else { 0.0 };
-        left.min(within as usize + 1)
+        self.route.within(self.from, limits.horizon)
     }
 
     /// Whether the way with these offsets at the route's stations keeps `spare` metres more than the clearance from
@@ -124,7 +142,7 @@ impl Window<'_> {
         spare: f64,
         offset: impl Fn(usize) -> f64,
     ) -> bool {
-        let here = obstacles.from_seen(self.robot);
+        let here = obstacles.seen_distance(self.robot);
         let point = |at: usize| self.route.point(self.from + at, offset(self.from + at));
         (1..self.len(limits)).all(|at| {
             let (from, to) = (point(at - 1), point(at));
@@ -134,7 +152,7 @@ impl Window<'_> {
             let first = if at == 1 { pieces } else { 1 };
             (first..=pieces)
                 .map(|piece| from + (to - from) * (f64::from(piece) / f64::from(pieces)))
-                .all(|between| obstacles.from_seen(between) >= required)
+                .all(|between| obstacles.seen_distance(between) >= required)
         })
     }
 
@@ -145,8 +163,11 @@ impl Window<'_> {
             let share = (station - self.from) as f64 * self.route.step() / length;
             self.offset * smooth_step_down(share)
         };
-        self.is_free(limits, obstacles, spare, offset)
-            .then(|| (self.from..self.from + self.len(limits)).map(offset).collect())
+        self.is_free(limits, obstacles, spare, offset).then(|| {
+            (self.from..self.from + self.len(limits))
+                .map(offset)
+                .collect()
+        })
     }
 
     /// The clearance asked for at a station: less where the robot starts out too near, and then growing.
@@ -176,7 +197,7 @@ impl Bender {
     ) -> Result<Vec<f64>, Barrier> {
         let lanes = Lanes::new(limits.reach);
         let stations = window.len(limits);
-        let here = obstacles.from_seen(window.robot);
+        let here = obstacles.seen_distance(window.robot);
         self.start(&lanes, window.offset, stations);
         for at in 1..stations {
             self.advance(&lanes, window.route.step(), at);
@@ -210,17 +231,21 @@ impl Bender {
     /// From each lane to the lanes nearby, one station on.
     fn advance(&mut self, lanes: &Lanes, step: f64, at: usize) {
         self.next.fill(f64::INFINITY);
-        let before = &mut self.before[at * lanes.count..];
-        for (lane, cost) in self.cost.iter().enumerate() {
-            if !cost.is_finite() {
-                continue;
-            }
-            for to in lane.saturating_sub(STEEP)..(lane + STEEP + 1).min(lanes.count) {
-                let slope = lanes.offset(to.abs_diff(lane) + lanes.middle) / step;
+        let before = &mut self.before[at * lanes.count..][..lanes.count];
+        let reachable = self
+            .cost
+            .iter()
+            .enumerate()
+            .filter(|(_, cost)| cost.is_finite());
+        for (lane, cost) in reachable {
+            let first = lane.saturating_sub(STEEP);
+            let nearby = self.next.iter_mut().zip(before.iter_mut()).enumerate();
+            for (to, (best, from)) in nearby.take(lane + STEEP + 1).skip(first) {
+                let slope = to.abs_diff(lane) as f64 * LANE / step;
                 let total = cost + SLOPE * slope * slope;
-                if total < self.next[to] {
-                    self.next[to] = total;
-                    before[to] = lane as u16;
+                if total < *best {
+                    *best = total;
+                    *from = lane as u16;
                 }
             }
         }
@@ -241,12 +266,22 @@ impl Bender {
         let taken = window.route.offsets()[station];
         let is_goal = station + 1 == window.route.stations().len();
         // where the planned path itself is nearer to a wall on the map, that is near enough
-        let on_map = obstacles.from_mapped(window.route.point(station, 0.0)).min(limits.clearance);
+        let on_map = obstacles
+            .mapped_distance(window.route.point(station, 0.0))
+            .min(limits.clearance);
         let mut open = false;
-        for (lane, cost) in self.cost.iter_mut().enumerate().filter(|(_, cost)| cost.is_finite()) {
+        for (lane, cost) in self
+            .cost
+            .iter_mut()
+            .enumerate()
+            .filter(|(_, cost)| cost.is_finite())
+        {
             let offset = lanes.offset(lane);
             let point = window.route.point(station, offset);
-            let (seen, mapped) = (obstacles.from_seen(point), obstacles.from_mapped(point));
+            let (seen, mapped) = (
+                obstacles.seen_distance(point),
+                obstacles.mapped_distance(point),
+            );
             if seen < required || mapped < on_map || (is_goal && lane != lanes.middle) {
                 *cost = f64::INFINITY;
                 continue;
@@ -284,7 +319,8 @@ fn smooth_step_down(share: f64) -> f64 {
 fn round(offsets: &mut [f64], window: &Window<'_>, limits: &Limits, obstacles: &Obstacles<'_>) {
     for at in 1..offsets.len().saturating_sub(1) {
         let rounded = (offsets[at - 1] + 2.0 * offsets[at] + offsets[at + 1]) / 4.0;
-        let clearance = |offset| obstacles.from_seen(window.route.point(window.from + at, offset));
+        let clearance =
+            |offset| obstacles.seen_distance(window.route.point(window.from + at, offset));
         let enough = clearance(offsets[at]).min(limits.comfort);
         if rounded != offsets[at] && clearance(rounded) >= enough {
             offsets[at] = rounded;
@@ -316,5 +352,180 @@ impl Lanes {
     fn nearest(&self, offset: f64) -> usize {
         let lane = offset / LANE + self.middle as f64;
         lane.round().clamp(0.0, (self.count - 1) as f64) as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use messages::{Path, Pose};
+    use proptest::prelude::*;
+
+    const LIMITS: Limits = Limits {
+        clearance: 0.25,
+        comfort: 0.4,
+        reach: 1.0,
+        horizon: 4.0,
+    };
+
+    fn road() -> Route {
+        let ends = [Pose::planar(0.0, 0.0, 0.0), Pose::planar(6.0, 0.0, 0.0)];
+        Route::new(Path::through(1, "map", ends)).unwrap()
+    }
+
+    fn window(route: &Route) -> Window<'_> {
+        Window {
+            route,
+            from: 0,
+            robot: Point::origin(),
+            offset: 0.0,
+        }
+    }
+
+    fn bend(seen: &[Point]) -> Result<Vec<f64>, Barrier> {
+        let mut seen = seen.to_vec();
+        let obstacles = Obstacles::new(&mut seen, None, &LIMITS);
+        Bender::default().bend(&window(&road()), &LIMITS, &obstacles)
+    }
+
+    /// Points on a line across the road, closer together than the robot is wide.
+    fn across(x: f64, from: f64, to: f64) -> Vec<Point> {
+        let count = ((to - from) / 0.1).round() as u32;
+        (0..=count)
+            .map(|step| Point::new(x, from + 0.1 * f64::from(step)))
+            .collect()
+    }
+
+    #[test]
+    fn a_free_road_stays_as_it_is() {
+        assert!(bend(&[]).unwrap().iter().all(|offset| *offset == 0.0));
+        assert!(
+            bend(&[Point::new(2.0, 0.9)])
+                .unwrap()
+                .iter()
+                .all(|offset| *offset == 0.0)
+        );
+    }
+
+    #[test]
+    fn it_passes_on_the_side_where_there_is_more_room() {
+        for side in [1.0, -1.0] {
+            let offsets = bend(&[Point::new(2.0, 0.1 * side)]).unwrap();
+            assert!(offsets[20] * side < -0.1, "{offsets:?}");
+            assert!(offsets[40].abs() < 0.11, "it comes back");
+        }
+    }
+
+    #[test]
+    fn it_says_where_there_is_no_way() {
+        let barrier = bend(&across(2.0, -1.2, 1.2)).unwrap_err();
+        assert!((barrier.point - Point::new(2.0, 0.0)).norm() < 0.1);
+        assert!((barrier.ahead - 1.8).abs() < 0.11);
+        // half a metre is enough for a robot that needs a quarter on each side, less is not
+        let gap = |width: f64| {
+            [
+                across(2.0, -1.2, -width / 2.0),
+                across(2.0, width / 2.0, 1.2),
+            ]
+            .concat()
+        };
+        assert!(bend(&gap(0.52)).is_ok());
+        assert!(bend(&gap(0.46)).is_err());
+    }
+
+    #[test]
+    fn it_does_not_leap_through_a_wall_along_the_road() {
+        // the road is closed on the right of a long wall, open on its left; the robot is on the right
+        let along: Vec<Point> = (0..=35)
+            .map(|step| Point::new(f64::from(step) * 0.1, 0.35))
+            .collect();
+        let seen = [along, across(2.5, -1.2, 0.35)].concat();
+        assert!(bend(&seen).is_err());
+    }
+
+    #[test]
+    fn the_goal_is_not_moved() {
+        let route = road();
+        let mut seen = [Point::new(6.0, 0.1)];
+        let near_goal = Window {
+            from: 40,
+            robot: Point::new(4.0, 0.0),
+            ..window(&route)
+        };
+        let obstacles = Obstacles::new(&mut seen, None, &LIMITS);
+        assert!(
+            Bender::default()
+                .bend(&near_goal, &LIMITS, &obstacles)
+                .is_err()
+        );
+    }
+
+    #[test]
+    fn a_robot_that_stands_too_near_to_something_gets_away() {
+        let route = road();
+        let mut seen = [Point::new(0.22, 0.0)];
+        let obstacles = Obstacles::new(&mut seen, None, &LIMITS);
+        let offsets = Bender::default()
+            .bend(&window(&route), &LIMITS, &obstacles)
+            .unwrap();
+        assert!(offsets[2].abs() >= 0.2, "{offsets:?}");
+    }
+
+    #[test]
+    fn it_keeps_away_from_what_the_map_knows_but_follows_the_planner() {
+        let layout = geometry::Layout::new(
+            0.05,
+            140,
+            40,
+            geometry::heading(Point::new(-0.5, -1.0), 0.0),
+        )
+        .unwrap();
+        let mut grid = geometry::Grid::new(layout, geometry::FREE);
+        grid.stroke(
+            &[Point::new(-0.4, -0.2), Point::new(6.4, -0.2)],
+            0.0,
+            geometry::OCCUPIED,
+        );
+        let map = Distances::to_occupied(&grid);
+        let route = road();
+        let pass = |seen: &[Point]| {
+            let mut seen = seen.to_vec();
+            let obstacles = Obstacles::new(&mut seen, Some(&map), &LIMITS);
+            Bender::default().bend(&window(&route), &LIMITS, &obstacles)
+        };
+        // the planner went within 0.2 m of the wall: so be it
+        assert!(pass(&[]).is_ok());
+        let offsets = pass(&[Point::new(2.0, 0.1)]).unwrap();
+        assert!(
+            offsets[20] > 0.3,
+            "not between the thing and the wall: {offsets:?}"
+        );
+        assert!(offsets.iter().all(|offset| *offset > -0.1));
+    }
+
+    proptest! {
+        #[test]
+        fn a_way_that_is_found_is_free(things in prop::collection::vec((0.8..5.0, -1.2..1.2), 1..12)) {
+            let mut seen: Vec<Point> = things.iter().map(|(x, y)| Point::new(*x, *y)).collect();
+            let obstacles = Obstacles::new(&mut seen, None, &LIMITS);
+            let route = road();
+            let window = window(&route);
+            if let Ok(offsets) = Bender::default().bend(&window, &LIMITS, &obstacles) {
+                // between stations a little less; see `STEEP`
+                prop_assert!(window.is_free(&LIMITS, &obstacles, -0.04, |station| offsets[station]));
+            }
+        }
+
+        #[test]
+        fn the_way_back_is_free_and_ends_on_the_path(offset in -1.0..1.0, things in prop::collection::vec((0.8..5.0, -1.2..1.2), 0..6)) {
+            let mut seen: Vec<Point> = things.iter().map(|(x, y)| Point::new(*x, *y)).collect();
+            let obstacles = Obstacles::new(&mut seen, None, &LIMITS);
+            let route = road();
+            let aside = Window { robot: Point::new(0.0, offset), offset, ..window(&route) };
+            if let Some(back) = aside.back(&LIMITS, &obstacles, 0.0) {
+                prop_assert!((back[0] - offset).abs() < 1e-12 && back[40] == 0.0);
+                prop_assert!(aside.is_free(&LIMITS, &obstacles, -1e-9, |station| back[station]));
+            }
+        }
     }
 }

@@ -37,9 +37,9 @@ pub fn cover(mut points: Vec<Point>, radius: f64, discs: &mut Vec<Disc>) {
     let Some(first) = points.first() else {
         return;
     };
-    let (low, high) = points
-        .iter()
-        .fold((*first, *first), |(low, high), point| (low.inf(point), high.sup(point)));
+    let (low, high) = points.iter().fold((*first, *first), |(low, high), point| {
+        (low.inf(point), high.sup(point))
+    });
     let centre = middle(low, high);
     let reach = points
         .iter()
@@ -53,7 +53,13 @@ pub fn cover(mut points: Vec<Point>, radius: f64, discs: &mut Vec<Disc>) {
         return;
     }
     let size: Vector = high - low;
-    let along = |point: &Point| if size.x >= size.y { point.x - centre.x } else { point.y - centre.y };
+    let along = |point: &Point| {
+        if size.x >= size.y {
+            point.x - centre.x
+        } else {
+            point.y - centre.y
+        }
+    };
     let upper = points.extract_if(.., |point| along(point) > 0.0).collect();
     cover(points, radius, discs);
     cover(upper, radius, discs);
@@ -61,4 +67,48 @@ pub fn cover(mut points: Vec<Point>, radius: f64, discs: &mut Vec<Disc>) {
 
 fn middle(low: Point, high: Point) -> Point {
     low + (high - low) / 2.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn points(all: &[(f64, f64)]) -> Vec<Point> {
+        all.iter().map(|(x, y)| Point::new(*x, *y)).collect()
+    }
+
+    #[test]
+    fn what_is_connected_belongs_together() {
+        let chain = points(&[(0.0, 0.0), (1.0, 0.0), (0.1, 0.0), (0.2, 0.05), (1.0, 0.1)]);
+        let groups = clusters(&chain);
+        assert_eq!(groups.iter().map(Vec::len).collect::<Vec<_>>(), [3, 2]);
+    }
+
+    #[test]
+    fn a_small_thing_is_one_disc_and_a_long_one_several() {
+        let mut discs = Vec::new();
+        cover(points(&[(0.0, 0.0), (0.2, 0.0)]), 0.25, &mut discs);
+        assert_eq!(discs.len(), 1);
+        assert!((discs[0].radius - 0.12).abs() < 1e-9);
+        discs.clear();
+        let wall: Vec<Point> = (0..=20)
+            .map(|step| Point::new(3.0, f64::from(step) * 0.1))
+            .collect();
+        cover(wall, 0.25, &mut discs);
+        assert_eq!(discs.len(), 4);
+    }
+
+    proptest! {
+        #[test]
+        fn every_point_is_covered_and_no_disc_is_too_large(all in prop::collection::vec((-3.0..3.0, -3.0..3.0), 0..120)) {
+            let all = points(&all);
+            let mut discs = Vec::new();
+            for cluster in clusters(&all) {
+                cover(cluster, 0.25, &mut discs);
+            }
+            prop_assert!(discs.iter().all(|disc| disc.radius <= 0.25 + SKIN));
+            prop_assert!(all.iter().all(|point| discs.iter().any(|disc| (point - disc.centre).norm() <= disc.radius)));
+        }
+    }
 }

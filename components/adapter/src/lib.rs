@@ -1,5 +1,11 @@
-//! The trajectory adapter: bends the path around obstacles
+//! The trajectory adapter: bends the path around obstacles.
+//!
+//! What the laser saw is remembered ([`Memory`]), the path is bent within [`Limits`], [`Adviser`] says what to do,
+//! [`TrajectoryAdapter`] is the component.
 
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]
+
+mod adapter;
 mod advice;
 mod bend;
 mod cluster;
@@ -7,6 +13,7 @@ mod memory;
 mod route;
 mod trail;
 
+pub use adapter::TrajectoryAdapter;
 pub use advice::{Advice, Adviser, Patience};
 pub use bend::{Barrier, Limits};
 pub use memory::Memory;

@@ -29,9 +29,17 @@ pub struct Seen {
 impl Memory {
     /// Takes a scan that was made from `laser` at `nanos`: forgets what it looked through, and remembers the hits up
     /// to `sight` metres away that `counts` says yes to.
-    pub fn look(&mut self, scan: &LaserScan, laser: &Pose, nanos: i64, sight: f64, counts: impl Fn(Point) -> bool) {
+    pub fn look(
+        &mut self,
+        scan: &LaserScan,
+        laser: &Pose,
+        nanos: i64,
+        sight: f64,
+        counts: impl Fn(Point) -> bool,
+    ) {
         let back = laser.inverse();
-        self.seen.retain(|_, seen| !sees_through(scan, back * seen.point));
+        self.seen
+            .retain(|_, seen| !sees_through(scan, back * seen.point));
         for (angle, range) in scan.hits().filter(|(_, range)| *range <= sight) {
             let point = laser * Point::new(range * angle.cos(), range * angle.sin());
             if counts(point) {
@@ -62,7 +70,10 @@ impl Memory {
 }
 
 fn square(point: Point) -> (i32, i32) {
-    ((point.x / SIDE).floor() as i32, (point.y / SIDE).floor() as i32)
+    (
+        (point.x / SIDE).floor() as i32,
+        (point.y / SIDE).floor() as i32,
+    )
 }
 
 /// Whether the beams around a point (in the laser's frame) all end well behind it.
@@ -81,4 +92,94 @@ fn sees_through(scan: &LaserScan, point: Point) -> bool {
     scan.ranges[before as usize..=after as usize]
         .iter()
         .all(|range| f64::from(*range) > distance + THROUGH)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f32::consts::PI;
+
+    /// A scan all around with the same range everywhere.
+    fn round(range: f32) -> LaserScan {
+        LaserScan {
+            angle_min: -PI,
+            angle_max: PI,
+            angle_increment: 2.0 * PI / 360.0,
+            range_min: 0.1,
+            range_max: 8.0,
+            ranges: vec![range; 361],
+            ..LaserScan::default()
+        }
+    }
+
+    fn remembered(scans: &[LaserScan]) -> Memory {
+        let mut memory = Memory::default();
+        for (at, scan) in (0..).zip(scans) {
+            memory.look(scan, &Pose::identity(), at, 6.0, |_| true);
+        }
+        memory
+    }
+
+    #[test]
+    fn it_keeps_one_point_a_square() {
+        let memory = remembered(&[round(1.0), round(1.0)]);
+        let count = memory.points().count();
+        assert!(
+            (100..200).contains(&count),
+            "{count} points on a circle of 6.3 m"
+        );
+        assert!(
+            memory
+                .points()
+                .all(|point| (point.coords.norm() - 1.0).abs() < 1e-6)
+        );
+    }
+
+    #[test]
+    fn a_beam_that_passes_through_a_point_removes_it() {
+        assert_eq!(
+            remembered(&[round(1.0), round(f32::INFINITY)])
+                .points()
+                .count(),
+            0
+        );
+        assert!(
+            remembered(&[round(1.0), round(2.0)])
+                .points()
+                .all(|point| point.coords.norm() > 1.9)
+        );
+    }
+
+    #[test]
+    fn no_beam_no_news() {
+        for blind in [f32::NAN, f32::NEG_INFINITY, 0.5, 1.1] {
+            let memory = remembered(&[round(1.0), round(blind)]);
+            let kept = memory
+                .points()
+                .filter(|point| (point.coords.norm() - 1.0).abs() < 1e-3);
+            assert!(kept.count() > 100, "after {blind}");
+        }
+        let narrow = LaserScan {
+            angle_min: -0.1,
+            ranges: vec![5.0; 12],
+            ..round(0.0)
+        };
+        let memory = remembered(&[round(1.0), narrow]);
+        assert!(
+            memory.points().filter(|point| point.x < 0.9).count() > 100,
+            "outside of the view"
+        );
+    }
+
+    #[test]
+    fn it_forgets_with_time_and_does_not_remember_what_does_not_count() {
+        let mut memory = remembered(&[round(1.0)]);
+        memory.forget_before(0);
+        assert_eq!(memory.newest(), Some(0));
+        memory.forget_before(1);
+        assert_eq!(memory.newest(), None);
+        memory.look(&round(7.0), &Pose::identity(), 2, 6.0, |_| true);
+        memory.look(&round(3.0), &Pose::identity(), 2, 6.0, |_| false);
+        assert_eq!(memory.points().count(), 0);
+    }
 }

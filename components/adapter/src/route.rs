@@ -1,7 +1,9 @@
 //! The planned path as a road: stations along it, and at each station how far the robot shall keep to the left.
 
-use geometry::{Point, Polyline, Pose, Vector, heading, message};
+use geometry::{Nearest, Point, Polyline, Pose, Vector, heading, message};
 use messages::{Path, PoseStamped};
+
+use crate::bend::Limits;
 
 /// m, the stations are at most this far apart.
 pub const STEP: f64 = 0.1;
@@ -94,14 +96,7 @@ impl Route {
     /// The last station that is not ahead of a robot at `pose`, and how far to the left of it the robot is, m.
     pub fn locate(&mut self, pose: &Pose) -> (usize, f64) {
         let here = Point::from(pose.translation.vector);
-        let (from, to) = match self.progress {
-            Some(progress) => (progress - SEARCH.0, progress + SEARCH.1),
-            None => (0.0, f64::INFINITY),
-        };
-        let along = self
-            .line
-            .nearest_between(here, from, to)
-            .map_or(0.0, |nearest| nearest.along);
+        let along = self.nearest(here).map_or(0.0, |nearest| nearest.along);
         self.progress = Some(along);
         let last = self.stations.len() - 1;
         let at = match self.step > 0.0 {
@@ -110,6 +105,45 @@ impl Route {
         };
         let station = &self.stations[at];
         (at, (here - station.point).dot(&station.left))
+    }
+
+    /// The place of the robot: near its last one, at the beginning near the start, and only else anywhere.
+    fn nearest(&self, here: Point) -> Option<Nearest> {
+        if let Some(progress) = self.progress {
+            return (self.line).nearest_between(here, progress - SEARCH.0, progress + SEARCH.1);
+        }
+        let start = self.line.nearest_between(here, 0.0, SEARCH.1)?;
+        if start.distance <= SEARCH.0 {
+            return Some(start);
+        }
+        self.line.nearest(here)
+    }
+
+    /// How many stations from `from` on lie within `horizon` metres.
+    pub fn within(&self, from: usize, horizon: f64) -> usize {
+        let left = self.stations.len() - from;
+        let within = if self.step > 0.0 {
+            horizon / self.step
+        } else {
+            0.0
+        };
+        left.min(within as usize + 1)
+    }
+
+    /// Tells which points may matter to a way within the limits from station `from` on.
+    pub fn around(&self, from: usize, limits: &Limits) -> impl Fn(&Point) -> bool + use<> {
+        let until = from + self.within(from, limits.horizon);
+        let points = self.stations[from..until]
+            .iter()
+            .map(|station| station.point);
+        let bounds = points.fold(None, |bounds: Option<(Point, Point)>, point| {
+            let (low, high) = bounds.unwrap_or((point, point));
+            Some((low.inf(&point), high.sup(&point)))
+        });
+        let margin = Vector::repeat(limits.reach + limits.comfort);
+        move |point| {
+            bounds.is_some_and(|(low, high)| low - margin <= *point && *point <= high + margin)
+        }
     }
 
     /// m from a point to the planned path.
@@ -154,5 +188,74 @@ impl Station {
             point: here.translation.vector.into(),
             left: Vector::new(-ahead.y, ahead.x),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geometry::yaw;
+
+    fn path(points: &[(f64, f64)]) -> Path {
+        let poses = points
+            .iter()
+            .map(|(x, y)| messages::Pose::planar(*x, *y, 0.5));
+        Path::through(7, "map", poses)
+    }
+
+    #[test]
+    fn it_has_stations_from_start_to_goal() {
+        let route = Route::new(path(&[(0.0, 0.0), (1.05, 0.0)])).unwrap();
+        assert_eq!(route.stations().len(), 12);
+        assert!(route.step() <= STEP);
+        assert_eq!(route.point(0, 0.0), Point::origin());
+        assert!((route.point(11, 1.0) - Point::new(1.05, 1.0)).norm() < 1e-9);
+    }
+
+    #[test]
+    fn it_needs_a_pose_but_one_is_enough() {
+        assert!(Route::new(path(&[])).is_none());
+        assert!(Route::new(path(&[(f64::NAN, 0.0)])).is_none());
+        let mut dot = Route::new(path(&[(1.0, 1.0)])).unwrap();
+        assert_eq!(dot.locate(&Pose::identity()).0, dot.stations().len() - 1);
+    }
+
+    #[test]
+    fn it_finds_the_robot_and_does_not_lose_it_at_a_crossing() {
+        // a loop that crosses itself at (2, 0)
+        let mut route = Route::new(path(&[
+            (0.0, 0.0),
+            (4.0, 0.0),
+            (4.0, 2.0),
+            (2.0, 2.0),
+            (2.0, -2.0),
+        ]))
+        .unwrap();
+        route.locate(&heading(Point::new(1.0, 0.0), 0.0));
+        let (station, offset) = route.locate(&heading(Point::new(1.95, 0.3), 0.0));
+        assert_eq!(station, 19);
+        assert!((offset - 0.3).abs() < 1e-9);
+        let (station, _) = route.locate(&heading(Point::new(2.0, -0.01), 0.0));
+        assert_eq!(station, 20);
+    }
+
+    #[test]
+    fn bent_it_keeps_header_and_goal() {
+        let planned = path(&[(0.0, 0.0), (1.0, 0.0)]);
+        let mut route = Route::new(planned.clone()).unwrap();
+        route.bend(3, &[0.1, 0.2, 0.1]);
+        assert!(route.is_bent(5) && !route.is_bent(6));
+        let bent = route.bent();
+        assert_eq!(
+            (&bent.header, bent.poses.last()),
+            (&planned.header, planned.poses.last())
+        );
+        assert!((bent.poses[4].pose.position.y - 0.2).abs() < 1e-12);
+        assert!(
+            yaw(&message::pose(&bent.poses[3].pose)) > 0.5,
+            "it looks along itself"
+        );
+        route.bend(0, &[]);
+        assert!(!route.is_bent(0));
     }
 }

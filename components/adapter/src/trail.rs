@@ -37,7 +37,10 @@ impl Trail {
     /// Where the robot was at `nanos`, between two known poses on the straight way; none if that is not known.
     pub fn at(&self, nanos: i64) -> Option<Pose> {
         let after = self.poses.partition_point(|(at, _)| *at <= nanos);
-        let (before, after) = (after.checked_sub(1).and_then(|at| self.poses.get(at)), self.poses.get(after));
+        let (before, after) = (
+            after.checked_sub(1).and_then(|at| self.poses.get(at)),
+            self.poses.get(after),
+        );
         match (before, after) {
             (Some((from, a)), Some((to, b))) => {
                 let share = (nanos - from) as f64 / (to - from) as f64;
@@ -50,5 +53,46 @@ impl Trail {
             }
             (None, None) => None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geometry::Point;
+
+    fn pose(x: f64, yaw: f64) -> Pose {
+        heading(Point::new(x, 0.0), yaw)
+    }
+
+    #[test]
+    fn it_is_between_what_it_knows() {
+        let mut trail = Trail::default();
+        trail.add(0, pose(0.0, 3.0));
+        trail.add(100, pose(1.0, -3.0));
+        let middle = trail.at(50).unwrap();
+        assert!((middle.translation.x - 0.5).abs() < 1e-12);
+        assert!(yaw(&middle).abs() > 3.1, "the short way round");
+    }
+
+    #[test]
+    fn it_does_not_reach_far_beyond() {
+        let mut trail = Trail::default();
+        assert_eq!(trail.at(0), None);
+        trail.add(1_000_000_000, pose(1.0, 0.0));
+        assert!(trail.at(1_100_000_000).is_some() && trail.at(900_000_000).is_some());
+        assert!(trail.at(1_300_000_000).is_none() && trail.at(0).is_none());
+    }
+
+    #[test]
+    fn it_forgets_what_is_long_ago_and_ignores_what_comes_late() {
+        let mut trail = Trail::default();
+        for step in 0..1000 {
+            trail.add(step * 20_000_000, pose(0.0, 0.0));
+        }
+        trail.add(0, pose(9.0, 0.0));
+        assert_eq!(trail.poses.len(), KEPT);
+        assert!(trail.at(5_000_000_000).is_none());
+        assert_eq!(trail.newest(), Some(&pose(0.0, 0.0)));
     }
 }

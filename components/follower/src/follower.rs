@@ -54,7 +54,10 @@ impl TrajectoryFollower {
         Self {
             path: interface.input("path", "the path to follow; without poses: stop"),
             odom: interface.input("odom", "where the robot is, in the frame of the path"),
-            twist: interface.output("twist", "the velocity to drive: linear.x m/s, angular.z rad/s, base frame"),
+            twist: interface.output(
+                "twist",
+                "the velocity to drive: linear.x m/s, angular.z rad/s, base frame",
+            ),
             event: interface.output("event", "REACHED once a path, HALTED once a stop"),
             properties: Properties::declare(interface),
             task: Task::default(),
@@ -74,7 +77,9 @@ impl TrajectoryFollower {
         match odometry {
             None => Some("no odometry"),
             Some(_) if !fresh || cycle.is_stale(self.odom) => Some("stale odometry"),
-            Some(odometry) if !self.frame.is_empty() && !frame(odometry) => Some("odometry in another frame"),
+            Some(odometry) if !self.frame.is_empty() && !frame(odometry) => {
+                Some("odometry in another frame")
+            }
             Some(_) => None,
         }
     }
@@ -102,7 +107,9 @@ impl Component for TrajectoryFollower {
             Flow::OldData(odometry) => Some(odometry),
             Flow::NoData => None,
         };
-        let hindrance = self.hindrance(cycle, odometry).filter(|_| self.task.is_busy());
+        let hindrance = self
+            .hindrance(cycle, odometry)
+            .filter(|_| self.task.is_busy());
         let motion = odometry.filter(|_| hindrance.is_none()).map(motion);
         if hindrance != self.hindered {
             self.hindered = hindrance;
@@ -111,7 +118,10 @@ impl Component for TrajectoryFollower {
         let busy = self.task.is_busy();
         let (twist, news) = match &motion {
             Some(motion) => {
-                let (settings, tolerance) = (self.properties.settings(cycle), self.properties.tolerance(cycle));
+                let (settings, tolerance) = (
+                    self.properties.settings(cycle),
+                    self.properties.tolerance(cycle),
+                );
                 self.task.step(&settings, &tolerance, motion)
             }
             None => (Twist::default(), None),
@@ -147,30 +157,147 @@ fn event(now: i64, news: News, motion: &Motion) -> Event {
 
 impl Properties {
     fn declare(interface: &mut Interface) -> Self {
-        let mut number = |name: &str, default: f64, least: f64, most: f64, unit: &str, doc: &str| {
-            let setting = interface.setting(name, default, doc);
-            setting.range(least..=most).unit(unit).declare()
-        };
+        let mut number =
+            |name: &str, default: f64, least: f64, most: f64, unit: &str, doc: &str| {
+                let setting = interface.setting(name, default, doc);
+                setting.range(least..=most).unit(unit).declare()
+            };
         Self {
             max_speed: number("max_speed", 0.5, 0.0, 10.0, "m/s", "on a straight line"),
-            min_curve_speed: number("min_curve_speed", 0.15, 0.01, 10.0, "m/s", "never slower on account of a curve"),
-            min_approach_speed: number("min_approach_speed", 0.05, 0.01, 10.0, "m/s", "never slower before the goal"),
+            min_curve_speed: number(
+                "min_curve_speed",
+                0.15,
+                0.01,
+                10.0,
+                "m/s",
+                "never slower on account of a curve",
+            ),
+            min_approach_speed: number(
+                "min_approach_speed",
+                0.05,
+                0.01,
+                10.0,
+                "m/s",
+                "never slower before the goal",
+            ),
             max_turn: number("max_turn", 1.2, 0.01, 20.0, "rad/s", "never turns faster"),
-            braking: number("braking", 0.4, 0.01, 50.0, "m/s²", "the braking on which the approach counts"),
-            turn_braking: number("turn_braking", 1.5, 0.01, 100.0, "rad/s²", "the braking of a turn on the spot"),
-            lookahead: number("lookahead_s", 1.2, 0.0, 60.0, "s", "how far ahead the carrot is at the present speed"),
-            lookahead_min: number("lookahead_min_m", 0.25, 0.01, 100.0, "m", "the nearest carrot"),
-            lookahead_max: number("lookahead_max_m", 0.7, 0.01, 100.0, "m", "the farthest carrot"),
-            corner_cut: number("corner_cut_m", 0.05, 0.001, 10.0, "m", "how far the way to the carrot may leave the path"),
-            curve_radius: number("curve_radius_m", 0.8, 0.0, 100.0, "m", "tighter curves are driven more slowly"),
-            approach: number("approach_m", 0.6, 0.0, 100.0, "m", "from here to the goal the robot slows down"),
-            rotate_from: number("rotate_from", 0.785, 0.2, 1.57, "rad", "what is farther aside is first turned to on the spot"),
-            goal_tolerance: number("goal_tolerance_m", 0.05, 0.005, 10.0, "m", "so near the end is reached"),
-            heading_tolerance: number("heading_tolerance", 0.1, 0.01, 3.2, "rad", "so near the heading of the last pose is right"),
-            standing_speed: number("standing_speed", 0.01, 1e-6, 1.0, "m/s", "slower is standing"),
-            standing_turn: number("standing_turn", 0.02, 1e-6, 1.0, "rad/s", "slower is standing"),
-            odom_timeout: number("odom_timeout_s", 0.2, 0.0, 10.0, "s", "odometry older than this is not driven on"),
-            goal_heading: interface.property("goal_heading", true, "whether the heading of the last pose matters"),
+            braking: number(
+                "braking",
+                0.4,
+                0.01,
+                50.0,
+                "m/s²",
+                "the braking on which the approach counts",
+            ),
+            turn_braking: number(
+                "turn_braking",
+                1.5,
+                0.01,
+                100.0,
+                "rad/s²",
+                "the braking of a turn on the spot",
+            ),
+            lookahead: number(
+                "lookahead_s",
+                1.2,
+                0.0,
+                60.0,
+                "s",
+                "how far ahead the carrot is at the present speed",
+            ),
+            lookahead_min: number(
+                "lookahead_min_m",
+                0.25,
+                0.01,
+                100.0,
+                "m",
+                "the nearest carrot",
+            ),
+            lookahead_max: number(
+                "lookahead_max_m",
+                0.7,
+                0.01,
+                100.0,
+                "m",
+                "the farthest carrot",
+            ),
+            corner_cut: number(
+                "corner_cut_m",
+                0.05,
+                0.001,
+                10.0,
+                "m",
+                "how far the way to the carrot may leave the path",
+            ),
+            curve_radius: number(
+                "curve_radius_m",
+                0.8,
+                0.0,
+                100.0,
+                "m",
+                "tighter curves are driven more slowly",
+            ),
+            approach: number(
+                "approach_m",
+                0.6,
+                0.0,
+                100.0,
+                "m",
+                "from here to the goal the robot slows down",
+            ),
+            rotate_from: number(
+                "rotate_from",
+                0.785,
+                0.2,
+                1.57,
+                "rad",
+                "what is farther aside is first turned to on the spot",
+            ),
+            goal_tolerance: number(
+                "goal_tolerance_m",
+                0.05,
+                0.005,
+                10.0,
+                "m",
+                "so near the end is reached",
+            ),
+            heading_tolerance: number(
+                "heading_tolerance",
+                0.1,
+                0.01,
+                3.2,
+                "rad",
+                "so near the heading of the last pose is right",
+            ),
+            standing_speed: number(
+                "standing_speed",
+                0.01,
+                1e-6,
+                1.0,
+                "m/s",
+                "slower is standing",
+            ),
+            standing_turn: number(
+                "standing_turn",
+                0.02,
+                1e-6,
+                1.0,
+                "rad/s",
+                "slower is standing",
+            ),
+            odom_timeout: number(
+                "odom_timeout_s",
+                0.2,
+                0.0,
+                10.0,
+                "s",
+                "odometry older than this is not driven on",
+            ),
+            goal_heading: interface.property(
+                "goal_heading",
+                true,
+                "whether the heading of the last pose matters",
+            ),
         }
     }
 

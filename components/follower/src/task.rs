@@ -1,6 +1,6 @@
 //! What the follower is doing: following a path to its end, or coming to a stand; and what it has to say about it.
 
-use geometry::{Point, Polyline, Pose, message, turn, yaw};
+use geometry::{Nearest, Point, Polyline, Pose, message, turn, yaw};
 use messages::{Path, Time, Twist};
 
 use crate::pursuit::Settings;
@@ -87,7 +87,12 @@ impl Task {
         let poses = path.poses.iter();
         let line = Polyline::new(poses.map(|stamped| message::point(&stamped.pose.position)));
         let goal = message::pose(&last.pose);
-        if line.is_empty() || !goal.to_homogeneous().iter().all(|number| number.is_finite()) {
+        if line.is_empty()
+            || !goal
+                .to_homogeneous()
+                .iter()
+                .all(|number| number.is_finite())
+        {
             *self = Self::Stop; // a path to nowhere is no path
             return;
         }
@@ -151,7 +156,12 @@ impl Task {
 
 impl Route {
     /// The command on the way; none once at the goal.
-    fn step(&mut self, settings: &Settings, tolerance: &Tolerance, motion: &Motion) -> Option<Twist> {
+    fn step(
+        &mut self,
+        settings: &Settings,
+        tolerance: &Tolerance,
+        motion: &Motion,
+    ) -> Option<Twist> {
         let here = Point::from(motion.pose.translation.vector);
         let from_goal = (Point::from(self.goal.translation.vector) - here).norm();
         // once there, a little drift while turning does not send the robot off again
@@ -160,11 +170,7 @@ impl Route {
         if self.there {
             return self.align(settings, tolerance, motion);
         }
-        let (from, to) = match self.progress {
-            Some(progress) => (progress - SEARCH.0, progress + SEARCH.1),
-            None => (0.0, f64::INFINITY),
-        };
-        let along = self.line.nearest_between(here, from, to)?.along;
+        let along = self.nearest(here)?.along;
         self.progress = Some(along);
         let carrot = settings.carrot(&self.line, here, along, motion.speed)?;
         let carrot = motion.pose.inverse() * carrot;
@@ -172,10 +178,187 @@ impl Route {
         Some(settings.drive(carrot.coords, remaining, &mut self.rotating))
     }
 
+    /// The place of the robot: near its last one, at the beginning near the start, and only else anywhere.
+    fn nearest(&self, here: Point) -> Option<Nearest> {
+        if let Some(progress) = self.progress {
+            return (self.line).nearest_between(here, progress - SEARCH.0, progress + SEARCH.1);
+        }
+        let start = self.line.nearest_between(here, 0.0, SEARCH.1)?;
+        if start.distance <= SEARCH.0 {
+            return Some(start);
+        }
+        self.line.nearest(here)
+    }
+
     /// The turn to the goal's heading; none once it is right, or does not matter.
     fn align(&self, settings: &Settings, tolerance: &Tolerance, motion: &Motion) -> Option<Twist> {
         let wrong = turn(yaw(&motion.pose), yaw(&self.goal));
         let tolerated = tolerance.heading?;
         (wrong.abs() > tolerated).then(|| settings.rotate(wrong))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pursuit::tests::SETTINGS;
+    use geometry::heading;
+
+    const TOLERANCE: Tolerance = Tolerance {
+        position: 0.05,
+        heading: Some(0.1),
+        standing: 0.01,
+        standing_turn: 0.02,
+    };
+
+    fn path(nanos: i64, goal_yaw: f64) -> Path {
+        Path::through(
+            nanos,
+            "map",
+            [
+                messages::Pose::planar(0.0, 0.0, 0.0),
+                messages::Pose::planar(2.0, 0.0, goal_yaw),
+            ],
+        )
+    }
+
+    fn motion(x: f64, yaw: f64, speed: f64) -> Motion {
+        Motion {
+            pose: heading(Point::new(x, 0.0), yaw),
+            speed,
+            turn: 0.0,
+        }
+    }
+
+    fn step(task: &mut Task, motion: Motion) -> (f64, f64, Option<News>) {
+        let (twist, news) = task.step(&SETTINGS, &TOLERANCE, &motion);
+        (twist.linear.x, twist.angular.z, news)
+    }
+
+    #[test]
+    fn it_is_there_once_it_stands_within_the_tolerance() {
+        let mut task = Task::default();
+        task.order(&path(1, 0.0));
+        assert!(step(&mut task, motion(1.0, 0.0, 0.5)).0 > 0.4);
+        assert_eq!(
+            step(&mut task, motion(1.97, 0.0, 0.1)),
+            (0.0, 0.0, None),
+            "it still rolls"
+        );
+        assert_eq!(
+            step(&mut task, motion(1.98, 0.0, 0.0)),
+            (0.0, 0.0, Some(News::Reached))
+        );
+        assert_eq!(
+            step(&mut task, motion(1.98, 0.0, 0.0)),
+            (0.0, 0.0, None),
+            "it says so once"
+        );
+        assert!(!task.is_busy());
+    }
+
+    #[test]
+    fn it_turns_to_the_heading_of_the_last_pose() {
+        let mut task = Task::default();
+        task.order(&path(1, 1.0));
+        let (speed, turn, news) = step(&mut task, motion(2.0, 0.0, 0.0));
+        assert!(speed == 0.0 && turn > 0.5 && news.is_none());
+        assert_eq!(
+            step(&mut task, motion(2.0, 0.95, 0.0)).2,
+            Some(News::Reached)
+        );
+        let mut careless = Task::default();
+        careless.order(&path(1, 1.0));
+        let whatever = Tolerance {
+            heading: None,
+            ..TOLERANCE
+        };
+        assert_eq!(
+            careless
+                .step(&SETTINGS, &whatever, &motion(2.0, 0.0, 0.0))
+                .1,
+            Some(News::Reached)
+        );
+    }
+
+    #[test]
+    fn it_says_halted_once_for_every_stop_even_when_it_stands_already() {
+        let mut task = Task::default();
+        for _ in 0..2 {
+            task.order(&Path::default());
+            assert_eq!(step(&mut task, motion(0.0, 0.0, 0.3)), (0.0, 0.0, None));
+            assert_eq!(
+                step(&mut task, motion(0.1, 0.0, 0.0)),
+                (0.0, 0.0, Some(News::Halted))
+            );
+            assert_eq!(step(&mut task, motion(0.1, 0.0, 0.0)), (0.0, 0.0, None));
+        }
+    }
+
+    #[test]
+    fn a_bent_path_is_the_same_order_and_a_new_one_is_not() {
+        let mut task = Task::default();
+        task.order(&path(1, 0.0));
+        step(&mut task, motion(1.9, 0.0, 0.0));
+        let mut bent = path(1, 0.0);
+        bent.poses.insert(
+            1,
+            messages::PoseStamped {
+                pose: messages::Pose::planar(1.0, 0.3, 0.0),
+                ..Default::default()
+            },
+        );
+        task.order(&bent);
+        assert_eq!(
+            step(&mut task, motion(2.0, 0.0, 0.0)).2,
+            Some(News::Reached)
+        );
+        task.order(&bent);
+        assert_eq!(
+            step(&mut task, motion(2.0, 0.0, 0.0)).2,
+            None,
+            "it was reached already"
+        );
+        task.order(&path(2, 0.0));
+        assert_eq!(
+            step(&mut task, motion(2.0, 0.0, 0.0)).2,
+            Some(News::Reached)
+        );
+        // after a stop, the same path is driven again
+        task.order(&Path::default());
+        step(&mut task, motion(2.0, 0.0, 0.0));
+        task.order(&path(2, 0.0));
+        assert_eq!(
+            step(&mut task, motion(2.0, 0.0, 0.0)).2,
+            Some(News::Reached)
+        );
+    }
+
+    #[test]
+    fn it_does_not_jump_to_another_lap() {
+        // out and back, ten centimetres beside: the way back is nearer than the way out for a while
+        let points = [(0.0, 0.0), (4.0, 0.0), (4.0, 0.1), (0.0, 0.1)];
+        let poses = points.map(|(x, y)| messages::Pose::planar(x, y, 0.0));
+        let mut task = Task::default();
+        task.order(&Path::through(1, "map", poses));
+        let mut drifting = motion(0.5, 0.0, 0.5);
+        for step_on in 0..20 {
+            drifting.pose = heading(Point::new(0.5 + 0.1 * f64::from(step_on), 0.08), 0.0);
+            let (speed, _, _) = step(&mut task, drifting);
+            assert!(speed > 0.0, "it goes on and does not turn round");
+        }
+    }
+
+    #[test]
+    fn a_path_to_nowhere_is_a_stop() {
+        for goal in [f64::NAN, f64::INFINITY] {
+            let mut task = Task::default();
+            task.order(&Path::through(
+                1,
+                "map",
+                [messages::Pose::planar(goal, 0.0, 0.0)],
+            ));
+            assert_eq!(step(&mut task, motion(0.0, 0.0, 0.0)).2, Some(News::Halted));
+        }
     }
 }

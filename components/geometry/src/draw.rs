@@ -7,17 +7,22 @@ impl Grid {
     /// A ring's last corner joins its first.
     pub fn fill(&mut self, rings: &[Vec<Point>], value: i8) {
         let layout = *self.layout();
-        let edges = edges(&layout, rings);
-        let lowest = edges
-            .iter()
-            .map(|(from, _)| from.y)
-            .fold(f64::MAX, f64::min);
+        let mut edges = edges(&layout, rings);
+        edges.sort_by(|(one, _), (other, _)| one.y.total_cmp(&other.y));
+        let lowest = edges.first().map_or(f64::MAX, |(from, _)| from.y);
         let highest = edges.iter().map(|(_, to)| to.y).fold(f64::MIN, f64::max);
+        let mut coming = edges.into_iter().peekable();
+        let mut active: Vec<Edge> = Vec::new();
         let mut crossings = Vec::new();
         for row in centres(lowest, highest, layout.height()) {
-            crossings.clear();
             let y = f64::from(row) + 0.5;
-            crossings.extend(edges.iter().filter_map(|edge| crossing(edge, y)));
+            while let Some(edge) = coming.next_if(|(from, _)| from.y <= y) {
+                active.push(edge);
+            }
+            // the upper end of an edge is not part of it, so that a corner counts once
+            active.retain(|(_, to)| y < to.y);
+            crossings.clear();
+            crossings.extend(active.iter().map(|edge| crossing(edge, y)));
             crossings.sort_by(f64::total_cmp);
             for span in crossings.chunks_exact(2) {
                 self.fill_row(row, span[0], span[1], value);
@@ -88,8 +93,11 @@ fn centres(from: f64, to: f64, size: u32) -> std::ops::Range<u32> {
     first..end.max(first)
 }
 
-/// The sides of the rings, counted in cells, each from its lower to its upper end; level and infinite ones left out.
-fn edges(layout: &Layout, rings: &[Vec<Point>]) -> Vec<(Point, Point)> {
+/// From a lower to a higher point, counted in cells.
+type Edge = (Point, Point);
+
+/// The sides of the rings; level and infinite ones left out.
+fn edges(layout: &Layout, rings: &[Vec<Point>]) -> Vec<Edge> {
     let sides = rings.iter().flat_map(|ring| {
         let next = ring.iter().cycle().skip(1);
         ring.iter().zip(next)
@@ -107,9 +115,9 @@ fn edges(layout: &Layout, rings: &[Vec<Point>]) -> Vec<(Point, Point)> {
         .collect()
 }
 
-/// Where an edge crosses the level `y`; its upper end is not part of it, so that a corner counts once.
-fn crossing((from, to): &(Point, Point), y: f64) -> Option<f64> {
-    (from.y <= y && y < to.y).then(|| from.x + (to.x - from.x) * (y - from.y) / (to.y - from.y))
+/// Where an edge crosses a level between its ends.
+fn crossing((from, to): &Edge, y: f64) -> f64 {
+    from.x + (to.x - from.x) * (y - from.y) / (to.y - from.y)
 }
 
 /// The rectangle around a line.

@@ -49,7 +49,10 @@ impl LaserDriver {
         Self {
             scene: interface.input("scene", "what a beam can hit, map frame"),
             truth: interface.input("truth", "where the robot truly is, map frame"),
-            scan: interface.output("scan", "a sweep for every new pose; REP-117 for what is no range"),
+            scan: interface.output(
+                "scan",
+                "a sweep for every new pose; REP-117 for what is no range",
+            ),
             settings: Settings::declare(interface),
             optics: Optics::default(),
             mount: Pose::identity(),
@@ -84,14 +87,16 @@ impl Component for LaserDriver {
         if let Flow::NewData(scene) = cycle.read(self.scene) {
             self.surroundings = Some(message::scene(scene));
         }
-        let (Flow::NewData(truth), Some(scene)) = (cycle.read(self.truth), &self.surroundings) else {
+        let (Flow::NewData(truth), Some(scene)) = (cycle.read(self.truth), &self.surroundings)
+        else {
             return Ok(());
         };
         let stamp = truth.header.stamp;
         let nanos = stamp.as_nanos();
         let pose = message::pose(&truth.pose) * self.mount;
         let mut ranges = Vec::with_capacity(self.optics.beams);
-        self.optics.sweep(scene, &pose, &mut self.chance, &mut ranges);
+        self.optics
+            .sweep(scene, &pose, &mut self.chance, &mut ranges);
         let scan = LaserScan {
             header: Header {
                 stamp,
@@ -115,23 +120,67 @@ impl Component for LaserDriver {
 
 impl Settings {
     fn declare(interface: &mut Interface) -> Self {
-        let mut number = |name: &str, default: f64, least: f64, most: f64, unit: &str, doc: &str| {
-            let setting = interface.setting(name, default, doc);
-            setting.range(least..=most).unit(unit).declare()
-        };
+        let mut number =
+            |name: &str, default: f64, least: f64, most: f64, unit: &str, doc: &str| {
+                let setting = interface.setting(name, default, doc);
+                setting.range(least..=most).unit(unit).declare()
+            };
         Self {
-            noise: number("noise_m", 0.01, 0.0, 10.0, "m", "standard deviation of a range"),
-            dropout: number("dropout", 0.0, 0.0, 1.0, "", "share of beams whose measurement fails (NaN)"),
-            angle_min: number("angle_min", -PI, -2.0 * PI, 2.0 * PI, "rad", "the first beam; 0 is straight ahead"),
+            noise: number(
+                "noise_m",
+                0.01,
+                0.0,
+                10.0,
+                "m",
+                "standard deviation of a range",
+            ),
+            dropout: number(
+                "dropout",
+                0.0,
+                0.0,
+                1.0,
+                "",
+                "share of beams whose measurement fails (NaN)",
+            ),
+            angle_min: number(
+                "angle_min",
+                -PI,
+                -2.0 * PI,
+                2.0 * PI,
+                "rad",
+                "the first beam; 0 is straight ahead",
+            ),
             angle_max: number("angle_max", PI, -2.0 * PI, 2.0 * PI, "rad", "the last beam"),
-            range_min: number("range_min", 0.05, 0.0, 1000.0, "m", "what is nearer reads -Inf"),
-            range_max: number("range_max", 8.0, 0.0, 1000.0, "m", "what is farther reads +Inf"),
+            range_min: number(
+                "range_min",
+                0.05,
+                0.0,
+                1000.0,
+                "m",
+                "what is nearer reads -Inf",
+            ),
+            range_max: number(
+                "range_max",
+                8.0,
+                0.0,
+                1000.0,
+                "m",
+                "what is farther reads +Inf",
+            ),
             beams: interface
-                .setting("beams", 721, "how many beams from the first angle to the last")
+                .setting(
+                    "beams",
+                    721,
+                    "how many beams from the first angle to the last",
+                )
                 .range(1..=100_000)
                 .declare(),
             seed: interface.property("seed", 1, "the same seed gives the same noise"),
-            mount: interface.property("mount", [0.0; 3], "the laser on the robot: x m, y m, yaw rad, base frame"),
+            mount: interface.property(
+                "mount",
+                [0.0; 3],
+                "the laser on the robot: x m, y m, yaw rad, base frame",
+            ),
             frame: interface.property("frame", "laser".to_owned(), "the laser's own frame"),
         }
     }

@@ -91,7 +91,12 @@ mod tests {
 
     fn sweep(optics: &Optics, scene: &Scene, pose: &Pose, seed: u64) -> Vec<f32> {
         let mut ranges = Vec::new();
-        optics.sweep(scene, pose, &mut ChaCha8Rng::seed_from_u64(seed), &mut ranges);
+        optics.sweep(
+            scene,
+            pose,
+            &mut ChaCha8Rng::seed_from_u64(seed),
+            &mut ranges,
+        );
         ranges
     }
 
@@ -138,7 +143,9 @@ mod tests {
         };
         let ranges = sweep(&optics, &wall(2.0), &Pose::identity(), 7);
         let errors = ranges.iter().map(|range| f64::from(*range) - 2.0);
-        let (sum, squares) = errors.fold((0.0, 0.0), |(sum, squares), error| (sum + error, squares + error * error));
+        let (sum, squares) = errors.fold((0.0, 0.0), |(sum, squares), error| {
+            (sum + error, squares + error * error)
+        });
         let count = ranges.len() as f64;
         assert!((sum / count).abs() < 5e-4);
         assert!(((squares / count).sqrt() - 0.02).abs() < 5e-4);

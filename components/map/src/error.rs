@@ -45,7 +45,10 @@ impl Where {
     /// The line and column of a byte of a text.
     pub fn in_text(text: &str, byte: usize) -> Self {
         let before = text.as_bytes().get(..byte).unwrap_or(text.as_bytes());
-        let start = before.iter().rposition(|byte| *byte == b'\n').map_or(0, |at| at + 1);
+        let start = before
+            .iter()
+            .rposition(|byte| *byte == b'\n')
+            .map_or(0, |at| at + 1);
         Self::Line {
             line: before.iter().filter(|byte| **byte == b'\n').count() as u64 + 1,
             column: (before.len() - start) as u64 + 1,
@@ -114,6 +117,16 @@ pub enum Fault {
         x: f64,
         /// The second.
         y: f64,
+    },
+    /// A place on the other side of the Earth.
+    #[error(
+        "({longitude}, {latitude}) lies too far from the middle of the map; cut a smaller extract"
+    )]
+    TooFar {
+        /// Degrees east.
+        longitude: f64,
+        /// Degrees north.
+        latitude: f64,
     },
     /// Another coordinate reference system.
     #[error(

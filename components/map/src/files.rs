@@ -115,7 +115,9 @@ impl Files for Memory {
 /// All bytes of a stream, unless they are more than `limit`.
 pub fn read_at_most(stream: impl Read, limit: u64) -> Result<Vec<u8>, FileFault> {
     let mut bytes = Vec::new();
-    stream.take(limit.saturating_add(1)).read_to_end(&mut bytes)?;
+    stream
+        .take(limit.saturating_add(1))
+        .read_to_end(&mut bytes)?;
     if bytes.len() as u64 > limit {
         return Err(FileFault::TooLong);
     }

@@ -46,7 +46,7 @@ impl Default for Settings {
         Self {
             resolution: None,
             max_cells: 25_000_000,
-            max_bytes: 256 << 20,
+            max_bytes: 64 << 20,
             ground: None,
             rules: Rules::default(),
         }
@@ -66,20 +66,26 @@ pub fn load(files: &dyn Files, name: &str, settings: &Settings) -> Result<Map, M
 
 /// The format whose ending the file has.
 pub fn format_of(name: &str) -> Option<&'static dyn Format> {
-    FORMATS
-        .iter()
-        .map(|(_, format)| *format)
-        .find(|format| format.endings().iter().any(|ending| stem(name, ending).is_some()))
+    FORMATS.iter().map(|(_, format)| *format).find(|format| {
+        format
+            .endings()
+            .iter()
+            .any(|ending| stem(name, ending).is_some())
+    })
 }
 
 /// Every ending in the order of the table.
 pub fn endings() -> impl Iterator<Item = &'static str> {
-    FORMATS.iter().flat_map(|(_, format)| format.endings().iter().copied())
+    FORMATS
+        .iter()
+        .flat_map(|(_, format)| format.endings().iter().copied())
 }
 
 /// The name without the ending, packed or not; none if it ends otherwise.
 pub fn stem<'a>(name: &'a str, ending: &str) -> Option<&'a str> {
-    name.strip_suffix(".gz").unwrap_or(name).strip_suffix(ending)
+    name.strip_suffix(".gz")
+        .unwrap_or(name)
+        .strip_suffix(ending)
 }
 
 /// A file and how to get it.
@@ -135,7 +141,11 @@ impl<'a> Source<'a> {
         let absolute = name.starts_with('/');
         Source {
             files: self.files,
-            name: if absolute { name.to_owned() } else { format!("{folder}{name}") },
+            name: if absolute {
+                name.to_owned()
+            } else {
+                format!("{folder}{name}")
+            },
             limit: self.limit,
         }
     }

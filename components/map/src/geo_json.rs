@@ -28,7 +28,10 @@ impl Format for GeoJson {
         let place = |index: usize| move |fault| source.error_at(Where::Feature(index), fault);
         let origin = about.origin(&features, &place)?;
         let mut plan = Plan {
-            projection: origin.map(Projection::around).transpose().map_err(|fault| source.error(fault))?,
+            projection: origin
+                .map(Projection::around)
+                .transpose()
+                .map_err(|fault| source.error(fault))?,
             settings,
             drawing: Drawing::default(),
             points: Vec::new(),
@@ -37,14 +40,20 @@ impl Format for GeoJson {
         for (index, feature) in features.iter().enumerate() {
             plan.add(feature).map_err(place(index))?;
         }
-        plan.finish(&about, origin).map_err(|fault| source.error(fault))
+        plan.finish(&about, origin)
+            .map_err(|fault| source.error(fault))
     }
 }
 
 fn parse(source: &Source<'_>) -> Result<(Vec<Feature>, Option<JsonObject>), MapError> {
-    let document = source.text()?.parse().map_err(|error| syntax(source, error))?;
+    let document = source
+        .text()?
+        .parse()
+        .map_err(|error| syntax(source, error))?;
     Ok(match document {
-        Document::FeatureCollection(collection) => (collection.features, collection.foreign_members),
+        Document::FeatureCollection(collection) => {
+            (collection.features, collection.foreign_members)
+        }
         Document::Feature(feature) => (vec![feature], None),
         Document::Geometry(geometry) => {
             let feature = Feature {
@@ -78,7 +87,10 @@ struct About {
 
 impl About {
     fn read(members: Option<&JsonObject>) -> Result<Self, Fault> {
-        if let Some(name) = members.and_then(|members| members.get("crs")).and_then(foreign_crs) {
+        if let Some(name) = members
+            .and_then(|members| members.get("crs"))
+            .and_then(foreign_crs)
+        {
             return Err(Fault::ReferenceSystem { name });
         }
         let map = members.and_then(|members| members.get("map"));
@@ -95,7 +107,11 @@ impl About {
             Some((_, Some("occupied"))) => Some(Occupancy::Occupied),
             Some((_, Some("unknown"))) => Some(Occupancy::Unknown),
             Some((ground, _)) => {
-                return Err(wrong("map.ground", ground, "\"free\", \"occupied\" or \"unknown\""));
+                return Err(wrong(
+                    "map.ground",
+                    ground,
+                    "\"free\", \"occupied\" or \"unknown\"",
+                ));
             }
         };
         Ok(Self {
@@ -120,7 +136,9 @@ impl About {
         }
         let mut places = Vec::new();
         for (index, feature) in features.iter().enumerate() {
-            let Some(geometry) = &feature.geometry else { continue };
+            let Some(geometry) = &feature.geometry else {
+                continue;
+            };
             positions(&geometry.value, &mut |position| {
                 places.push(degrees(position)?);
                 Ok(())
@@ -134,7 +152,9 @@ impl About {
 /// The name of a reference system that is not WGS 84 (GeoJSON of 2008 could say so).
 fn foreign_crs(crs: &JsonValue) -> Option<String> {
     let name = crs.get("properties")?.get("name")?.as_str()?;
-    let same = ["CRS84", "EPSG::4326", "EPSG:4326"].iter().any(|known| name.ends_with(known));
+    let same = ["CRS84", "EPSG::4326", "EPSG:4326"]
+        .iter()
+        .any(|known| name.ends_with(known));
     (!same).then(|| name.to_owned())
 }
 
@@ -170,9 +190,9 @@ fn positions<'a>(
         GeometryValue::MultiPolygon { coordinates } => {
             coordinates.iter().flatten().flatten().try_for_each(visit)
         }
-        GeometryValue::GeometryCollection { geometries } => {
-            geometries.iter().try_for_each(|geometry| positions(&geometry.value, visit))
-        }
+        GeometryValue::GeometryCollection { geometries } => geometries
+            .iter()
+            .try_for_each(|geometry| positions(&geometry.value, visit)),
     }
 }
 
@@ -221,11 +241,11 @@ impl Plan<'_> {
         match geometry {
             GeometryValue::Point { coordinates } => {
                 let at = self.point(coordinates)?;
-                self.drawing.spot(at, rule);
+                self.drawing.spot(at, rule.spot_of(tags), rule);
             }
             GeometryValue::MultiPoint { coordinates } => {
                 for at in self.points(coordinates)? {
-                    self.drawing.spot(at, rule);
+                    self.drawing.spot(at, rule.spot_of(tags), rule);
                 }
             }
             GeometryValue::LineString { coordinates } => self.line(coordinates, rule, tags)?,
@@ -265,7 +285,10 @@ impl Plan<'_> {
     /// A point with a name is a place; `yaw_deg` says where to look there.
     fn name(&mut self, geometry: &GeometryValue, tags: &Tags) -> Result<(), Fault> {
         if let (GeometryValue::Point { coordinates }, Some(name)) = (geometry, tags.get("name")) {
-            let yaw: f64 = tags.get("yaw_deg").and_then(|yaw| yaw.parse().ok()).unwrap_or(0.0);
+            let yaw: f64 = tags
+                .get("yaw_deg")
+                .and_then(|yaw| yaw.parse().ok())
+                .unwrap_or(0.0);
             self.points.push(NamedPoint {
                 name: name.clone(),
                 pose: heading(self.point(coordinates)?, yaw.to_radians()),
@@ -275,7 +298,10 @@ impl Plan<'_> {
     }
 
     fn points(&self, positions: &[Position]) -> Result<Vec<Point>, Fault> {
-        positions.iter().map(|position| self.point(position)).collect()
+        positions
+            .iter()
+            .map(|position| self.point(position))
+            .collect()
     }
 
     fn point(&self, position: &Position) -> Result<Point, Fault> {
@@ -291,7 +317,10 @@ impl Plan<'_> {
         let frame = Frame {
             low,
             high,
-            resolution: settings.resolution.or(about.resolution).unwrap_or(RESOLUTION),
+            resolution: settings
+                .resolution
+                .or(about.resolution)
+                .unwrap_or(RESOLUTION),
             ground: settings.ground.or(about.ground).unwrap_or(Occupancy::Free),
         };
         let grid = self.drawing.grid(&frame.widened(about.margin), settings)?;
@@ -318,7 +347,9 @@ fn tags(properties: Option<&JsonObject>) -> Tags {
         JsonValue::Null | JsonValue::Array(_) | JsonValue::Object(_) => None,
     };
     let properties = properties.into_iter().flatten();
-    properties.filter_map(|(key, value)| Some((key.clone(), text(value)?))).collect()
+    properties
+        .filter_map(|(key, value)| Some((key.clone(), text(value)?)))
+        .collect()
 }
 
 #[cfg(test)]
@@ -328,7 +359,11 @@ mod tests {
     use geometry::{Cell, yaw};
 
     fn read(text: &str) -> Result<Map, MapError> {
-        load(&Memory::new([("a.geojson", text)]), "a.geojson", &Settings::default())
+        load(
+            &Memory::new([("a.geojson", text)]),
+            "a.geojson",
+            &Settings::default(),
+        )
     }
 
     fn collection(map: &str, features: &str) -> String {
@@ -368,11 +403,19 @@ mod tests {
         let building = r#"{"type":"Feature","properties":{"building":"yes"},"geometry":{"type":"Polygon","coordinates":[[[13.3501,52.5145],[13.3503,52.5145],[13.3503,52.5147],[13.3501,52.5147],[13.3501,52.5145]]]}}"#;
         let map = read(&collection("{}", building)).unwrap();
         let origin = map.origin.unwrap();
-        assert!((origin.longitude - 13.3502).abs() < 1e-9 && (origin.latitude - 52.5146).abs() < 1e-9);
+        assert!(
+            (origin.longitude - 13.3502).abs() < 1e-9 && (origin.latitude - 52.5146).abs() < 1e-9
+        );
         // 0.0002° are 13.58 m east-west and 22.26 m north-south here
         let layout = map.grid.layout();
-        let size = (f64::from(layout.width()) * 0.05, f64::from(layout.height()) * 0.05);
-        assert!((size.0 - 13.58).abs() < 0.15 && (size.1 - 22.26).abs() < 0.15, "{size:?}");
+        let size = (
+            f64::from(layout.width()) * 0.05,
+            f64::from(layout.height()) * 0.05,
+        );
+        assert!(
+            (size.0 - 13.58).abs() < 0.15 && (size.1 - 22.26).abs() < 0.15,
+            "{size:?}"
+        );
         assert_eq!(map.grid.get(Cell::new(5, 5)), Some(100));
     }
 
@@ -381,14 +424,26 @@ mod tests {
         let error = |text: &str| read(text).unwrap_err().to_string();
         let far = r#"{"type":"Feature","properties":{"indoor":"wall"},"geometry":{"type":"LineString","coordinates":[[0,0],[400,0]]}}"#;
         let metres = error(&collection("{}", far));
-        assert!(metres.starts_with("a.geojson, features[0]: (400, 0) is no longitude"), "{metres}");
+        assert!(
+            metres.starts_with("a.geojson, features[0]: (400, 0) is no longitude"),
+            "{metres}"
+        );
         assert!(metres.contains(r#""map": {"units": "metres"}"#));
         assert!(error(&collection(r#"{"units":"feet"}"#, far)).contains("`map.units` is \"feet\""));
-        assert!(error(&collection(r#"{"units":"metres"}"#, "")).contains("nothing in it can be drawn"));
-        assert!(error("{\n \"type\":").starts_with("a.geojson:2:"), "{}", error("{\n \"type\":"));
+        assert!(
+            error(&collection(r#"{"units":"metres"}"#, "")).contains("nothing in it can be drawn")
+        );
+        assert!(
+            error("{\n \"type\":").starts_with("a.geojson:2:"),
+            "{}",
+            error("{\n \"type\":")
+        );
         let crs = r#"{"type":"FeatureCollection","crs":{"type":"name","properties":{"name":"EPSG:25833"}},"features":[]}"#;
         assert!(error(crs).contains("EPSG:25833"));
-        let large = error(&collection(r#"{"units":"metres","resolution_m":0.001}"#, &far.replace("[400,0]", "[400,300]")));
+        let large = error(&collection(
+            r#"{"units":"metres","resolution_m":0.001}"#,
+            &far.replace("[400,0]", "[400,300]"),
+        ));
         assert!(large.contains("set `resolution_m` to "), "{large}");
     }
 }

@@ -15,10 +15,12 @@ mod osm;
 mod projection;
 pub mod ros;
 mod rules;
+mod server;
 
 pub use error::{Fault, MapError, Where};
 pub use files::{Disk, FileFault, Files, Memory};
 pub use format::{FORMATS, Format, Settings, Source, load};
-pub use library::{Entry, Library, Places, Served, ServeError};
+pub use library::{Entry, Library, Places, ServeError, Served};
 pub use map::{LonLat, Map, NamedPoint};
 pub use rules::{DEFAULT_RULES, Rule, RuleError, Rules, Tags};
+pub use server::MapServer;

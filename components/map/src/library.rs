@@ -80,7 +80,10 @@ impl Places {
         let mut places = BTreeMap::new();
         for (_, format) in FORMATS {
             for name in &names {
-                let mut stems = format.endings().iter().filter_map(|ending| stem(name, ending));
+                let mut stems = format
+                    .endings()
+                    .iter()
+                    .filter_map(|ending| stem(name, ending));
                 if let Some(place) = stems.next() {
                     let entry = Entry {
                         file: format!("{folder}/{name}"),
@@ -97,7 +100,9 @@ impl Places {
         let source = Source::new(files, name, settings);
         let text = source.text()?;
         let list: List = toml::from_str(&text).map_err(|error| {
-            let at = error.span().map_or(Where::File, |span| Where::in_text(&text, span.start));
+            let at = error
+                .span()
+                .map_or(Where::File, |span| Where::in_text(&text, span.start));
             let what = error.message().to_owned();
             source.error_at(at, Fault::Syntax { what })
         })?;
@@ -112,7 +117,11 @@ impl Places {
             }
         };
         let places = list.places.into_iter();
-        Ok(Self(places.map(|(place, listed)| (place, entry(listed))).collect()))
+        Ok(Self(
+            places
+                .map(|(place, listed)| (place, entry(listed)))
+                .collect(),
+        ))
     }
 
     /// The place called `name`; without a name, the only one there is.
@@ -133,7 +142,9 @@ impl Places {
 /// A map's name without its ending.
 fn named(file: &str) -> Option<&str> {
     let endings = FORMATS.iter().flat_map(|(_, format)| format.endings());
-    endings.filter_map(|ending| stem(file, ending)).min_by_key(|stem| stem.len())
+    endings
+        .filter_map(|ending| stem(file, ending))
+        .min_by_key(|stem| stem.len())
 }
 
 /// The maps of some places, each loaded when first asked for and kept.
@@ -200,6 +211,11 @@ impl Library {
             maps: BTreeMap::new(),
             loads: 0,
         })
+    }
+
+    /// The files, to open another library on them.
+    pub fn into_files(self) -> Box<dyn Files> {
+        self.files
     }
 
     /// The places.
@@ -307,7 +323,7 @@ mod tests {
         let mut library = library("maps", &[("maps/hall.geojson", WALL)]).unwrap();
         let first = library.get("hall", 1_000).unwrap();
         assert!(first.fresh);
-        let revision = first.grid.info.map_load_time.clone();
+        let revision = first.grid.info.map_load_time;
         let second = library.get("hall", 9_000_000_000).unwrap();
         assert!(!second.fresh);
         assert_eq!(second.grid.info.map_load_time, revision);
@@ -324,18 +340,31 @@ mod tests {
             ("maps/README.md", ""),
         ];
         let library = library("maps/", &files).unwrap();
-        assert_eq!(library.places().names().collect::<Vec<_>>(), ["hall", "town"]);
-        assert_eq!(library.places().get("hall").unwrap().1.file, "maps/hall.geojson");
+        assert_eq!(
+            library.places().names().collect::<Vec<_>>(),
+            ["hall", "town"]
+        );
+        assert_eq!(
+            library.places().get("hall").unwrap().1.file,
+            "maps/hall.geojson"
+        );
         assert!(library.places().get("").is_none());
     }
 
     #[test]
     fn it_reads_a_list_of_places() {
         let list = "[places]\nlobby = \"plans/hall.geojson\"\n[places.coarse]\nfile = \"plans/hall.geojson\"\nresolution_m = 0.5\n";
-        let files = [("maps/places.toml", list), ("maps/plans/hall.geojson", WALL)];
+        let files = [
+            ("maps/places.toml", list),
+            ("maps/plans/hall.geojson", WALL),
+        ];
         let mut library = library("maps", &files).unwrap();
-        let width = |library: &mut Library, place: &str| library.get(place, 0).unwrap().grid.info.width;
-        assert_eq!((width(&mut library, "lobby"), width(&mut library, "coarse")), (80, 8));
+        let width =
+            |library: &mut Library, place: &str| library.get(place, 0).unwrap().grid.info.width;
+        assert_eq!(
+            (width(&mut library, "lobby"), width(&mut library, "coarse")),
+            (80, 8)
+        );
     }
 
     #[test]
@@ -345,13 +374,25 @@ mod tests {
         assert_eq!(library.get("hall", 0).unwrap().place, "hall");
         let error = library.get("moon", 0).err().unwrap();
         assert_eq!(error.code(), "UNKNOWN_PLACE");
-        assert_eq!(error.to_string(), "no place is called `moon`; known are hall");
+        assert_eq!(
+            error.to_string(),
+            "no place is called `moon`; known are hall"
+        );
     }
 
     #[test]
     fn it_says_what_is_wrong_with_a_list() {
-        let error = library("places.toml", &[("places.toml", "[places]\nx = { fil = 3 }\n")]);
-        assert!(error.err().unwrap().to_string().starts_with("places.toml:2:"));
+        let error = library(
+            "places.toml",
+            &[("places.toml", "[places]\nx = { fil = 3 }\n")],
+        );
+        assert!(
+            error
+                .err()
+                .unwrap()
+                .to_string()
+                .starts_with("places.toml:2:")
+        );
     }
 
     #[test]
@@ -360,14 +401,21 @@ mod tests {
         let file = folder.path().join("hall.geojson");
         std::fs::write(&file, WALL).unwrap();
         let source = folder.path().to_str().unwrap();
-        let mut library = Library::open(Box::new(crate::Disk), source, Settings::default()).unwrap();
+        let mut library =
+            Library::open(Box::new(crate::Disk), source, Settings::default()).unwrap();
         library.get("hall", 1).unwrap();
         assert!(library.refresh(2).is_empty());
         std::fs::write(&file, WALL.replace("[4,3]", "[8,3.5]")).unwrap();
         let changed = library.refresh(3);
         assert!(matches!(&changed[..], [(place, Ok(()))] if place == "hall"));
         let served = library.get("hall", 4).unwrap();
-        assert_eq!((served.grid.info.width, served.grid.info.map_load_time.nanosec), (160, 3));
+        assert_eq!(
+            (
+                served.grid.info.width,
+                served.grid.info.map_load_time.nanosec
+            ),
+            (160, 3)
+        );
         std::fs::write(&file, "{").unwrap();
         assert!(matches!(&library.refresh(5)[..], [(_, Err(_))]));
         assert_eq!(library.get("hall", 6).unwrap().grid.info.width, 160);

@@ -47,7 +47,9 @@ impl Format for OsmPbf {
 
 /// The map of an extract: as large as the extract says it is, or as what is drawn.
 fn draw(extract: &Extract, settings: &Settings) -> Result<Map, Fault> {
-    let corners = extract.bounds.or_else(|| bounds(extract.nodes.values().copied()));
+    let corners = extract
+        .bounds
+        .or_else(|| bounds(extract.nodes.values().copied()));
     let (low, high) = corners.ok_or(Fault::Nothing)?;
     let origin = LonLat {
         longitude: (low.longitude + high.longitude) / 2.0,
@@ -77,7 +79,9 @@ fn draw(extract: &Extract, settings: &Settings) -> Result<Map, Fault> {
         origin: Some(origin),
         notes: match city.broken {
             0 => Vec::new(),
-            count => vec![format!("{count} elements reach beyond the extract and were drawn in part")],
+            count => vec![format!(
+                "{count} elements reach beyond the extract and were drawn in part"
+            )],
         },
     })
 }
@@ -126,12 +130,29 @@ impl City<'_> {
             let members = relation.ways.iter().filter_map(|id| extract.way(*id));
             let parts: Vec<&[i64]> = members.map(|way| &way.nodes[..]).collect();
             let rings = rings::join(&parts);
-            if parts.len() < relation.ways.len() || rings.open > 0 {
+            if parts.len() < relation.ways.len() || !rings.open.is_empty() {
                 self.broken += 1;
             }
-            let rings = rings.closed.iter().map(|ring| Ok(self.known(ring)?.concat()));
-            let rings = rings.collect::<Result<_, Fault>>()?;
-            self.drawing.area(rings, rule);
+            let closed = rings
+                .closed
+                .iter()
+                .map(|ring| Ok(self.known(ring)?.concat()));
+            let closed = closed.collect::<Result<_, Fault>>()?;
+            self.drawing.area(closed, rule);
+            self.add_banks(&rings.open, rule)?;
+        }
+        Ok(())
+    }
+
+    /// Of an area that blocks and does not close, at least the border that is known blocks.
+    fn add_banks(&mut self, banks: &[Vec<i64>], rule: &Rule) -> Result<(), Fault> {
+        if rule.occupancy != Some(Occupancy::Occupied) {
+            return Ok(());
+        }
+        for bank in banks {
+            for line in self.known(bank)? {
+                self.drawing.line(line, 0.0, rule);
+            }
         }
         Ok(())
     }
@@ -143,7 +164,7 @@ impl City<'_> {
             };
             let at = self.projection.project(*place)?;
             if let Some(rule) = self.settings.rules.of(tags) {
-                self.drawing.spot(at, rule);
+                self.drawing.spot(at, rule.spot_of(tags), rule);
             }
             if let Some(name) = tags.get("name") {
                 self.points.push(NamedPoint {
@@ -190,9 +211,11 @@ impl City<'_> {
             corner(high.longitude, high.latitude)?,
             corner(low.longitude, high.latitude)?,
         ];
-        Ok(corners.iter().fold((corners[0], corners[0]), |(low, high), point| {
-            (low.inf(point), high.sup(point))
-        }))
+        Ok(corners
+            .iter()
+            .fold((corners[0], corners[0]), |(low, high), point| {
+                (low.inf(point), high.sup(point))
+            }))
     }
 }
 

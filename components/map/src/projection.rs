@@ -40,14 +40,16 @@ impl Projection {
             longitude,
             latitude,
         } = checked(place.longitude, place.latitude)?;
-        let wrong = Fault::NotDegrees {
-            x: longitude,
-            y: latitude,
+        let far = Fault::TooFar {
+            longitude,
+            latitude,
         };
         let mut point = (longitude.to_radians(), latitude.to_radians(), 0.0);
         match proj4rs::transform::transform(&self.degrees, &self.metres, &mut point) {
-            Ok(()) if point.0.is_finite() && point.1.is_finite() => Ok(Point::new(point.0, point.1)),
-            Ok(()) | Err(_) => Err(wrong),
+            Ok(()) if point.0.is_finite() && point.1.is_finite() => {
+                Ok(Point::new(point.0, point.1))
+            }
+            Ok(()) | Err(_) => Err(far),
         }
     }
 }
@@ -95,19 +97,34 @@ mod tests {
     fn radii(latitude: f64) -> (f64, f64) {
         let (a, e2) = (6_378_137.0, 0.006_694_379_990_141_32_f64);
         let w = (1.0 - e2 * latitude.to_radians().sin().powi(2)).sqrt();
-        (a / w * latitude.to_radians().cos(), a * (1.0 - e2) / w.powi(3))
+        (
+            a / w * latitude.to_radians().cos(),
+            a * (1.0 - e2) / w.powi(3),
+        )
     }
 
     #[test]
     fn it_measures_metres_east_and_north() {
         for latitude in [-33.9, 0.0, 1.28, 41.9, 52.5] {
-            let centre = LonLat { longitude: 13.35, latitude };
+            let centre = LonLat {
+                longitude: 13.35,
+                latitude,
+            };
             let projection = Projection::around(centre).unwrap();
-            let place = LonLat { longitude: 13.351, latitude: latitude + 0.001 };
+            let place = LonLat {
+                longitude: 13.351,
+                latitude: latitude + 0.001,
+            };
             let point = projection.project(place).unwrap();
             let (east, north) = radii(latitude + 0.0005);
-            assert!((point.x - east * 0.001_f64.to_radians()).abs() < 0.01, "{point}");
-            assert!((point.y - north * 0.001_f64.to_radians()).abs() < 0.01, "{point}");
+            assert!(
+                (point.x - east * 0.001_f64.to_radians()).abs() < 0.01,
+                "{point}"
+            );
+            assert!(
+                (point.y - north * 0.001_f64.to_radians()).abs() < 0.01,
+                "{point}"
+            );
             assert!(projection.project(centre).unwrap().coords.norm() < 1e-6);
         }
     }
@@ -115,7 +132,10 @@ mod tests {
     #[test]
     fn it_refuses_what_is_not_on_earth() {
         for (longitude, latitude) in [(200.0, 0.0), (0.0, 91.0), (f64::NAN, 0.0)] {
-            assert!(matches!(checked(longitude, latitude), Err(Fault::NotDegrees { .. })));
+            assert!(matches!(
+                checked(longitude, latitude),
+                Err(Fault::NotDegrees { .. })
+            ));
         }
     }
 }

@@ -68,10 +68,12 @@ enum Mode {
 fn parse(source: &Source<'_>) -> Result<About, MapError> {
     let text = source.text()?;
     let about: About = serde_saphyr::from_str(&text).map_err(|error| {
-        let at = error.location().map_or(Where::File, |location| Where::Line {
-            line: location.line(),
-            column: location.column(),
-        });
+        let at = error
+            .location()
+            .map_or(Where::File, |location| Where::Line {
+                line: location.line(),
+                column: location.column(),
+            });
         let what = error.without_snippet().to_string();
         source.error_at(at, Fault::Syntax { what })
     })?;
@@ -91,7 +93,11 @@ fn check(about: &About) -> Result<(), Fault> {
     }
     let (free, occupied) = (about.free_thresh, about.occupied_thresh);
     if !(0.0..=1.0).contains(&occupied) {
-        return Err(value("occupied_thresh", occupied.to_string(), "from 0 to 1"));
+        return Err(value(
+            "occupied_thresh",
+            occupied.to_string(),
+            "from 0 to 1",
+        ));
     }
     if !(0.0..=occupied).contains(&free) {
         let expected = "from 0 to `occupied_thresh`";
@@ -215,7 +221,11 @@ fn fit(grid: Grid, settings: &Settings) -> Result<Grid, Fault> {
     let fine = *grid.layout();
     let wanted = settings.resolution.unwrap_or(0.0);
     let factor = (wanted / fine.resolution() - 1e-6).ceil().clamp(1.0, 1e6) as u32;
-    let grid = if factor > 1 { grid.coarsened(factor)? } else { grid };
+    let grid = if factor > 1 {
+        grid.coarsened(factor)?
+    } else {
+        grid
+    };
     let layout = grid.layout();
     if layout.len() as u64 > settings.max_cells {
         let (width, height) = (f64::from(fine.width()), f64::from(fine.height()));
@@ -284,7 +294,11 @@ mod tests {
         pgm.extend_from_slice(shades);
         let yaml = format!("image: row.pgm\nresolution: 0.1\norigin: [0, 0, 0]\n{more}");
         let files = Memory::new([("m/row.yaml", yaml.into_bytes()), ("m/row.pgm", pgm)]);
-        load(&files, "m/row.yaml", &Settings::default()).unwrap().grid.cells().to_vec()
+        load(&files, "m/row.yaml", &Settings::default())
+            .unwrap()
+            .grid
+            .cells()
+            .to_vec()
     }
 
     #[test]
@@ -316,9 +330,15 @@ mod tests {
     fn it_takes_transparency_for_the_unknown_when_it_scales() {
         let mut png = Cursor::new(Vec::new());
         let pixels = vec![0, 0, 0, 255, 0, 0, 0, 10];
-        image::RgbaImage::from_raw(2, 1, pixels).unwrap().write_to(&mut png, ImageFormat::Png).unwrap();
+        image::RgbaImage::from_raw(2, 1, pixels)
+            .unwrap()
+            .write_to(&mut png, ImageFormat::Png)
+            .unwrap();
         let yaml = "image: a.png\nresolution: 1\norigin: [0, 0, 0]\nmode: scale\nnegate: 0\noccupied_thresh: 0.9\nfree_thresh: 0.1\n";
-        let files = Memory::new([("a.yaml", yaml.as_bytes().to_vec()), ("a.png", png.into_inner())]);
+        let files = Memory::new([
+            ("a.yaml", yaml.as_bytes().to_vec()),
+            ("a.png", png.into_inner()),
+        ]);
         let map = load(&files, "a.yaml", &Settings::default()).unwrap();
         assert_eq!(map.grid.cells(), [100, -1]);
     }
@@ -330,7 +350,10 @@ mod tests {
         let files = Memory::new([("a.yaml", yaml.as_bytes().to_vec()), ("a.pgm", pgm)]);
         let map = load(&files, "a.yaml", &Settings::default()).unwrap();
         // the upper left pixel is cell (0, 1), a quarter turned about the origin
-        assert_eq!(map.grid.occupancy(Point::new(-1.75, 2.25)), Occupancy::Occupied);
+        assert_eq!(
+            map.grid.occupancy(Point::new(-1.75, 2.25)),
+            Occupancy::Occupied
+        );
         assert_eq!(map.grid.occupancy(Point::new(-1.25, 2.25)), Occupancy::Free);
     }
 
@@ -340,14 +363,19 @@ mod tests {
         let grid = Grid::with_cells(layout, vec![0, 100, -1, -1, 0, 100]).unwrap();
         let (yaml, png) = save(&grid, "a.png").unwrap();
         let files = Memory::new([("a.yaml", yaml.into_bytes()), ("a.png", png)]);
-        assert_eq!(load(&files, "a.yaml", &Settings::default()).unwrap().grid, grid);
+        assert_eq!(
+            load(&files, "a.yaml", &Settings::default()).unwrap().grid,
+            grid
+        );
     }
 
     #[test]
     fn it_says_what_is_wrong_and_where() {
         let error = |yaml: &str| {
             let files = Memory::new([("m.yaml", yaml)]);
-            load(&files, "m.yaml", &Settings::default()).unwrap_err().to_string()
+            load(&files, "m.yaml", &Settings::default())
+                .unwrap_err()
+                .to_string()
         };
         let head = "image: m.png\nresolution: 0.1\n";
         let tail = "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
@@ -356,6 +384,11 @@ mod tests {
         assert!(error("image: [").starts_with("m.yaml:1:"));
         let missing = error(&format!("{head}origin: [0, 0, 0]\n{tail}"));
         assert_eq!(missing, "m.png: there is no such file");
-        assert!(error(&format!("{head}origin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.2\nfree_thresh: 0.5")).contains("`free_thresh` is 0.5"));
+        assert!(
+            error(&format!(
+                "{head}origin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.2\nfree_thresh: 0.5"
+            ))
+            .contains("`free_thresh` is 0.5")
+        );
     }
 }

@@ -10,8 +10,8 @@ pub type Tags = BTreeMap<String, String>;
 
 /// The rules that hold unless somebody says otherwise. One a line, the first that matches wins:
 /// `key=value|value` or `key=*` (anything but `no`), then what the feature means (`occupied`, `free`, `unknown`,
-/// `ignore`), then `layer=` (higher ones are drawn over lower ones), `width=` of lines and `spot=` of points in metres,
-/// and `area` if a closed line means what it encloses.
+/// `ignore`), then `layer=` (higher ones are drawn over lower ones), `width=` of lines and `spot=` (diameter) of points
+/// in metres, unless the feature tells its own, and `area` if a closed line means what it encloses.
 pub const DEFAULT_RULES: &str = "
 # said outright
 occupancy=occupied  occupied layer=3 area width=0.1 spot=0.1
@@ -37,7 +37,7 @@ amenity=fountain    occupied layer=3 area spot=2
 waterway=riverbank|dock|boatyard   occupied layer=1 area
 waterway=river|canal|fairway       occupied layer=1 width=8
 waterway=stream|ditch|drain|weir|dam  occupied layer=1 width=1.5
-natural=cliff       occupied layer=1 width=1
+natural=cliff|coastline  occupied layer=1 width=1
 
 # ways
 highway=street_lamp|milestone|traffic_sign  occupied layer=4 spot=0.3
@@ -108,7 +108,9 @@ impl Default for Rules {
 impl Rules {
     /// Reads rules, one a line or separated by `;`. Empty lines and `#` comments are skipped.
     pub fn parse(text: &str) -> Result<Self, RuleError> {
-        let lines = text.lines().map(|line| line.split('#').next().unwrap_or(""));
+        let lines = text
+            .lines()
+            .map(|line| line.split('#').next().unwrap_or(""));
         let rules = lines.flat_map(|line| line.split(';')).map(str::trim);
         let rules = rules.filter(|rule| !rule.is_empty()).map(Rule::parse);
         rules.collect::<Result<_, _>>().map(Self)
@@ -167,7 +169,8 @@ impl Rule {
 
     fn option(&mut self, word: &str) -> Result<(), String> {
         let number = |text: &str| {
-            let number = text.parse().ok().filter(|number| (0.0..=1000.0).contains(number));
+            let number: Option<f64> = text.parse().ok();
+            let number = number.filter(|number| (0.0..=1000.0).contains(number));
             number.ok_or(format!("`{word}` wants a number from 0 to 1000"))
         };
         match word.split_once('=') {
@@ -181,18 +184,31 @@ impl Rule {
     }
 
     fn matches(&self, tags: &Tags) -> bool {
-        tags.get(&self.key).is_some_and(|value| match &self.values[..] {
-            [] => value != "no",
-            values => values.contains(value),
-        })
+        tags.get(&self.key)
+            .is_some_and(|value| match &self.values[..] {
+                [] => value != "no",
+                values => values.contains(value),
+            })
     }
 
-    /// How wide a line with these tags is, m: what its `width` or `width_m` says, else what the rule does.
+    /// How wide a line with these tags is, m: what its `width_m` or `width` says, else what the rule does.
     pub fn width_of(&self, tags: &Tags) -> f64 {
-        let told = tags.get("width_m").or_else(|| tags.get("width"));
-        let told = told.and_then(|text| text.trim_end_matches(['m', ' ']).parse().ok());
-        told.filter(|width| (0.0..=200.0).contains(width)).unwrap_or(self.width)
+        told(tags, ["width_m", "width"]).unwrap_or(self.width)
     }
+
+    /// How large a point with these tags is across, m: what its `diameter_m` or `diameter` says, else what the rule
+    /// does; none: it is not drawn.
+    pub fn spot_of(&self, tags: &Tags) -> Option<f64> {
+        let spot = self.spot?;
+        Some(told(tags, ["diameter_m", "diameter"]).unwrap_or(spot))
+    }
+}
+
+/// What the first of two tags that there is says, if it is a length.
+fn told(tags: &Tags, keys: [&str; 2]) -> Option<f64> {
+    let text = keys.iter().find_map(|key| tags.get(*key))?;
+    let metres = text.trim_end_matches(['m', ' ']).parse().ok();
+    metres.filter(|metres| (0.0..=200.0).contains(metres))
 }
 
 fn occupancy(word: &str) -> Option<Option<Occupancy>> {
@@ -210,7 +226,10 @@ mod tests {
     use super::*;
 
     fn tags(pairs: &[(&str, &str)]) -> Tags {
-        pairs.iter().map(|(key, value)| (key.to_string(), value.to_string())).collect()
+        pairs
+            .iter()
+            .map(|(key, value)| (key.to_string(), value.to_string()))
+            .collect()
     }
 
     fn meaning(pairs: &[(&str, &str)]) -> Option<Option<Occupancy>> {
@@ -224,10 +243,19 @@ mod tests {
 
     #[test]
     fn it_knows_what_blocks() {
-        assert_eq!(meaning(&[("building", "yes")]), Some(Some(Occupancy::Occupied)));
+        assert_eq!(
+            meaning(&[("building", "yes")]),
+            Some(Some(Occupancy::Occupied))
+        );
         assert_eq!(meaning(&[("building", "no")]), None);
-        assert_eq!(meaning(&[("highway", "footway")]), Some(Some(Occupancy::Free)));
-        assert_eq!(meaning(&[("highway", "primary"), ("tunnel", "yes")]), Some(None));
+        assert_eq!(
+            meaning(&[("highway", "footway")]),
+            Some(Some(Occupancy::Free))
+        );
+        assert_eq!(
+            meaning(&[("highway", "primary"), ("tunnel", "yes")]),
+            Some(None)
+        );
         assert_eq!(meaning(&[("barrier", "gate")]), Some(Some(Occupancy::Free)));
         assert_eq!(meaning(&[("shop", "car")]), None);
     }
@@ -237,7 +265,10 @@ mod tests {
         let ours = Rules::parse("highway=motorway occupied width=12; # comment").unwrap();
         let rules = ours.before(Rules::default());
         let rule = rules.of(&tags(&[("highway", "motorway")])).unwrap();
-        assert_eq!((rule.occupancy, rule.width), (Some(Occupancy::Occupied), 12.0));
+        assert_eq!(
+            (rule.occupancy, rule.width),
+            (Some(Occupancy::Occupied), 12.0)
+        );
     }
 
     #[test]
@@ -247,7 +278,10 @@ mod tests {
             let tags = tags(&[("highway", "service"), ("width", width)]);
             rules.of(&tags).unwrap().width_of(&tags)
         };
-        assert_eq!([width("3.5"), width("3 m"), width("wide"), width("-2")], [3.5, 3.0, 4.0, 4.0]);
+        assert_eq!(
+            [width("3.5"), width("3 m"), width("wide"), width("-2")],
+            [3.5, 3.0, 4.0, 4.0]
+        );
     }
 
     #[test]

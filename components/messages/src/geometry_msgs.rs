@@ -196,11 +196,26 @@ mod tests {
 
     #[test]
     fn its_yaw_does_not_mind_tilt_or_length() {
-        let tilted = Quaternion { x: 0.1, y: 0.0, z: 0.0, w: 0.995 };
+        let tilted = Quaternion {
+            x: 0.1,
+            y: 0.0,
+            z: 0.0,
+            w: 0.995,
+        };
         assert!(tilted.yaw().abs() < 1e-12);
-        let long = Quaternion { x: 0.0, y: 0.0, z: 2.0, w: 2.0 };
+        let long = Quaternion {
+            x: 0.0,
+            y: 0.0,
+            z: 2.0,
+            w: 2.0,
+        };
         assert!((long.yaw() - PI / 2.0).abs() < 1e-12);
-        let none = Quaternion { x: 0.0, y: 0.0, z: 0.0, w: 0.0 };
+        let none = Quaternion {
+            x: 0.0,
+            y: 0.0,
+            z: 0.0,
+            w: 0.0,
+        };
         assert_eq!(none.yaw(), 0.0);
     }
 }

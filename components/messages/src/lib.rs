@@ -3,23 +3,26 @@
 //! Units and frames are ROS': SI units and radians, x forward, y left, z up, angles counter-clockwise (REP-103);
 //! frames `map`, `odom`, `base_link`, `laser` (REP-105).
 
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]
+
 mod builtin_interfaces;
 mod geometry_msgs;
 mod nav;
 mod nav_msgs;
+mod operation;
 mod rover;
 mod sensor_msgs;
 mod std_msgs;
-mod world;
-
 mod table;
+mod world;
 
 pub use builtin_interfaces::*;
 pub use geometry_msgs::*;
 pub use nav::*;
 pub use nav_msgs::*;
+pub use operation::{GetMap, Plan};
 pub use rover::*;
 pub use sensor_msgs::*;
 pub use std_msgs::*;
+pub use table::{Describe, MESSAGES};
 pub use world::*;
-pub use table::MESSAGES;

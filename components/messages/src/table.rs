@@ -4,8 +4,11 @@ use datum::{Message, Schema};
 
 use crate::*;
 
+/// Gives the schema of a message.
+pub type Describe = fn() -> &'static Schema;
+
 /// The schema of every message, by the message's name, in the order of the names.
-pub const MESSAGES: &[(&str, fn() -> &'static Schema)] = &[
+pub const MESSAGES: &[(&str, Describe)] = &[
     row::<Time>(),
     row::<Point>(),
     row::<Pose>(),
@@ -41,7 +44,7 @@ pub const MESSAGES: &[(&str, fn() -> &'static Schema)] = &[
     row::<Vertex>(),
 ];
 
-const fn row<T: Message>() -> (&'static str, fn() -> &'static Schema) {
+const fn row<T: Message>() -> (&'static str, Describe) {
     (T::NAME, T::schema)
 }
 
@@ -52,8 +55,14 @@ mod tests {
     use std::fmt::Debug;
 
     fn survives<T: Message + Debug>(message: T) {
-        assert_eq!(cbor::decode::<T>(&cbor::encode(&message).unwrap()).unwrap(), message);
-        assert_eq!(json::decode::<T>(&json::encode(&message).unwrap()).unwrap(), message);
+        assert_eq!(
+            cbor::decode::<T>(&cbor::encode(&message).unwrap()).unwrap(),
+            message
+        );
+        assert_eq!(
+            json::decode::<T>(&json::encode(&message).unwrap()).unwrap(),
+            message
+        );
         assert_eq!(Datum::of(&message).unwrap().to::<T>().unwrap(), message);
     }
 
@@ -71,9 +80,15 @@ mod tests {
             ("std_msgs/Header", "stamp frame_id"),
             ("geometry_msgs/Quaternion", "x y z w"),
             ("geometry_msgs/Twist", "linear angular"),
-            ("geometry_msgs/TransformStamped", "header child_frame_id transform"),
+            (
+                "geometry_msgs/TransformStamped",
+                "header child_frame_id transform",
+            ),
             ("nav_msgs/Odometry", "header child_frame_id pose twist"),
-            ("nav_msgs/MapMetaData", "map_load_time resolution width height origin"),
+            (
+                "nav_msgs/MapMetaData",
+                "map_load_time resolution width height origin",
+            ),
             ("nav_msgs/OccupancyGrid", "header info data"),
             (
                 "sensor_msgs/LaserScan",
@@ -101,7 +116,15 @@ mod tests {
     #[test]
     fn its_zero_is_that_of_ros_2() {
         assert_eq!(Pose::default().orientation.yaw(), 0.0);
-        assert_eq!(Quaternion::default(), Quaternion { x: 0.0, y: 0.0, z: 0.0, w: 1.0 });
+        assert_eq!(
+            Quaternion::default(),
+            Quaternion {
+                x: 0.0,
+                y: 0.0,
+                z: 0.0,
+                w: 1.0
+            }
+        );
         assert_eq!(PoseWithCovariance::default().covariance, [0.0; 36]);
         assert_eq!(Header::default(), Header::new(0, ""));
         assert_eq!(Twist::default(), Twist::planar(0.0, 0.0));
@@ -138,18 +161,36 @@ mod tests {
         });
         survives(grid);
         survives(Empty {});
-        survives(Text { data: "\"ü\n".to_owned() });
+        survives(Text {
+            data: "\"ü\n".to_owned(),
+        });
         survives(Event::new(-1, Event::BLOCKED, "at (1.0, 2.0)"));
-        let disc = Disc { x: 0.1, y: 0.2, radius: 0.3 };
-        survives(Obstacles { stamp: Time::from_nanos(1), discs: vec![disc] });
+        let disc = Disc {
+            x: 0.1,
+            y: 0.2,
+            radius: 0.3,
+        };
+        survives(Obstacles {
+            stamp: Time::from_nanos(1),
+            discs: vec![disc],
+        });
         let corner = Vertex { x: 1.0, y: 2.0 };
         survives(Scene {
             revision: 1 << 40,
-            segments: vec![Segment { a: corner, b: Vertex::default() }],
+            segments: vec![Segment {
+                a: corner,
+                b: Vertex::default(),
+            }],
             discs: vec![disc],
-            polygons: vec![Polygon { vertices: vec![corner; 3] }],
+            polygons: vec![Polygon {
+                vertices: vec![corner; 3],
+            }],
         });
-        survives(Encoders { stamp: Time::default(), left: 1e300, right: -0.1 });
+        survives(Encoders {
+            stamp: Time::default(),
+            left: 1e300,
+            right: -0.1,
+        });
     }
 
     #[test]
@@ -161,11 +202,19 @@ mod tests {
             ranges: special.to_vec(),
             ..LaserScan::default()
         };
-        let bits = |scan: &LaserScan| scan.ranges.iter().map(|range| range.to_bits()).collect::<Vec<_>>();
+        let bits = |scan: &LaserScan| {
+            scan.ranges
+                .iter()
+                .map(|range| range.to_bits())
+                .collect::<Vec<_>>()
+        };
         let by_cbor: LaserScan = cbor::decode(&cbor::encode(&scan).unwrap()).unwrap();
         let by_json: LaserScan = json::decode(&json::encode(&scan).unwrap()).unwrap();
         assert_eq!(bits(&by_cbor), bits(&scan));
         assert_eq!(bits(&by_json), bits(&scan));
-        assert_eq!(by_json.hits().collect::<Vec<_>>(), [(0.0, f64::from(0.1_f32))]);
+        assert_eq!(
+            by_json.hits().collect::<Vec<_>>(),
+            [(0.0, f64::from(0.1_f32))]
+        );
     }
 }

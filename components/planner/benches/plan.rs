@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use geometry::{Cell, FREE, Grid, Layout, OCCUPIED, Point, Pose, heading};
-use robot_planner::{PLANNERS, Planner, Settings};
+use robot_planner::{PLANNERS, Settings};
 
 const SIZE: u32 = 400;
 const RESOLUTION: f64 = 0.05;
@@ -35,7 +35,14 @@ fn pillars() -> Grid {
 fn serpentine() -> Grid {
     let mut grid = hall();
     for wall in 1..10 {
-        let (row, gap) = (wall * SIZE / 10, if wall % 2 == 0 { 0..30 } else { SIZE - 30..SIZE });
+        let (row, gap) = (
+            wall * SIZE / 10,
+            if wall % 2 == 0 {
+                0..30
+            } else {
+                SIZE - 30..SIZE
+            },
+        );
         for column in (0..SIZE).filter(|column| !gap.contains(column)) {
             grid.set(Cell::new(column, row), OCCUPIED);
         }
@@ -45,7 +52,11 @@ fn serpentine() -> Grid {
 
 fn no_way() -> Grid {
     let mut grid = hall();
-    grid.stroke(&[Point::new(0.0, 18.0), Point::new(20.0, 18.0)], 0.0, OCCUPIED);
+    grid.stroke(
+        &[Point::new(0.0, 18.0), Point::new(20.0, 18.0)],
+        0.0,
+        OCCUPIED,
+    );
     grid
 }
 

@@ -5,10 +5,12 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 mod astar;
+mod component;
 mod costs;
 mod planner;
 mod search;
 mod smooth;
 
+pub use self::component::TrajectoryPlanner;
 pub use astar::AStar;
 pub use planner::{Blocked, End, Make, NoPath, PLANNERS, Plan, Planner, Settings, planner};

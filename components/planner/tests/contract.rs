@@ -5,9 +5,9 @@
 mod reference;
 
 use geometry::{Cell, FREE, Grid, Layout, OCCUPIED, Point, Pose, UNKNOWN, Vector, heading, yaw};
-use robot_planner::{NoPath, PLANNERS, Plan, Planner, Settings};
 use proptest::prelude::*;
 use reference::Reference;
+use robot_planner::{NoPath, PLANNERS, Plan, Planner, Settings};
 
 const RESOLUTION: f64 = 0.1;
 
@@ -62,13 +62,23 @@ fn check_plan(grid: &Grid, settings: &Settings, start: &Pose, goal: &Pose, plan:
     assert_eq!(place(last), place(goal));
     assert!((yaw(last) - yaw(goal)).abs() < 1e-9);
     let points: Vec<Point> = plan.poses.iter().map(place).collect();
-    let steps: f64 = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum();
-    assert!((steps - plan.length).abs() < 1e-6, "{steps} {}", plan.length);
+    let steps: f64 = points
+        .windows(2)
+        .map(|pair| (pair[1] - pair[0]).norm())
+        .sum();
+    assert!(
+        (steps - plan.length).abs() < 1e-6,
+        "{steps} {}",
+        plan.length
+    );
     for (pose, pair) in plan.poses.iter().zip(points.windows(2)) {
         let step = pair[1] - pair[0];
         assert!(step.norm() <= settings.step + 1e-9);
         let ahead = step.y.atan2(step.x) - yaw(pose);
-        assert!(step.norm() < 1e-9 || ahead.sin().abs() < 1e-6, "looks elsewhere");
+        assert!(
+            step.norm() < 1e-9 || ahead.sin().abs() < 1e-6,
+            "looks elsewhere"
+        );
     }
     check_clear(grid, settings, &points);
 }
@@ -236,8 +246,13 @@ fn it_keeps_to_the_middle_where_that_costs_little() {
         grid.stroke(&wall(0.0), 0.0, OCCUPIED);
         grid.stroke(&wall(1.99), 0.0, OCCUPIED);
         let [start, goal] = [1.0, 19.0].map(|x| heading(Point::new(x, 0.4), 0.0));
-        let plan = make(&Settings::default()).plan(&grid, &start, &goal).unwrap();
-        let middle = plan.poses.iter().filter(|pose| (pose.translation.y - 1.0).abs() < 0.35);
+        let plan = make(&Settings::default())
+            .plan(&grid, &start, &goal)
+            .unwrap();
+        let middle = plan
+            .poses
+            .iter()
+            .filter(|pose| (pose.translation.y - 1.0).abs() < 0.35);
         assert!(middle.count() * 10 > plan.poses.len() * 8, "hugs the wall");
     }
 }
@@ -258,7 +273,9 @@ fn random_grid() -> impl Strategy<Value = Grid> {
         let dice = prop::collection::vec(0..rarity, cells);
         dice.prop_map(move |dice| {
             let layout = Layout::new(RESOLUTION, width, height, Pose::identity()).unwrap();
-            let cells = dice.iter().map(|dice| if *dice == 0 { OCCUPIED } else { FREE });
+            let cells = dice
+                .iter()
+                .map(|dice| if *dice == 0 { OCCUPIED } else { FREE });
             Grid::with_cells(layout, cells.collect()).unwrap()
         })
     })

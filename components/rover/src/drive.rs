@@ -120,9 +120,9 @@ mod tests {
     #[test]
     fn it_turns_the_wheels_as_the_body_moves() {
         for (speed, turn, left, right) in [
-            (0.5, 0.0, 10.0, 10.0),   // straight on
-            (0.0, 1.0, -3.0, 3.0),    // left on the spot
-            (0.15, 1.0, 0.0, 6.0),    // about the left wheel
+            (0.5, 0.0, 10.0, 10.0),    // straight on
+            (0.0, 1.0, -3.0, 3.0),     // left on the spot
+            (0.15, 1.0, 0.0, 6.0),     // about the left wheel
             (-0.5, 0.0, -10.0, -10.0), // backwards
         ] {
             let wheels = DRIVE.wheels(velocity(speed, turn));

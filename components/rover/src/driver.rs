@@ -42,10 +42,16 @@ impl RoverDriver {
     /// Declares ports and properties.
     pub fn new(interface: &mut Interface) -> Self {
         Self {
-            twist: interface.input("twist", "the velocity to drive: linear.x m/s, angular.z rad/s, base frame"),
+            twist: interface.input(
+                "twist",
+                "the velocity to drive: linear.x m/s, angular.z rad/s, base frame",
+            ),
             encoders: interface.input("encoders", "how far the wheels have turned"),
             wheels: interface.output("wheels", "how fast the wheels shall turn, every cycle"),
-            odom: interface.output("odom", "where the wheels say that the robot is, for every reading of the encoders"),
+            odom: interface.output(
+                "odom",
+                "where the wheels say that the robot is, for every reading of the encoders",
+            ),
             settings: Settings::declare(interface),
             odometer: Odometer::new(Pose::identity()),
             velocity: Velocity::default(),
@@ -125,22 +131,72 @@ impl Component for RoverDriver {
 
 impl Settings {
     fn declare(interface: &mut Interface) -> Self {
-        let mut number = |name: &str, default: f64, least: f64, most: f64, unit: &str, doc: &str| {
-            let setting = interface.setting(name, default, doc);
-            setting.range(least..=most).unit(unit).declare()
-        };
+        let mut number =
+            |name: &str, default: f64, least: f64, most: f64, unit: &str, doc: &str| {
+                let setting = interface.setting(name, default, doc);
+                setting.range(least..=most).unit(unit).declare()
+            };
         Self {
             wheel_radius: number("wheel_radius_m", 0.05, 0.001, 1.0, "m", "radius of a wheel"),
             track: number("track_m", 0.3, 0.01, 5.0, "m", "between the two wheels"),
-            max_speed: number("max_speed", 0.6, 0.0, 10.0, "m/s", "never faster, forward or backward"),
+            max_speed: number(
+                "max_speed",
+                0.6,
+                0.0,
+                10.0,
+                "m/s",
+                "never faster, forward or backward",
+            ),
             max_turn: number("max_turn", 1.5, 0.0, 20.0, "rad/s", "never turns faster"),
-            max_acceleration: number("max_acceleration", 1.0, 0.01, 50.0, "m/s²", "never speeds up or brakes harder"),
-            max_turn_acceleration: number("max_turn_acceleration", 3.0, 0.01, 100.0, "rad/s²", "never changes its turn faster"),
-            max_wheel_speed: number("max_wheel_speed", 20.0, 0.0, 1000.0, "rad/s", "what the motors can do"),
-            command_timeout: number("command_timeout_s", 0.15, 0.0, 10.0, "s", "after so long without a new twist the wheels stop at once"),
-            start: interface.setting("start", [0.0; 3], "where the robot stands at the beginning: x m, y m, yaw rad").declare(),
-            frame: interface.property("frame", "map".to_owned(), "the frame of the start pose and of the odometry"),
-            base_frame: interface.property("base_frame", "base_link".to_owned(), "the frame of the robot's body"),
+            max_acceleration: number(
+                "max_acceleration",
+                1.0,
+                0.01,
+                50.0,
+                "m/s²",
+                "never speeds up or brakes harder",
+            ),
+            max_turn_acceleration: number(
+                "max_turn_acceleration",
+                3.0,
+                0.01,
+                100.0,
+                "rad/s²",
+                "never changes its turn faster",
+            ),
+            max_wheel_speed: number(
+                "max_wheel_speed",
+                20.0,
+                0.0,
+                1000.0,
+                "rad/s",
+                "what the motors can do",
+            ),
+            command_timeout: number(
+                "command_timeout_s",
+                0.15,
+                0.0,
+                10.0,
+                "s",
+                "after so long without a new twist the wheels stop at once",
+            ),
+            start: interface
+                .setting(
+                    "start",
+                    [0.0; 3],
+                    "where the robot stands at the beginning: x m, y m, yaw rad",
+                )
+                .declare(),
+            frame: interface.property(
+                "frame",
+                "map".to_owned(),
+                "the frame of the start pose and of the odometry",
+            ),
+            base_frame: interface.property(
+                "base_frame",
+                "base_link".to_owned(),
+                "the frame of the robot's body",
+            ),
         }
     }
 

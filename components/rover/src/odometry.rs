@@ -47,7 +47,7 @@ impl Odometer {
                 };
             }
         }
-        self.last = Some(encoders.clone());
+        self.last = Some(*encoders);
     }
 
     /// Where the robot is, in the frame of the start pose.
@@ -94,10 +94,20 @@ mod tests {
         assert!(near(&roll(&start, 2.0, 0.0), 3.0, 2.0, 0.0));
         assert!(near(&roll(&start, 0.0, 1.0), 1.0, 2.0, 1.0));
         // a quarter and a half of a circle of radius one to the left
-        assert!(near(&roll(&start, FRAC_PI_2, FRAC_PI_2), 2.0, 3.0, FRAC_PI_2));
+        assert!(near(
+            &roll(&start, FRAC_PI_2, FRAC_PI_2),
+            2.0,
+            3.0,
+            FRAC_PI_2
+        ));
         assert!(near(&roll(&start, PI, PI), 1.0, 4.0, PI));
         // and backwards to the right
-        assert!(near(&roll(&start, -FRAC_PI_2, -FRAC_PI_2), 0.0, 3.0, -FRAC_PI_2));
+        assert!(near(
+            &roll(&start, -FRAC_PI_2, -FRAC_PI_2),
+            0.0,
+            3.0,
+            -FRAC_PI_2
+        ));
     }
 
     #[test]

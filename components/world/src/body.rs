@@ -29,6 +29,17 @@ pub struct Slip {
 }
 
 impl Body {
+    /// A body at `pose` whose wheels have not turned yet.
+    pub fn new(drive: Drive, radius: f64, pose: Pose) -> Self {
+        Self {
+            drive,
+            radius,
+            pose,
+            left: 0.0,
+            right: 0.0,
+        }
+    }
+
     /// Moves for `dt` seconds. Where the body would touch something it does not roll on: the wheels stall as far as
     /// they push against it, and only the turn on the spot is left. Says whether it touched.
     pub fn step(&mut self, wheels: WheelSpeeds, slip: Slip, scene: &Scene, dt: f64) -> bool {
@@ -52,7 +63,9 @@ impl Body {
     }
 
     fn moved(&self, left: f64, right: f64, slip: Slip) -> Pose {
-        let rolled = self.drive.body(left * (1.0 + slip.left), right * (1.0 + slip.right));
+        let rolled = self
+            .drive
+            .body(left * (1.0 + slip.left), right * (1.0 + slip.right));
         roll(&self.pose, rolled.speed, rolled.turn)
     }
 
@@ -71,4 +84,99 @@ impl Body {
 
 fn place(pose: &Pose) -> Point {
     pose.translation.vector.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use geometry::{Disc, heading, yaw};
+    use proptest::prelude::*;
+
+    fn robot() -> Body {
+        let drive = Drive {
+            wheel_radius: 0.05,
+            track: 0.3,
+        };
+        Body::new(drive, 0.2, Pose::identity())
+    }
+
+    fn wall_at(x: f64) -> Scene {
+        Scene::new(
+            vec![[Point::new(x, -9.0), Point::new(x, 9.0)]],
+            Vec::new(),
+            Vec::new(),
+        )
+    }
+
+    fn wheels(left: f64, right: f64) -> WheelSpeeds {
+        WheelSpeeds { left, right }
+    }
+
+    #[test]
+    fn it_rolls_as_its_wheels_turn() {
+        let mut body = robot();
+        assert!(!body.step(wheels(10.0, 10.0), Slip::default(), &Scene::default(), 0.5));
+        assert!((body.pose.translation.x - 0.25).abs() < 1e-12);
+        assert_eq!((body.left, body.right), (5.0, 5.0));
+    }
+
+    #[test]
+    fn slip_moves_the_body_but_not_the_encoders() {
+        let mut body = robot();
+        let slip = Slip {
+            left: 0.1,
+            right: 0.1,
+        };
+        body.step(wheels(10.0, 10.0), slip, &Scene::default(), 0.5);
+        assert!((body.pose.translation.x - 0.275).abs() < 1e-12);
+        assert_eq!(body.left, 5.0);
+    }
+
+    #[test]
+    fn a_wall_stops_it_and_stalls_its_wheels() {
+        let (mut body, scene) = (robot(), wall_at(1.0));
+        let mut touched = false;
+        for _ in 0..500 {
+            touched |= body.step(wheels(10.0, 10.0), Slip::default(), &scene, 0.02);
+        }
+        assert!(touched);
+        assert!((0.78..0.8001).contains(&body.pose.translation.x));
+        assert!((body.left * 0.05 - body.pose.translation.x).abs() < 1e-9);
+        // it can turn there, and leave
+        assert!(body.step(wheels(8.0, 12.0), Slip::default(), &scene, 0.1));
+        assert!(yaw(&body.pose) > 0.0);
+        assert!(!body.step(wheels(-10.0, -10.0), Slip::default(), &scene, 0.1));
+    }
+
+    #[test]
+    fn it_gets_out_from_under_a_thing_but_not_deeper_in() {
+        let disc = Disc {
+            centre: Point::new(0.25, 0.0),
+            radius: 0.1,
+        };
+        let scene = Scene::new(Vec::new(), Vec::new(), vec![disc]);
+        let mut body = robot();
+        assert_eq!(body.clearance(&scene), 0.0);
+        assert!(body.step(wheels(1.0, 1.0), Slip::default(), &scene, 0.1));
+        assert!(!body.step(wheels(-1.0, -1.0), Slip::default(), &scene, 0.1));
+        assert!(body.pose.translation.x < 0.0);
+    }
+
+    proptest! {
+        #[test]
+        fn it_never_enters_a_wall(
+            x in -0.7..0.7, y in -0.7..0.7, angle in -3.0..3.0,
+            drives in prop::collection::vec((-12.0..12.0, -12.0..12.0), 1..100),
+        ) {
+            let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| Point::new(x, y));
+            let walls = (0..4).map(|side| [corners[side], corners[(side + 1) % 4]]).collect();
+            let room = Scene::new(walls, Vec::new(), Vec::new());
+            let mut body = robot();
+            body.pose = heading(Point::new(x, y), angle);
+            for (left, right) in drives {
+                body.step(wheels(left, right), Slip::default(), &room, 0.02);
+                prop_assert!(room.clearance(place(&body.pose)) >= body.radius - 1e-6);
+            }
+        }
+    }
 }

@@ -1,7 +1,13 @@
-//! The two-dimensional world the robot acts in
+//! The two-dimensional world the robot acts in.
+//!
+//! [`Body`] moves and bumps, [`Schedule`] lets obstacles come and go, [`World`] is the component.
+
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]
 
 mod body;
 mod schedule;
+mod world;
 
 pub use body::{Body, Slip};
-pub use schedule::{Frame, Obstacle, Schedule, Solid};
+pub use schedule::{Obstacle, ObstacleError, ObstacleProblem, Schedule, Solid};
+pub use world::World;

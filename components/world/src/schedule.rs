@@ -1,38 +1,49 @@
 //! Obstacles that no map shows, and when they are there.
 
 use geometry::{Disc, Point, Pose, heading};
-use serde::Deserialize;
 
-/// One obstacle, as the property `obstacles` lists it: `{ at_s = 8.0, until_s = 60.0, disc = [4.0, 0.0, 0.3] }`.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Obstacle {
-    /// s after the world's start: it appears.
-    #[serde(default)]
-    pub at_s: f64,
-    /// s after the world's start: it vanishes; never, if left out.
-    #[serde(default)]
-    pub until_s: Option<f64>,
-    /// `[x, y, radius]`, m.
-    #[serde(default)]
-    pub disc: Option<[f64; 3]>,
-    /// `[x, y, length, width, yaw]` of its middle, m and rad.
-    #[serde(default, rename = "box")]
-    pub cuboid: Option<[f64; 5]>,
-    /// What x, y and yaw are relative to.
-    #[serde(default)]
-    pub frame: Frame,
+datum::message! {
+    /// One obstacle, as the property `obstacles` lists it: `{ at_s = 8.0, until_s = 60.0, disc = [4.0, 0.0, 0.3] }`.
+    pub struct Obstacle = "world/Obstacle" {
+        /// s after the world's first cycle: it appears.
+        pub at_s: f64,
+        /// s after the world's first cycle: it vanishes; never, if left out.
+        pub until_s: Option<f64>,
+        /// x, y, radius; m.
+        pub disc: Option<[f64; 3]>,
+        /// x, y of the middle, length, width, yaw; m and rad.
+        pub block: Option<[f64; 5]>,
+        /// What x, y and yaw are relative to: `map`, or `robot` for the robot's true pose when the obstacle appears;
+        /// `[2.0, 0.0, 0.3]` then stands two metres in front of it.
+        pub frame: String = "map".to_owned(),
+    }
 }
 
-/// What an obstacle's place is relative to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Frame {
-    /// The map.
-    #[default]
-    Map,
-    /// The robot's true pose when the obstacle appears: `[2.0, 0.0, 0.3]` stands two metres in front of it.
-    Robot,
+/// Why an entry of the schedule is no obstacle.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("obstacle {number}: {problem}")]
+pub struct ObstacleError {
+    /// Which, from 1.
+    pub number: usize,
+    /// What is wrong with it.
+    pub problem: ObstacleProblem,
+}
+
+/// What can be wrong with an obstacle.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ObstacleProblem {
+    /// No shape, or two.
+    #[error("needs either `disc = [x, y, radius]` or `block = [x, y, length, width, yaw]`")]
+    Shape,
+    /// A number that is none.
+    #[error("its numbers must be finite")]
+    NotFinite,
+    /// No size.
+    #[error("its sizes must be above zero")]
+    Size,
+    /// Neither map nor robot.
+    #[error("its frame must be `map` or `robot`, not `{0}`")]
+    Frame(String),
 }
 
 /// An obstacle that is there, map frame.
@@ -47,88 +58,250 @@ pub enum Solid {
 /// The obstacles of a run, and which of them are there.
 #[derive(Debug, Clone, Default)]
 pub struct Schedule {
-    entries: Vec<(Obstacle, State)>,
+    entries: Vec<Entry>,
+}
+
+#[derive(Debug, Clone)]
+struct Entry {
+    /// s.
+    from: f64,
+    /// s.
+    until: f64,
+    frame: Frame,
+    /// In that frame.
+    solid: Solid,
+    state: State,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Frame {
+    Map,
+    Robot,
 }
 
 #[derive(Debug, Clone, PartialEq)]
 enum State {
     Waiting,
+    /// Map frame.
     There(Solid),
     Gone,
 }
 
-impl Obstacle {
-    /// Why the entry describes no obstacle, if so.
-    pub fn problem(&self) -> Option<&'static str> {
-        let shape = match (&self.disc, &self.cuboid) {
-            (Some(_), Some(_)) => return Some("an obstacle is a `disc` or a `box`, not both"),
-            (None, None) => return Some("an obstacle needs `disc = [x, y, radius]` or `box = [x, y, length, width, yaw]`"),
-            (Some(disc), None) => &disc[..],
-            (None, Some(cuboid)) => &cuboid[..],
-        };
-        let times = [self.at_s, self.until_s.unwrap_or(0.0)];
-        if !shape.iter().chain(&times).all(|number| number.is_finite()) {
-            return Some("an obstacle's numbers must be finite");
-        }
-        let sizes = if self.disc.is_some() { &shape[2..] } else { &shape[2..4] };
-        if sizes.iter().any(|size| *size <= 0.0) {
-            return Some("an obstacle's sizes must be above zero");
-        }
-        None
-    }
-
-    /// The obstacle put into the world of a robot at `robot`.
-    fn put(&self, robot: &Pose) -> Option<Solid> {
-        let base = match self.frame {
-            Frame::Map => Pose::identity(),
-            Frame::Robot => *robot,
-        };
-        if let Some([x, y, radius]) = self.disc {
-            let centre = base * Point::new(x, y);
-            return Some(Solid::Disc(Disc { centre, radius }));
-        }
-        let [x, y, length, width, yaw] = self.cuboid?;
-        let middle = base * heading(Point::new(x, y), yaw);
-        let corners = [(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5)];
-        let corner = |(along, across)| middle * Point::new(along * length, across * width);
-        Some(Solid::Polygon(corners.map(corner).to_vec()))
-    }
-}
-
 impl Schedule {
     /// The schedule of these obstacles; none of them is there yet.
-    pub fn new(obstacles: Vec<Obstacle>) -> Self {
-        let waiting = |obstacle| (obstacle, State::Waiting);
-        Self {
-            entries: obstacles.into_iter().map(waiting).collect(),
-        }
+    pub fn new(obstacles: Vec<Obstacle>) -> Result<Self, ObstacleError> {
+        let numbered = (1..).zip(obstacles);
+        let entries = numbered.map(|(number, obstacle)| {
+            let problem = |problem| ObstacleError { number, problem };
+            Entry::new(obstacle).map_err(problem)
+        });
+        Ok(Self {
+            entries: entries.collect::<Result<_, _>>()?,
+        })
     }
 
     /// Lets obstacles appear and vanish at `seconds` after the start, with the robot at `robot`. Says whether any did.
     pub fn advance(&mut self, seconds: f64, robot: &Pose) -> bool {
         let mut changed = false;
-        for (obstacle, state) in &mut self.entries {
-            let over = obstacle.until_s.is_some_and(|until| seconds >= until);
-            let next = match state {
-                State::Waiting if over => State::Gone,
-                State::Waiting if seconds >= obstacle.at_s => match obstacle.put(robot) {
-                    Some(solid) => State::There(solid),
-                    None => State::Gone,
-                },
-                State::There(_) if over => State::Gone,
+        for entry in &mut self.entries {
+            let next = match entry.state {
+                State::Waiting | State::There(_) if seconds >= entry.until => State::Gone,
+                State::Waiting if seconds >= entry.from => State::There(entry.put(robot)),
                 State::Waiting | State::There(_) | State::Gone => continue,
             };
-            changed |= *state != State::Waiting || next != State::Gone;
-            *state = next;
+            changed |= (&entry.state, &next) != (&State::Waiting, &State::Gone);
+            entry.state = next;
         }
         changed
     }
 
     /// The obstacles that are there.
     pub fn there(&self) -> impl Iterator<Item = &Solid> {
-        self.entries.iter().filter_map(|(_, state)| match state {
+        self.entries.iter().filter_map(|entry| match &entry.state {
             State::There(solid) => Some(solid),
             State::Waiting | State::Gone => None,
         })
+    }
+}
+
+impl Entry {
+    fn new(obstacle: Obstacle) -> Result<Self, ObstacleProblem> {
+        let until = obstacle.until_s.unwrap_or(f64::INFINITY);
+        if !obstacle.at_s.is_finite() || until.is_nan() {
+            return Err(ObstacleProblem::NotFinite);
+        }
+        let (solid, numbers, sizes) = match (obstacle.disc, obstacle.block) {
+            (Some([x, y, radius]), None) => (disc(x, y, radius), [x, y, 0.0], [radius, radius]),
+            (None, Some([x, y, length, width, yaw])) => (
+                block(&heading(Point::new(x, y), yaw), length, width),
+                [x, y, yaw],
+                [length, width],
+            ),
+            (None, None) | (Some(_), Some(_)) => return Err(ObstacleProblem::Shape),
+        };
+        if !numbers
+            .iter()
+            .chain(&sizes)
+            .all(|number| number.is_finite())
+        {
+            return Err(ObstacleProblem::NotFinite);
+        }
+        if sizes.iter().any(|size| *size <= 0.0) {
+            return Err(ObstacleProblem::Size);
+        }
+        let frame = match obstacle.frame.as_str() {
+            "map" => Frame::Map,
+            "robot" => Frame::Robot,
+            _ => return Err(ObstacleProblem::Frame(obstacle.frame)),
+        };
+        Ok(Self {
+            from: obstacle.at_s,
+            until,
+            frame,
+            solid,
+            state: State::Waiting,
+        })
+    }
+
+    /// The obstacle put into the world of a robot at `robot`.
+    fn put(&self, robot: &Pose) -> Solid {
+        match (self.frame, &self.solid) {
+            (Frame::Map, solid) => solid.clone(),
+            (Frame::Robot, Solid::Disc(disc)) => Solid::Disc(Disc {
+                centre: robot * disc.centre,
+                radius: disc.radius,
+            }),
+            (Frame::Robot, Solid::Polygon(corners)) => {
+                Solid::Polygon(corners.iter().map(|corner| robot * corner).collect())
+            }
+        }
+    }
+}
+
+fn disc(x: f64, y: f64, radius: f64) -> Solid {
+    Solid::Disc(Disc {
+        centre: Point::new(x, y),
+        radius,
+    })
+}
+
+fn block(middle: &Pose, length: f64, width: f64) -> Solid {
+    let corners = [(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5)];
+    let corner = |(along, across)| middle * Point::new(along * length, across * width);
+    Solid::Polygon(corners.map(corner).to_vec())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn obstacle() -> Obstacle {
+        Obstacle {
+            at_s: 2.0,
+            until_s: Some(5.0),
+            disc: Some([1.0, 0.0, 0.5]),
+            ..Obstacle::default()
+        }
+    }
+
+    fn there(schedule: &Schedule) -> Vec<Solid> {
+        schedule.there().cloned().collect()
+    }
+
+    #[test]
+    fn it_lets_things_come_and_go() {
+        let mut schedule = Schedule::new(vec![obstacle()]).unwrap();
+        let robot = Pose::identity();
+        for (seconds, changes, count) in [
+            (0.0, false, 0),
+            (2.0, true, 1),
+            (4.9, false, 1),
+            (5.0, true, 0),
+            (9.0, false, 0),
+        ] {
+            assert_eq!(
+                (schedule.advance(seconds, &robot), there(&schedule).len()),
+                (changes, count),
+                "at {seconds}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_came_and_went_between_two_looks_changed_nothing() {
+        let mut schedule = Schedule::new(vec![obstacle()]).unwrap();
+        assert!(!schedule.advance(7.0, &Pose::identity()));
+    }
+
+    #[test]
+    fn it_puts_things_in_front_of_the_robot_and_leaves_them_there() {
+        let in_front = Obstacle {
+            frame: "robot".to_owned(),
+            ..obstacle()
+        };
+        let mut schedule = Schedule::new(vec![in_front]).unwrap();
+        schedule.advance(
+            2.0,
+            &heading(Point::new(3.0, 4.0), std::f64::consts::FRAC_PI_2),
+        );
+        schedule.advance(3.0, &Pose::identity());
+        let Solid::Disc(disc) = &there(&schedule)[0] else {
+            panic!("a disc was put");
+        };
+        assert!((disc.centre - Point::new(3.0, 5.0)).norm() < 1e-12);
+    }
+
+    #[test]
+    fn it_turns_blocks() {
+        let turned = Obstacle {
+            disc: None,
+            block: Some([1.0, 1.0, 2.0, 0.2, std::f64::consts::FRAC_PI_2]),
+            ..obstacle()
+        };
+        let mut schedule = Schedule::new(vec![turned]).unwrap();
+        schedule.advance(2.0, &Pose::identity());
+        let Solid::Polygon(corners) = &there(&schedule)[0] else {
+            panic!("a block was put");
+        };
+        assert!((corners[0] - Point::new(0.9, 2.0)).norm() < 1e-12);
+    }
+
+    #[test]
+    fn it_says_which_entry_is_none() {
+        let two = Obstacle {
+            block: Some([0.0; 5]),
+            ..obstacle()
+        };
+        let none = Obstacle {
+            disc: None,
+            ..obstacle()
+        };
+        let flat = Obstacle {
+            disc: Some([0.0, 0.0, 0.0]),
+            ..obstacle()
+        };
+        let nowhere = Obstacle {
+            disc: Some([f64::NAN, 0.0, 1.0]),
+            ..obstacle()
+        };
+        let lost = Obstacle {
+            frame: "laser".to_owned(),
+            ..obstacle()
+        };
+        for (entry, words) in [
+            (two, "either"),
+            (none, "either"),
+            (flat, "above zero"),
+            (nowhere, "finite"),
+            (lost, "`laser`"),
+        ] {
+            let error = Schedule::new(vec![obstacle(), entry])
+                .unwrap_err()
+                .to_string();
+            assert!(
+                error.starts_with("obstacle 2: ") && error.contains(words),
+                "{error}"
+            );
+        }
     }
 }

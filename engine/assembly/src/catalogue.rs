@@ -1,18 +1,29 @@
 //! What this build has: components, messages, operations. The robot's crates fill it; this crate
 //! only asks.
 
+use component::declaration::{Declaration, OperationDeclaration};
+use component::{Component, Interface};
 use datum::Schema;
 
-use crate::Value;
 use crate::model::Builtin;
+
+/// Makes a component: declares its ports, services and properties on the interface.
+pub type Constructor = fn(&mut Interface) -> Box<dyn Component>;
 
 /// What this build has.
 pub trait Catalogue {
     /// The names under `implementation.rust`.
     fn components(&self) -> Vec<String>;
 
-    /// What the component of this name declares in its constructor.
-    fn declaration(&self, component: &str) -> Option<Declaration>;
+    /// Makes the component of this name.
+    fn constructor(&self, component: &str) -> Option<Constructor>;
+
+    /// What the component of this name declares.
+    fn declaration(&self, component: &str) -> Option<Declaration> {
+        let mut scratch = Interface::new();
+        self.constructor(component)?(&mut scratch);
+        Some(scratch.declaration().clone())
+    }
 
     /// Whether this built-in is in this build.
     fn has(&self, builtin: Builtin) -> bool;
@@ -24,98 +35,54 @@ pub trait Catalogue {
     fn schema(&self, message: &str) -> Option<Schema>;
 
     /// The operations of an interface; `None` where the interface is not known.
-    fn operations(&self, interface: &str) -> Option<Vec<Operation>>;
+    fn operations(&self, interface: &str) -> Option<Vec<OperationDeclaration>>;
 }
 
-/// A build that has nothing: what a composite says of its components is believed.
+/// A build as tables of names. An empty one has nothing: what a composite says of its components
+/// is then believed.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct EmptyCatalogue;
+pub struct Tables {
+    /// Components by the name a composite gives them.
+    pub components: &'static [(&'static str, Constructor)],
+    /// Message types.
+    pub messages: &'static [(&'static str, fn() -> &'static Schema)],
+    /// Interfaces of services.
+    pub interfaces: &'static [(&'static str, fn() -> Vec<OperationDeclaration>)],
+    /// Built-ins.
+    pub builtins: &'static [Builtin],
+}
 
-impl Catalogue for EmptyCatalogue {
+impl Tables {
+    /// A build that has nothing.
+    pub const EMPTY: Self = Self { components: &[], messages: &[], interfaces: &[], builtins: &[] };
+}
+
+impl Catalogue for Tables {
     fn components(&self) -> Vec<String> {
-        Vec::new()
+        self.components.iter().map(|(name, _)| (*name).to_owned()).collect()
     }
 
-    fn declaration(&self, _: &str) -> Option<Declaration> {
-        None
+    fn constructor(&self, component: &str) -> Option<Constructor> {
+        row(self.components, component)
     }
 
-    fn has(&self, _: Builtin) -> bool {
-        false
+    fn has(&self, builtin: Builtin) -> bool {
+        self.builtins.contains(&builtin)
     }
 
     fn messages(&self) -> Vec<String> {
-        Vec::new()
+        self.messages.iter().map(|(name, _)| (*name).to_owned()).collect()
     }
 
-    fn schema(&self, _: &str) -> Option<Schema> {
-        None
+    fn schema(&self, message: &str) -> Option<Schema> {
+        row(self.messages, message).map(|schema| schema().clone())
     }
 
-    fn operations(&self, _: &str) -> Option<Vec<Operation>> {
-        None
+    fn operations(&self, interface: &str) -> Option<Vec<OperationDeclaration>> {
+        row(self.interfaces, interface).map(|operations| operations())
     }
 }
 
-/// What a component declares.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Declaration {
-    /// Input ports.
-    pub inputs: Vec<Port>,
-    /// Output ports.
-    pub outputs: Vec<Port>,
-    /// Services it provides.
-    pub services: Vec<Service>,
-    /// References it needs.
-    pub references: Vec<Service>,
-    /// Properties it reads.
-    pub properties: Vec<PropertyInfo>,
-}
-
-/// A port.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Port {
-    /// Its name.
-    pub name: String,
-    /// The type of its messages; empty where only the composite knows.
-    pub type_name: String,
-}
-
-/// A service or a reference.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Service {
-    /// Its name.
-    pub name: String,
-    /// Its interface.
-    pub interface: String,
-    /// Whether a reference may stay without a service.
-    pub optional: bool,
-}
-
-/// An operation of an interface.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Operation {
-    /// Its name.
-    pub name: String,
-    /// The type of its argument.
-    pub request: String,
-    /// The type of its result.
-    pub response: String,
-}
-
-/// A property of a component.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PropertyInfo {
-    /// Its name.
-    pub name: String,
-    /// Its value unless set; also tells its type.
-    pub default: Value,
-    /// The least value.
-    pub min: Option<f64>,
-    /// The greatest value.
-    pub max: Option<f64>,
-    /// Its unit.
-    pub unit: Option<String>,
-    /// What it is for.
-    pub doc: String,
+fn row<T: Copy>(table: &[(&str, T)], name: &str) -> Option<T> {
+    table.iter().find(|(known, _)| *known == name).map(|(_, found)| *found)
 }

@@ -2,7 +2,7 @@
 
 use source::Loader;
 
-use crate::catalogue::{Catalogue, EmptyCatalogue};
+use crate::catalogue::{Catalogue, Tables};
 use crate::environment::{EmptyEnvironment, Environment};
 use crate::signature::{NoSpecifications, Specifications};
 
@@ -27,7 +27,7 @@ impl<'a> Context<'a> {
         Self {
             loader,
             environment: &EmptyEnvironment,
-            catalogue: &EmptyCatalogue,
+            catalogue: &Tables::EMPTY,
             specifications: &NoSpecifications,
             settings: &[],
         }

@@ -89,13 +89,22 @@ impl Family {
         self.members.get(path)
     }
 
+    /// The files of composites, by path.
+    pub(crate) fn members(&self) -> impl Iterator<Item = (&str, &Member)> {
+        self.members.iter().map(|(path, member)| (path.as_str(), member))
+    }
+
     /// The composites in order of their paths.
     pub(crate) fn composites(&self) -> impl Iterator<Item = &Composite> {
         self.members.values().map(|member| &member.composite)
     }
 
     /// The nested composite that `file` names.
-    pub(crate) fn nested(&self, member: &Member, file: &str) -> Option<(&str, &Member)> {
+    pub(crate) fn nested<'f>(
+        &'f self,
+        member: &'f Member,
+        file: &str,
+    ) -> Option<(&'f str, &'f Member)> {
         let path = member.path(file)?;
         Some((path, self.members.get(path)?))
     }
@@ -106,7 +115,10 @@ impl Family {
     }
 
     /// The files of types that the composite names.
-    pub(crate) fn types(&self, member: &Member) -> impl Iterator<Item = &TypeFile> {
+    pub(crate) fn types<'f>(
+        &'f self,
+        member: &'f Member,
+    ) -> impl Iterator<Item = &'f TypeFile> {
         let files = member.composite.types.iter();
         files.filter_map(|file| self.types.get(member.path(file)?))
     }

@@ -60,6 +60,9 @@ const MAX_LENGTH: usize = 80;
 pub(crate) trait Suggest {
     /// "did you mean", as a fix and with the place of the declaration.
     fn suggest(self, span: Span, nearest: &Option<Nearest>) -> Self;
+
+    /// The same, or other help where no name resembles what was written.
+    fn suggest_or(self, span: Span, nearest: &Option<Nearest>, help: impl Into<String>) -> Self;
 }
 
 impl Suggest for Diagnostic {
@@ -72,6 +75,13 @@ impl Suggest for Diagnostic {
             None => self,
         };
         diagnostic.fix(format!("did you mean `{name}`?"), span, name)
+    }
+
+    fn suggest_or(self, span: Span, nearest: &Option<Nearest>, help: impl Into<String>) -> Self {
+        match nearest {
+            Some(_) => self.suggest(span, nearest),
+            None => self.help(help),
+        }
     }
 }
 

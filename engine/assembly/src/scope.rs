@@ -1,5 +1,6 @@
 //! Values of properties, and what is substituted for them: the one place that asks the environment.
 
+use std::path::Path;
 use std::collections::BTreeMap;
 
 use source::{Diagnostic, Report, Sources, Span};
@@ -57,9 +58,14 @@ impl Finding for SettingError {
                     None => diagnostic,
                 }
             }
-            Self::NotSet { name, at } => Diagnostic::warning("C014", self)
-                .label(*at, "needed to start")
-                .help(format!("set it, or give a default: `${{{name}:-default}}`")),
+            Self::NotSet { name, at } => {
+                let help = match (name.ends_with("_FILE"), is_secret(name)) {
+                    (true, _) => "set it to the path of the file that holds the secret".to_owned(),
+                    (false, true) => "set it before the start".to_owned(),
+                    (false, false) => format!("set it, or give a default: `${{{name}:-default}}`"),
+                };
+                Diagnostic::warning("C014", self).label(*at, "needed to start").help(help)
+            }
             Self::NoSecret { at, .. } => {
                 Diagnostic::warning("C014", self).label(*at, "needed to start")
             }
@@ -89,13 +95,35 @@ impl Finding for SettingError {
     }
 }
 
+/// What comes up while values are put together.
+#[derive(Default)]
+pub(crate) struct Notes {
+    pub report: Report,
+    /// Environment variables that are not set.
+    pub missing: Vec<String>,
+}
+
+impl Notes {
+    fn missing(&mut self, name: &str) {
+        if !self.missing.iter().any(|known| known == name) {
+            self.missing.push(name.to_owned());
+        }
+    }
+}
+
+impl Findings for Notes {
+    fn found(&mut self, finding: impl Finding) {
+        self.report.found(finding);
+    }
+}
+
 /// A range of numbers; open where there is no limit.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Range {
     pub min: Option<f64>,
     pub max: Option<f64>,
-    /// A unit to show behind it.
-    pub unit: Option<&'static str>,
+    /// A unit to show behind it; empty for none.
+    pub unit: String,
 }
 
 impl Range {
@@ -106,7 +134,8 @@ impl Range {
 
 impl std::fmt::Display for Range {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let unit = self.unit.map_or(String::new(), |unit| format!(" {unit}"));
+        let space = if self.unit.is_empty() { "" } else { " " };
+        let unit = format!("{space}{}", self.unit);
         match (self.min, self.max) {
             (Some(min), Some(max)) => write!(f, "{min} ..= {max}{unit}"),
             (Some(min), None) => write!(f, "{min} ..{unit}"),
@@ -145,21 +174,24 @@ impl<'s> Scope<'s> {
         mut set: BTreeMap<String, (Option<Value>, Option<Span>)>,
         environment: &'s dyn Environment,
         sources: &'s Sources,
-        report: &mut Report,
+        notes: &mut Notes,
     ) -> Self {
         let mut scope = Self { values: BTreeMap::new(), environment, sources };
         for property in properties {
             let value = match (set.remove(&property.name.value), &property.default) {
                 (Some((value, at)), _) => {
-                    value.and_then(|value| accept(property, value, at, report))
+                    let value = value.and_then(|value| accept(property, value, at, notes));
+                    value.map(|value| beside(property.kind.value, value, at, sources))
                 }
                 (None, Some(default)) => {
-                    let value = scope.default(property, default, report);
-                    value.and_then(|value| accept(property, value, Some(default.span), report))
+                    let value = scope.default(property, default, notes);
+                    let at = Some(default.span);
+                    let value = value.and_then(|value| accept(property, value, at, notes));
+                    value.map(|value| beside(property.kind.value, value, at, sources))
                 }
                 (None, None) => {
                     let (name, at) = (property.name.value.clone(), property.name.span);
-                    report.found(SettingError::MustBeSet { name, at });
+                    notes.found(SettingError::MustBeSet { name, at });
                     None
                 }
             };
@@ -174,20 +206,20 @@ impl<'s> Scope<'s> {
     }
 
     /// The value of a node, with everything substituted; `None` where something is missing.
-    pub(crate) fn node(&self, node: &Node, report: &mut Report) -> Option<Value> {
+    pub(crate) fn node(&self, node: &Node, notes: &mut Notes) -> Option<Value> {
         Some(match &node.value {
-            Branch::Text(text) => return self.text(text, node.span, report),
+            Branch::Text(text) => return self.text(text, node.span, notes),
             Branch::Integer(number) => Value::Integer(*number),
             Branch::Float(number) => Value::Real(*number),
             Branch::Boolean(truth) => Value::Boolean(*truth),
             Branch::Date(date) => Value::Text(date.clone()),
             Branch::List(items) => {
-                let values: Vec<_> = items.iter().map(|item| self.node(item, report)).collect();
+                let values: Vec<_> = items.iter().map(|item| self.node(item, notes)).collect();
                 Value::List(values.into_iter().collect::<Option<_>>()?)
             }
             Branch::Table(table) => {
                 let fields = table.entries.iter().map(|entry| {
-                    let value = self.node(&entry.node, report)?;
+                    let value = self.node(&entry.node, notes)?;
                     Some((entry.key.value.clone(), value))
                 });
                 let fields: Vec<_> = fields.collect();
@@ -197,8 +229,8 @@ impl<'s> Scope<'s> {
     }
 
     /// A default; what the environment gives is text, also where a number is wanted.
-    fn default(&self, property: &Property, node: &Node, report: &mut Report) -> Option<Value> {
-        let value = self.node(node, report)?;
+    fn default(&self, property: &Property, node: &Node, notes: &mut Notes) -> Option<Value> {
+        let value = self.node(node, notes)?;
         match (&value, &node.value) {
             (Value::Text(filled), Branch::Text(written)) if filled != written => {
                 from_text(filled, property.kind.value).or(Some(value))
@@ -208,33 +240,33 @@ impl<'s> Scope<'s> {
     }
 
     /// A text that is nothing but a property is that property, number or not.
-    fn text(&self, text: &str, span: Span, report: &mut Report) -> Option<Value> {
+    fn text(&self, text: &str, span: Span, notes: &mut Notes) -> Option<Value> {
         let exact = self.sources.snippet(span) == text;
         let template = template::parse(text, span, exact).ok()?;
         if let [Piece::Property { name, span }] = template.pieces.as_slice() {
-            return self.property(name, *span, report).cloned();
+            return self.property(name, *span, notes).cloned();
         }
-        let filled = self.fill(&template, report)?;
+        let filled = self.fill(&template, notes)?;
         Some(match filled.secret() {
             true => Value::Secret(filled.text),
             false => Value::Text(filled.text),
         })
     }
 
-    fn property(&self, name: &str, at: Span, report: &mut Report) -> Option<&Value> {
+    fn property(&self, name: &str, at: Span, notes: &mut Notes) -> Option<&Value> {
         match self.values.get(name) {
             Some((value, _)) => value.as_ref(),
             None => {
                 let known = self.values.iter().map(|(name, (_, at))| (name.as_str(), Some(*at)));
                 let nearest = nearest(name, known);
-                report.found(SettingError::Unknown { name: name.to_owned(), at: Some(at), nearest });
+                notes.found(SettingError::Unknown { name: name.to_owned(), at: Some(at), nearest });
                 None
             }
         }
     }
 
     /// A text with everything substituted; `None` where something is missing.
-    pub(crate) fn fill(&self, template: &Template, report: &mut Report) -> Option<Filled> {
+    pub(crate) fn fill(&self, template: &Template, notes: &mut Notes) -> Option<Filled> {
         let mut text = String::new();
         let mut shown = String::new();
         let mut complete = true;
@@ -242,10 +274,10 @@ impl<'s> Scope<'s> {
             let filled = match piece {
                 Piece::Text(plain) => Some((plain.clone(), false)),
                 Piece::Property { name, span } => {
-                    self.property(name, *span, report).map(plain)
+                    self.property(name, *span, notes).map(plain)
                 }
                 Piece::Variable { name, default, span } => {
-                    self.variable(name, default.as_deref(), *span, report)
+                    self.variable(name, default.as_deref(), *span, notes)
                 }
             };
             match filled {
@@ -265,11 +297,12 @@ impl<'s> Scope<'s> {
         name: &str,
         default: Option<&str>,
         at: Span,
-        report: &mut Report,
+        notes: &mut Notes,
     ) -> Option<(String, bool)> {
         let value = self.environment.variable(name).filter(|value| !value.is_empty());
         let Some(value) = value.or(default.map(str::to_owned)) else {
-            report.found(SettingError::NotSet { name: name.to_owned(), at });
+            notes.missing(name);
+            notes.found(SettingError::NotSet { name: name.to_owned(), at });
             return None;
         };
         if !name.ends_with("_FILE") {
@@ -278,8 +311,9 @@ impl<'s> Scope<'s> {
         match self.environment.secret(&value) {
             Ok(text) => Some((text.trim_end_matches(['\r', '\n']).to_owned(), true)),
             Err(reason) => {
+                notes.missing(name);
                 let (name, path) = (name.to_owned(), value);
-                report.found(SettingError::NoSecret { name, path, reason, at });
+                notes.found(SettingError::NoSecret { name, path, reason, at });
                 None
             }
         }
@@ -291,15 +325,15 @@ impl<'s> Scope<'s> {
         name: &str,
         amount: &At<Amount>,
         range: std::ops::RangeInclusive<i64>,
-        report: &mut Report,
+        notes: &mut Notes,
     ) -> Option<i64> {
         let template = match &amount.value {
             Amount::Number(number) => return Some(*number),
             Amount::Template(template) => template,
         };
         let value = match template.pieces.as_slice() {
-            [Piece::Property { name, span }] => self.property(name, *span, report)?.clone(),
-            _ => Value::Text(self.fill(template, report)?.text),
+            [Piece::Property { name, span }] => self.property(name, *span, notes)?.clone(),
+            _ => Value::Text(self.fill(template, notes)?.text),
         };
         let number = match &value {
             Value::Integer(number) => Some(*number),
@@ -312,7 +346,7 @@ impl<'s> Scope<'s> {
             | Value::Record(_) => None,
         };
         let Some(number) = number else {
-            report.found(SettingError::WrongType {
+            notes.found(SettingError::WrongType {
                 name: name.to_owned(),
                 wanted: "a whole number".to_owned(),
                 found: value.describe(),
@@ -323,10 +357,10 @@ impl<'s> Scope<'s> {
         };
         if !range.contains(&number) {
             let (min, max) = (Some(*range.start() as f64), Some(*range.end() as f64));
-            report.found(SettingError::OutOfRange {
+            notes.found(SettingError::OutOfRange {
                 name: name.to_owned(),
                 value: number.to_string(),
-                range: Range { min, max, unit: None },
+                range: Range { min, max, unit: String::new() },
                 at: Some(amount.span),
                 declared: None,
             });
@@ -346,18 +380,36 @@ fn plain(value: &Value) -> (String, bool) {
     }
 }
 
+/// A path counts from the folder of the file it is written in, wherever the run is begun.
+fn beside(kind: PropertyType, value: Value, at: Option<Span>, sources: &Sources) -> Value {
+    let Some(at) = at.filter(|_| kind.scalar == Scalar::Path) else {
+        return value;
+    };
+    match value {
+        Value::Text(path) => {
+            let folder = Path::new(sources.path(at.file)).parent().unwrap_or(Path::new(""));
+            Value::Text(folder.join(path).display().to_string())
+        }
+        Value::List(paths) => {
+            let paths = paths.into_iter().map(|path| beside(kind, path, Some(at), sources));
+            Value::List(paths.collect())
+        }
+        other => other,
+    }
+}
+
 /// A value for a property of a composite, if it has its type and lies in its range.
 fn accept(
     property: &Property,
     value: Value,
     at: Option<Span>,
-    report: &mut Report,
+    notes: &mut Notes,
 ) -> Option<Value> {
     let name = &property.name.value;
     let declared = Some(property.kind.span);
     let found = value.describe();
     let Some(value) = of_type(value, property.kind.value) else {
-        report.found(SettingError::WrongType {
+        notes.found(SettingError::WrongType {
             name: name.clone(),
             wanted: describe(property.kind.value),
             found,
@@ -370,29 +422,30 @@ fn accept(
     let range = Range {
         min: property.min.as_ref().map(|min| min.value).or(least),
         max: property.max.as_ref().map(|max| max.value).or(greatest),
-        unit: None,
+        unit: String::new(),
     };
     let limit = property.min.as_ref().or(property.max.as_ref());
     let declared = limit.map(|limit| limit.span).or(declared);
-    within(name, &value, range, at, declared, report).then_some(value)
+    within(name, &value, &range, at, declared, notes).then_some(value)
 }
 
 /// Whether all numbers of a value lie in a range.
 pub(crate) fn within(
     name: &str,
     value: &Value,
-    range: Range,
+    range: &Range,
     at: Option<Span>,
     declared: Option<Span>,
-    report: &mut Report,
+    notes: &mut Notes,
 ) -> bool {
     if let Value::List(items) = value {
-        return items.iter().all(|item| within(name, item, range, at, declared, report));
+        return items.iter().all(|item| within(name, item, range, at, declared, notes));
     }
     match value.number() {
         Some(number) if !range.contains(number) => {
             let (name, value) = (name.to_owned(), value.to_string());
-            report.found(SettingError::OutOfRange { name, value, range, at, declared });
+            let range = range.clone();
+            notes.found(SettingError::OutOfRange { name, value, range, at, declared });
             false
         }
         Some(_) | None => true,

@@ -84,12 +84,20 @@ pub(crate) struct SyntaxError {
 pub(crate) fn parse(file: FileId, text: &str) -> (Table, Vec<SyntaxError>) {
     let (root, errors) = DeTable::parse_recoverable(text);
     let mut grower = Grower { file, text, errors: Vec::new() };
+    // up to where a second table of one name reaches: its keys clash only because of that
+    let mut second_table = 0;
     for error in errors {
         let span = error.span().unwrap_or(0..0);
-        let earlier = (error.message() == "duplicate key")
-            .then(|| earlier_header(text, span.start))
-            .flatten()
-            .map(|range| Span::new(file, range.start, range.end));
+        let duplicate = error.message() == "duplicate key";
+        if duplicate && span.start < second_table {
+            continue;
+        }
+        let earlier = duplicate.then(|| earlier_header(text, span.start)).flatten();
+        if earlier.is_some() {
+            let rest = text.get(span.start..).unwrap_or("");
+            second_table = span.start + rest.find("\n[").unwrap_or(rest.len());
+        }
+        let earlier = earlier.map(|range| Span::new(file, range.start, range.end));
         let span = Span::new(file, span.start, span.end);
         grower.errors.push(SyntaxError { message: error.message().to_owned(), span, earlier });
     }

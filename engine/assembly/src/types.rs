@@ -9,6 +9,7 @@ use crate::At;
 use crate::catalogue::Catalogue;
 use crate::finding::{Finding, Findings};
 use crate::nearest::{Nearest, Suggest, nearest_name};
+use crate::read::error::has;
 
 /// A file of message types.
 #[derive(Clone, Debug)]
@@ -20,13 +21,13 @@ pub(crate) struct TypeFile {
 #[derive(Clone, Debug)]
 pub(crate) struct Definition {
     pub name: At<String>,
-    pub fields: Vec<(At<String>, At<TypeText>)>,
+    pub fields: Vec<(At<String>, TypeText)>,
 }
 
 /// `f64`, `f64[]`, `nav/Event[5]`.
 #[derive(Clone, Debug)]
 pub(crate) struct TypeText {
-    pub base: String,
+    pub base: At<String>,
     pub many: Many,
 }
 
@@ -80,18 +81,13 @@ impl Finding for TypeError {
                 .suggest(*at, nearest),
             Self::NoField { field, at, known, declared, .. } => {
                 let nearest = nearest_name(field, known.iter().map(String::as_str));
-                let known: Vec<&str> = known.iter().map(String::as_str).collect();
+                let known = known.iter().map(String::as_str);
                 let diagnostic = Diagnostic::error("C115", self).label(*at, "no such field");
                 let diagnostic = match declared {
                     Some(declared) => diagnostic.label(*declared, "the type is described here"),
                     None => diagnostic,
                 };
-                diagnostic
-                    .help(match known.is_empty() {
-                        true => "it has no fields".to_owned(),
-                        false => format!("it has {}", crate::read::error::enumerate(&known)),
-                    })
-                    .suggest(*at, &nearest)
+                diagnostic.suggest_or(*at, &nearest, has("fields", known))
             }
         }
     }
@@ -133,15 +129,34 @@ impl<'c> Types<'c> {
         if let Some((_, schema)) = self.described.get(name) {
             return Some(schema.clone());
         }
-        let text = text(name)?;
-        let base = match primitive(&text.base) {
+        let (base, count) = split(name)?;
+        let base = match primitive(base) {
             Some(shape) => shape,
-            None => match self.described.get(&text.base) {
+            None => match self.described.get(base) {
                 Some((_, schema)) => schema.clone(),
-                None => self.catalogue.schema(&text.base)?,
+                None => self.catalogue.schema(base)?,
             },
         };
-        Some(many(base, text.many))
+        Some(many(base, count))
+    }
+
+    /// Whether two names mean one type: `f64` and ROS's `float64` do.
+    pub(crate) fn same(&self, one: &str, other: &str) -> bool {
+        one == other
+            || match (self.schema(one), self.schema(other)) {
+                (Some(one), Some(other)) => one.compare(&other).is_ok(),
+                _ => false,
+            }
+    }
+
+    /// Whether a name means this type; what is known by nobody agrees with everything.
+    pub(crate) fn means(&self, name: &str, schema: &Schema) -> bool {
+        let known_by_name = schema.shape == Shape::Any;
+        if known_by_name {
+            return schema.name.is_empty() || schema.name == name;
+        }
+        name == schema.to_string()
+            || self.schema(name).is_some_and(|named| named.compare(schema).is_ok())
     }
 
     /// Where a type is described.
@@ -174,9 +189,18 @@ impl<'c> Types<'c> {
         name: &str,
         steps: &[At<String>],
     ) -> Result<Option<Schema>, TypeError> {
-        let Some(mut schema) = self.schema(name) else {
-            return Ok(None);
-        };
+        match self.schema(name) {
+            Some(schema) => self.within(schema, steps),
+            None => Ok(None),
+        }
+    }
+
+    /// The same inside a message whose schema is known.
+    pub(crate) fn within(
+        &self,
+        mut schema: Schema,
+        steps: &[At<String>],
+    ) -> Result<Option<Schema>, TypeError> {
         for step in steps {
             schema = match &schema.shape {
                 Shape::Any => return Ok(None),
@@ -248,11 +272,11 @@ impl<'d> Builder<'d, '_, '_> {
         Schema { name: definition.name.value.clone().into(), shape: Shape::Record(fields) }
     }
 
-    fn value(&mut self, text: &At<TypeText>) -> Schema {
+    fn value(&mut self, text: &TypeText) -> Schema {
         let base = match (primitive(&text.base), self.definitions.get_key_value(text.base.as_str()))
         {
             (Some(schema), _) => schema,
-            (None, Some((name, all))) => self.described(name, all, text.span),
+            (None, Some((name, all))) => self.described(name, all, text.base.span),
             (None, None) => match self.catalogue.schema(&text.base) {
                 Some(schema) => schema,
                 None => self.unknown(text),
@@ -272,14 +296,14 @@ impl<'d> Builder<'d, '_, '_> {
         }
     }
 
-    fn unknown(&mut self, text: &At<TypeText>) -> Schema {
+    fn unknown(&mut self, text: &TypeText) -> Schema {
         let messages = self.catalogue.messages();
         let primitives = PRIMITIVES.iter().map(|(name, _)| *name);
         let known = self.definitions.keys().copied().chain(primitives);
         let known = known.chain(messages.iter().map(String::as_str));
         let nearest = nearest_name(&text.base, known);
-        let name = text.base.clone();
-        self.report.found(TypeError::Unknown { name: name.clone(), at: text.span, nearest });
+        let At { value: name, span: at } = text.base.clone();
+        self.report.found(TypeError::Unknown { name: name.clone(), at, nearest });
         Schema::opaque(name)
     }
 
@@ -317,17 +341,15 @@ fn many(base: Schema, many: Many) -> Schema {
 }
 
 /// Splits `f64[5]`; `None` where the brackets make no sense.
-pub(crate) fn text(written: &str) -> Option<TypeText> {
-    let Some((base, rest)) = written.split_once('[') else {
-        let good = !written.is_empty();
-        return good.then(|| TypeText { base: written.to_owned(), many: Many::One });
+pub(crate) fn split(written: &str) -> Option<(&str, Many)> {
+    let (base, many) = match written.split_once('[') {
+        None => (written, Many::One),
+        Some((base, rest)) => match rest.strip_suffix(']')? {
+            "" => (base, Many::Any),
+            digits => (base, Many::Exactly(digits.parse().ok()?)),
+        },
     };
-    let count = rest.strip_suffix(']')?;
-    let many = match count {
-        "" => Many::Any,
-        digits => Many::Exactly(digits.parse().ok()?),
-    };
-    (!base.is_empty()).then(|| TypeText { base: base.to_owned(), many })
+    (!base.is_empty()).then_some((base, many))
 }
 
 /// The types that are no messages, by our names and by those of ROS.

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use datum::Datum;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
@@ -35,6 +36,20 @@ impl Value {
             Self::Real(number) => Some(*number),
             Self::Boolean(_) | Self::Text(_) | Self::Secret(_) | Self::List(_) | Self::Record(_) => {
                 None
+            }
+        }
+    }
+
+    /// The same as data that travels; a secret is shown there.
+    pub fn datum(&self) -> Datum {
+        match self {
+            Self::Boolean(truth) => Datum::Bool(*truth),
+            Self::Integer(number) => Datum::Int(*number),
+            Self::Real(number) => Datum::Float(*number),
+            Self::Text(text) | Self::Secret(text) => Datum::Text(text.clone()),
+            Self::List(items) => Datum::List(items.iter().map(Self::datum).collect()),
+            Self::Record(fields) => {
+                Datum::record(fields.iter().map(|(name, value)| (name.clone(), value.datum())))
             }
         }
     }

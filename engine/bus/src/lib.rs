@@ -1,1 +1,22 @@
-//! Topics, envelopes, publish and subscribe, request and reply
+//! Topics between processes: publish and subscribe, request and reply, behind one trait.
+//!
+//! [`Bus`] is the seam; [`Local`] is the bus inside one process. Every back end passes the same suite,
+//! [`contract::violations`]. Inside a process components are joined directly; the bus carries their topics to tools
+//! and to other processes.
+
+mod bell;
+mod bus;
+pub mod contract;
+mod envelope;
+mod local;
+mod pattern;
+mod queue;
+mod request;
+
+pub use bell::Bell;
+pub use bus::{Bus, BusError, Origin, Publisher};
+pub use envelope::{Envelope, Payload};
+pub use local::Local;
+pub use pattern::Pattern;
+pub use queue::{Inlet, Overflow, Queue, Subscription};
+pub use request::{Call, CallFailure, Pending, Refusal, Serving};

@@ -4,6 +4,8 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
+use crate::Time;
+
 /// What drives cycles, and how.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Activity {
@@ -43,6 +45,35 @@ pub enum Overrun {
     CatchUp,
     /// The component fails.
     Fail,
+}
+
+impl Overrun {
+    /// After a cycle that was due at `due` and ran from `begin` to `end`: how many periods it has missed, and when the
+    /// next one is due.
+    pub(crate) fn after_cycle(
+        self,
+        due: Time,
+        period: Duration,
+        begin: Time,
+        end: Time,
+    ) -> (u64, Time) {
+        let passed = |at: Time| {
+            let periods = at.since(due).as_nanos() / period.as_nanos().max(1);
+            u64::try_from(periods).unwrap_or(u64::MAX)
+        };
+        match self {
+            Self::Skip | Self::Fail => {
+                let missed = passed(end);
+                let skipped = u32::try_from(missed).unwrap_or(u32::MAX);
+                (
+                    missed,
+                    due + period.saturating_mul(skipped.saturating_add(1)),
+                )
+            }
+            // What was missed before this cycle is being made up for, and has been counted.
+            Self::CatchUp => (passed(end) - passed(begin), due + period),
+        }
+    }
 }
 
 impl Activity {
@@ -118,5 +149,52 @@ impl Drive {
             Self::Period(period) => Some(period),
             Self::Event | Self::Manual => None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Span;
+
+    /// Missed periods and the next deadline of a cycle of 10 ms, all in milliseconds.
+    fn after(overrun: Overrun, due: u64, begin: u64, end: u64) -> (u64, u64) {
+        let at = |ms: u64| Time::ZERO + ms.ms();
+        let (missed, next) = overrun.after_cycle(at(due), 10.ms(), at(begin), at(end));
+        (missed, next.nanos().unsigned_abs() / 1_000_000)
+    }
+
+    #[test]
+    fn t6_a_cycle_of_35_ms_at_10_ms_misses_three_periods() {
+        for (overrun, next) in [
+            (Overrun::Skip, 40),
+            (Overrun::Fail, 40),
+            (Overrun::CatchUp, 10),
+        ] {
+            assert_eq!(after(overrun, 0, 0, 35), (3, next), "{overrun:?}");
+        }
+    }
+
+    #[test]
+    fn t6_a_cycle_in_time_misses_none() {
+        for overrun in [Overrun::Skip, Overrun::Fail, Overrun::CatchUp] {
+            assert_eq!(after(overrun, 20, 23, 29), (0, 30), "{overrun:?}");
+        }
+    }
+
+    #[test]
+    fn t6_what_is_caught_up_is_counted_once() {
+        assert_eq!(after(Overrun::CatchUp, 10, 35, 36), (0, 20));
+        assert_eq!(after(Overrun::CatchUp, 20, 36, 41), (1, 30));
+    }
+
+    #[test]
+    fn t6_a_cycle_that_begins_late_skips_to_the_next_whole_period() {
+        assert_eq!(after(Overrun::Skip, 0, 12, 13), (1, 20));
+    }
+
+    #[test]
+    fn t16_a_period_of_zero_is_event_driven() {
+        assert_eq!(Activity::periodic(Duration::ZERO), Activity::event());
     }
 }

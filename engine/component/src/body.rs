@@ -8,12 +8,14 @@ use datum::{Datum, Sample};
 use crate::declaration::Declaration;
 use crate::outside::Leaving;
 use crate::port::{AnyInput, AnyOutput};
-use crate::property::{AnyProperty, PropertyError, suggestion_among};
+use crate::property::{AnyProperty, PropertyError, PropertyProblem, suggestion_among};
 use crate::service::{CallId, Caller, Reference, RequestId, Service, ServiceFault, Slot};
 use crate::{Event, Fault, Interface};
 
 /// Everything that belongs to a component besides its own code.
 pub(crate) struct Body {
+    /// The interface its handles were declared on.
+    pub owner: u32,
     pub declaration: Declaration,
     pub inputs: Vec<Box<dyn AnyInput>>,
     pub outputs: Vec<Box<dyn AnyOutput>>,
@@ -53,8 +55,14 @@ impl Body {
     pub(crate) fn new(interface: Interface, component: usize) -> Self {
         let declaration = interface.declaration().clone();
         Self {
+            owner: interface.owner,
             topics: declaration.outputs.iter().map(|_| None).collect(),
-            services: declaration.services.iter().cloned().map(Service::new).collect(),
+            services: declaration
+                .services
+                .iter()
+                .cloned()
+                .map(Service::new)
+                .collect(),
             references: (declaration.references.iter().cloned())
                 .map(|declaration| Reference {
                     declaration,
@@ -160,47 +168,42 @@ impl Body {
         self.caller.abandon(&self.references, leaving);
     }
 
-    /// Whether something waits for the next cycle beside samples.
-    pub(crate) fn has_news(&self) -> bool {
-        self.caller.has_news() || self.services.iter().any(Service::has_news)
-    }
-
     /// Sets properties, all or none; see [`Body::apply`].
     pub(crate) fn prepare(
         &mut self,
         component: &str,
         values: &[(String, Datum)],
     ) -> Result<(), PropertyError> {
-        let result = values
-            .iter()
-            .try_for_each(|(name, value)| self.prepare_one(component, name, value));
-        if result.is_err() {
-            for property in &mut self.properties {
-                property.forget();
-            }
+        for (name, value) in values {
+            self.property(component, name)?
+                .check(value)
+                .map_err(|problem| PropertyError {
+                    component: component.to_owned(),
+                    property: name.clone(),
+                    problem: Box::new(problem),
+                })?;
         }
-        result
+        for (name, value) in values {
+            self.property(component, name)?.prepare(value);
+        }
+        Ok(())
     }
 
-    fn prepare_one(
+    fn property(
         &mut self,
         component: &str,
         name: &str,
-        value: &Datum,
-    ) -> Result<(), PropertyError> {
-        let found = (self.properties.iter_mut())
-            .find(|property| property.declaration().name == name);
-        match found {
-            Some(property) => property.prepare(component, value),
-            None => Err(PropertyError::Unknown {
+    ) -> Result<&mut dyn AnyProperty, PropertyError> {
+        let known = &self.declaration.properties;
+        let Some(index) = known.iter().position(|property| property.name == name) else {
+            let nearest = suggestion_among(name, known.iter().map(|known| &*known.name));
+            return Err(PropertyError {
                 component: component.to_owned(),
                 property: name.to_owned(),
-                nearest: suggestion_among(
-                    name,
-                    self.declaration.properties.iter().map(|known| &*known.name),
-                ),
-            }),
-        }
+                problem: Box::new(PropertyProblem::Unknown { nearest }),
+            });
+        };
+        Ok(&mut *self.properties[index])
     }
 
     /// Puts prepared property values in place.

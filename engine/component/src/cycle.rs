@@ -11,11 +11,12 @@ use datum::{Datum, DatumError, Message, Sample};
 use crate::body::{Action, Body};
 use crate::handle::{In, Out, Property, Provided, Required};
 use crate::port::{Flow, Input, Output};
-use crate::property::{self, PropertyValue};
-use crate::service::{
-    CallError, CallId, Operation, Reply, Request, RequestId, ServiceFault, Slot,
-};
+use crate::property::PropertyValue;
+use crate::service::{CallError, CallId, Operation, Reply, Request, RequestId, ServiceFault, Slot};
 use crate::{Fault, Time};
+
+/// What a handle that was not the component's stands for.
+type Foreign = &'static str;
 
 /// One cycle of one component: freeze inputs, compute, commit all outputs or none.
 ///
@@ -26,12 +27,17 @@ pub struct Cycle<'a> {
     number: u64,
     interrupt: &'a AtomicBool,
     /// The first handle that was not this component's.
-    foreign: Cell<Option<(&'static str, usize)>>,
+    foreign: Cell<Option<Foreign>>,
     error: Option<Fault>,
 }
 
 impl<'a> Cycle<'a> {
-    pub(crate) fn new(body: &'a mut Body, now: Time, number: u64, interrupt: &'a AtomicBool) -> Self {
+    pub(crate) fn new(
+        body: &'a mut Body,
+        now: Time,
+        number: u64,
+        interrupt: &'a AtomicBool,
+    ) -> Self {
         Self {
             body,
             now,
@@ -64,19 +70,22 @@ impl<'a> Cycle<'a> {
 
     /// Whether an input's newest sample is older than its connection promises.
     pub fn is_stale<T: Message>(&self, port: In<T>) -> bool {
-        let input = self.body.inputs.get(port.position());
+        let input = self.body.inputs.get(port.position(self.body.owner));
         input.is_some_and(|input| input.is_stale())
     }
 
     /// Writes a sample; it leaves when the cycle has succeeded (TCA `send`).
     pub fn write<T: Message>(&mut self, port: Out<T>, sample: T) {
-        let output = self.body.outputs.get_mut(port.position());
-        match output.and_then(|output| (&mut **output as &mut dyn Any).downcast_mut::<Output<T>>()) {
+        let output = self.body.outputs.get_mut(port.position(self.body.owner));
+        match output.and_then(|output| (&mut **output as &mut dyn Any).downcast_mut::<Output<T>>())
+        {
             Some(output) => {
                 output.write(sample);
-                self.body.journal.push(Action::Write(port.position()));
+                self.body
+                    .journal
+                    .push(Action::Write(port.position(self.body.owner)));
             }
-            None => self.refuse("output", port.position()),
+            None => self.refuse("output"),
         }
     }
 
@@ -160,8 +169,8 @@ impl<'a> Cycle<'a> {
 
     /// The value of a property, as of the beginning of the cycle.
     pub fn property<T: PropertyValue>(&self, property: Property<T>) -> T {
-        self.body.property(property).unwrap_or_else(|| {
-            self.refuse("property", property.position());
+        self.body.value(property).unwrap_or_else(|| {
+            self.refuse("property");
             T::initial()
         })
     }
@@ -192,33 +201,39 @@ impl<'a> Cycle<'a> {
     pub(crate) fn finish(self) -> Result<Option<Fault>, Fault> {
         match self.foreign.get() {
             None => Ok(self.error),
-            Some((kind, position)) => Err(Fault::ForeignHandle {
-                handle: format!("{kind} {position}"),
-            }),
+            Some(kind) => Err(Fault::ForeignHandle { kind: kind.into() }),
         }
     }
 
     fn input<T: Message>(&self, port: In<T>) -> Option<&Input<T>> {
-        let input = self.body.inputs.get(port.position());
+        let input = self.body.inputs.get(port.position(self.body.owner));
         let input = input.and_then(|input| (&**input as &dyn Any).downcast_ref());
         if input.is_none() {
-            self.refuse("input", port.position());
+            self.refuse("input");
         }
         input
     }
 
     fn provided<O: Operation>(&self, served: Provided<O>) -> Option<Slot> {
-        let slot = self.body.provided.get(served.position()).copied();
+        let slot = self
+            .body
+            .provided
+            .get(served.position(self.body.owner))
+            .copied();
         if slot.is_none() {
-            self.refuse("service", served.position());
+            self.refuse("service");
         }
         slot
     }
 
     fn required<O: Operation>(&self, reference: Required<O>) -> Option<Slot> {
-        let slot = self.body.required.get(reference.position()).copied();
+        let slot = self
+            .body
+            .required
+            .get(reference.position(self.body.owner))
+            .copied();
         if slot.is_none() {
-            self.refuse("reference", reference.position());
+            self.refuse("reference");
         }
         slot
     }
@@ -241,12 +256,7 @@ impl<'a> Cycle<'a> {
         call
     }
 
-    fn answer(
-        &mut self,
-        slot: Slot,
-        to: RequestId,
-        result: Result<Arc<dyn Sample>, ServiceFault>,
-    ) {
+    fn answer(&mut self, slot: Slot, to: RequestId, result: Result<Arc<dyn Sample>, ServiceFault>) {
         self.body.journal.push(Action::Answer {
             service: slot.port,
             to,
@@ -254,63 +264,11 @@ impl<'a> Cycle<'a> {
         });
     }
 
-    fn refuse(&self, kind: &'static str, position: usize) {
-        if self.foreign.get().is_none() {
-            self.foreign.set(Some((kind, position)));
-        }
+    fn refuse(&self, kind: Foreign) {
+        self.foreign.set(Some(kind));
     }
 }
 
 fn unreadable(code: &str, error: &DatumError) -> ServiceFault {
     ServiceFault::new(code, error.to_string())
-}
-
-/// What a component sees while it is configured: its properties.
-pub struct Setup<'a> {
-    body: &'a Body,
-    name: &'a str,
-    /// The position of a property that was not this component's.
-    foreign: Cell<Option<usize>>,
-}
-
-impl<'a> Setup<'a> {
-    pub(crate) fn new(body: &'a Body, name: &'a str) -> Self {
-        Self {
-            body,
-            name,
-            foreign: Cell::new(None),
-        }
-    }
-
-    /// The component's name in the system.
-    pub fn name(&self) -> &str {
-        self.name
-    }
-
-    /// The value of a property.
-    pub fn property<T: PropertyValue>(&self, property: Property<T>) -> T {
-        self.body.property(property).unwrap_or_else(|| {
-            self.foreign.set(Some(property.position()));
-            T::initial()
-        })
-    }
-
-    /// Fails if a handle was not this component's.
-    pub(crate) fn finish(self) -> Result<(), Fault> {
-        match self.foreign.get() {
-            None => Ok(()),
-            Some(position) => Err(Fault::ForeignHandle {
-                handle: format!("property {position}"),
-            }),
-        }
-    }
-}
-
-impl Body {
-    /// The value of a property, if the handle is this component's.
-    fn property<T: PropertyValue>(&self, property: Property<T>) -> Option<T> {
-        let slot = self.properties.get(property.position())?;
-        let slot: &property::Slot<T> = (&**slot as &dyn Any).downcast_ref()?;
-        Some(slot.value.clone())
-    }
 }

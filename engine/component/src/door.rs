@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use datum::Sample;
 
+use crate::connection::Delivery;
 use crate::outside::Outside;
 use crate::port::AnySender;
 use crate::property::suggestion_among;
@@ -12,7 +13,7 @@ use crate::system::Topic;
 use crate::unit::Unit;
 use crate::{Event, Policy, Time};
 
-/// How many samples from outside may wait for a component's next cycle.
+/// How many samples from outside may wait at a port for its component's next cycle.
 const WAITING: usize = 64;
 
 /// A way into one input port.
@@ -20,65 +21,61 @@ pub(crate) struct Door {
     /// `Component.port`.
     name: String,
     component: usize,
+    /// Whether samples trigger the component.
+    trigger: bool,
+    /// The type it takes.
     expected: String,
     sender: Box<dyn AnySender>,
+    dropped: u64,
 }
 
 /// All doors of a system.
 pub(crate) struct Doors {
-    doors: Vec<Door>,
-    /// Topics by name, with the doors of their subscribers.
-    topics: Vec<(String, Vec<usize>)>,
+    /// One for each input.
+    ports: Vec<Door>,
+    /// For each topic those of its subscribers, as they want to be served.
+    topics: Vec<(String, Vec<Door>)>,
 }
 
 /// Where a sample from outside goes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Place {
-    Door(usize),
+    Port(usize),
     Topic(usize),
 }
 
 impl Doors {
     pub(crate) fn new(units: &mut [Unit], topics: &[Topic]) -> Self {
-        let mut doors = Vec::new();
-        for unit in units {
-            let names = unit.body.declaration.inputs.iter();
-            for (input, port) in unit.body.inputs.iter_mut().zip(names) {
-                // Zeros are not asked for, so opening cannot fail.
-                let Ok(sender) = input.open(&Policy::buffer(WAITING)) else {
-                    continue;
-                };
-                doors.push(Door {
-                    name: format!("{}.{}", unit.name, port.name),
-                    component: unit.index,
-                    expected: port.schema.to_string(),
-                    sender,
-                });
-            }
+        let mut ports = Vec::new();
+        for unit in &mut *units {
+            let inputs = unit.body.inputs.len();
+            ports.extend(
+                (0..inputs).filter_map(|index| Door::open(unit, index, &Policy::buffer(WAITING))),
+            );
         }
-        let door_of = |name: &String| doors.iter().position(|door| door.name == *name);
         let topics = topics
             .iter()
             .map(|topic| {
-                let ends = topic.subscribers.iter();
-                let names = ends.map(|(end, _)| end.to_string());
-                (topic.name.clone(), names.filter_map(|name| door_of(&name)).collect())
+                let doors = topic.subscribers.iter().filter_map(|(end, policy)| {
+                    Door::open(units.get_mut(end.unit)?, end.index, policy)
+                });
+                (topic.name.clone(), doors.collect())
             })
             .collect();
-        Self { doors, topics }
+        Self { ports, topics }
     }
 
     /// Finds an input port, and checks that it can take the sample.
     pub(crate) fn port(&self, name: &str, sample: &Arc<dyn Sample>) -> Result<Place, RunError> {
-        let Some(index) = self.doors.iter().position(|door| door.name == name) else {
+        let Some(index) = self.ports.iter().position(|door| door.name == name) else {
             return Err(RunError::Unknown {
                 what: "input",
                 name: name.to_owned(),
-                nearest: suggestion_among(name, self.doors.iter().map(|door| &*door.name)),
+                nearest: suggestion_among(name, self.ports.iter().map(|door| &*door.name)),
             });
         };
-        self.doors[index].accepts(sample)?;
-        Ok(Place::Door(index))
+        self.ports[index].accepts(sample)?;
+        Ok(Place::Port(index))
     }
 
     /// Finds a topic, and checks that its subscribers can take the sample.
@@ -90,9 +87,8 @@ impl Doors {
                 nearest: suggestion_among(name, self.topics.iter().map(|(topic, _)| &**topic)),
             });
         };
-        for door in &self.topics[index].1 {
-            self.doors[*door].accepts(sample)?;
-        }
+        let doors = &self.topics[index].1;
+        doors.iter().try_for_each(|door| door.accepts(sample))?;
         Ok(Place::Topic(index))
     }
 
@@ -104,52 +100,85 @@ impl Doors {
         now: Time,
         outside: &mut dyn Outside,
     ) {
-        let name = match place {
-            Place::Door(door) => &self.doors[door].name,
-            Place::Topic(topic) => &self.topics[topic].0,
+        let (name, doors) = match place {
+            Place::Port(port) => {
+                let door = &mut self.ports[port];
+                (door.name.clone(), std::slice::from_mut(door))
+            }
+            Place::Topic(topic) => {
+                let (name, doors) = &mut self.topics[topic];
+                (name.clone(), doors.as_mut_slice())
+            }
         };
         outside.emit(
             now,
             &Event::Injected {
-                place: name,
+                place: &name,
                 sample: &**sample,
             },
         );
-        match place {
-            Place::Door(door) => self.doors[door].give(sample, now, outside),
-            Place::Topic(topic) => {
-                for door in &self.topics[topic].1 {
-                    self.doors[*door].give(sample, now, outside);
-                }
-            }
+        for door in doors {
+            door.give(sample, now, outside);
+        }
+    }
+
+    /// Counts a sample that nobody could read.
+    pub(crate) fn refuse(&mut self, place: Place, now: Time, outside: &mut dyn Outside) {
+        let doors = match place {
+            Place::Port(port) => std::slice::from_mut(&mut self.ports[port]),
+            Place::Topic(topic) => self.topics[topic].1.as_mut_slice(),
+        };
+        for door in doors {
+            door.drop_one(now, outside);
         }
     }
 }
 
 impl Door {
+    /// Opens a door. `None` if the policy asks for zeros that the type does not have, which joining has refused.
+    fn open(unit: &mut Unit, index: usize, policy: &Policy) -> Option<Self> {
+        let port = unit.body.declaration.inputs.get(index)?;
+        let sender = unit.body.inputs.get_mut(index)?.open(policy).ok()?;
+        Some(Self {
+            name: format!("{}.{}", unit.name, port.name),
+            component: unit.index,
+            trigger: policy.trigger,
+            expected: port.schema.to_string(),
+            sender,
+            dropped: 0,
+        })
+    }
+
     fn accepts(&self, sample: &Arc<dyn Sample>) -> Result<(), RunError> {
         self.sender
             .accepts(sample)
             .map_err(|source| RunError::Mismatch {
                 place: self.name.clone(),
                 expected: self.expected.clone(),
-                source,
+                source: Box::new(source),
             })
     }
 
     fn give(&mut self, sample: &Arc<dyn Sample>, now: Time, outside: &mut dyn Outside) {
         let order = outside.next_order();
         let delivery = self.sender.send_sample(Arc::clone(sample), now, order);
-        if delivery == Ok(crate::connection::Delivery::Stored) {
-            return outside.trigger(self.component);
+        if self.trigger && matches!(delivery, Ok(Delivery::Stored | Delivery::DroppedOldest)) {
+            outside.trigger(self.component);
         }
+        if delivery != Ok(Delivery::Stored) {
+            self.drop_one(now, outside);
+        }
+    }
+
+    fn drop_one(&mut self, now: Time, outside: &mut dyn Outside) {
+        self.dropped += 1;
         outside.emit(
             now,
             &Event::Dropped {
-                component: "outside",
-                port: "",
+                component: "",
+                port: "outside",
                 to: &self.name,
-                total: 1,
+                total: self.dropped,
             },
         );
     }

@@ -1,5 +1,10 @@
 //! What happens in a run, as observers see it.
 
+mod display;
+mod owned;
+
+pub(crate) use owned::Owned;
+
 use datum::{Datum, Sample};
 
 use crate::{CallError, CallId, Fault, State, Time};

@@ -19,8 +19,8 @@ pub enum Fault {
     Panicked(String),
     /// A handle was used that another component declared.
     ForeignHandle {
-        /// What the handle stands for: `input 3`.
-        handle: String,
+        /// What the handle stands for: `input`, `property`.
+        kind: String,
     },
     /// Components triggered each other without end at one instant.
     Loop {
@@ -70,8 +70,8 @@ impl fmt::Display for Fault {
         match self {
             Self::Failed(what) => f.write_str(what),
             Self::Panicked(what) => write!(f, "panicked: {what}"),
-            Self::ForeignHandle { handle } => {
-                write!(f, "{handle} was declared by another component")
+            Self::ForeignHandle { kind } => {
+                write!(f, "a handle of another component's {kind} was used")
             }
             Self::Loop { at, components } => write!(
                 f,

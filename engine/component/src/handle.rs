@@ -11,18 +11,22 @@ macro_rules! handle {
             $(#[$meta])*
             pub struct $name<$of $(: $bound)?> {
                 /// Position in the table of the component that declared it.
-                pub(crate) index: u32,
+                index: u32,
+                /// The interface it was declared on.
+                owner: u32,
                 of: PhantomData<fn() -> $of>,
             }
 
             impl<$of $(: $bound)?> $name<$of> {
-                pub(crate) fn new(index: usize) -> Self {
+                pub(crate) fn new(owner: u32, index: usize) -> Self {
                     // No component has four thousand million ports; were there one, the handle would be refused.
-                    Self { index: u32::try_from(index).unwrap_or(u32::MAX), of: PhantomData }
+                    let index = u32::try_from(index).unwrap_or(u32::MAX);
+                    Self { index, owner, of: PhantomData }
                 }
 
-                pub(crate) fn position(self) -> usize {
-                    self.index as usize
+                /// Its place in the table of its owner; in another's, a place that does not exist.
+                pub(crate) fn position(self, owner: u32) -> usize {
+                    if self.owner == owner { self.index as usize } else { usize::MAX }
                 }
             }
 

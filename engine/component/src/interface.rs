@@ -1,5 +1,7 @@
 //! The interface: a component's constructor declares here, and keeps the handles.
 
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use datum::{Datum, Message, Schema};
 
 use crate::declaration::{
@@ -12,8 +14,9 @@ use crate::property::{self, AnyProperty, PropertyValue, Setting};
 use crate::service::{Dynamic, Operation, Slot};
 
 /// Takes a component's declarations. Construction is declaration: no IO happens in it.
-#[derive(Default)]
 pub struct Interface {
+    /// Marks the handles that are given out here.
+    pub(crate) owner: u32,
     declaration: Declaration,
     problems: Vec<DeclarationError>,
     pub(crate) inputs: Vec<Box<dyn AnyInput>>,
@@ -28,7 +31,17 @@ pub struct Interface {
 impl Interface {
     /// An interface without declarations.
     pub fn new() -> Self {
-        Self::default()
+        static LAST: AtomicU32 = AtomicU32::new(0);
+        Self {
+            owner: LAST.fetch_add(1, Ordering::Relaxed),
+            declaration: Declaration::default(),
+            problems: Vec::new(),
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            properties: Vec::new(),
+            provided: Vec::new(),
+            required: Vec::new(),
+        }
     }
 
     /// What has been declared so far.
@@ -95,7 +108,7 @@ impl Interface {
 
     /// Marks a reference that the component does without if need be.
     pub fn optional<O: Operation>(&mut self, required: Required<O>) -> Required<O> {
-        let slot = self.required.get(required.position());
+        let slot = self.required.get(required.position(self.owner));
         if let Some(slot) = slot
             && let Some(reference) = self.declaration.references.get_mut(slot.port)
         {
@@ -105,12 +118,7 @@ impl Interface {
     }
 
     /// A property without bounds.
-    pub fn property<T: PropertyValue>(
-        &mut self,
-        name: &str,
-        default: T,
-        doc: &str,
-    ) -> Property<T> {
+    pub fn property<T: PropertyValue>(&mut self, name: &str, default: T, doc: &str) -> Property<T> {
         self.setting(name, default, doc).declare()
     }
 
@@ -129,7 +137,7 @@ impl Interface {
         self.refuse_twice(known, "input", name);
         self.inputs.push(Box::new(Input::<T>::new(schema.clone())));
         self.declaration.inputs.push(port(name, schema, doc));
-        In::new(self.inputs.len() - 1)
+        In::new(self.owner, self.inputs.len() - 1)
     }
 
     fn add_output<T: Message>(&mut self, name: &str, schema: Schema, doc: &str) -> Out<T> {
@@ -137,7 +145,7 @@ impl Interface {
         self.refuse_twice(known, "output", name);
         (self.outputs).push(Box::new(Output::<T>::new(schema.clone())));
         self.declaration.outputs.push(port(name, schema, doc));
-        Out::new(self.outputs.len() - 1)
+        Out::new(self.owner, self.outputs.len() - 1)
     }
 
     fn add_provided<O: Operation>(
@@ -159,11 +167,17 @@ impl Interface {
             });
         }
         let service = &mut services[port];
-        let problem = join(name, &service.interface, interface, &mut service.operations, operation);
+        let problem = join(
+            name,
+            &service.interface,
+            interface,
+            &mut service.operations,
+            operation,
+        );
         self.problems.extend(problem);
         let operation = service.operations.len() - 1;
         self.provided.push(Slot { port, operation });
-        Provided::new(self.provided.len() - 1)
+        Provided::new(self.owner, self.provided.len() - 1)
     }
 
     fn add_required<O: Operation>(
@@ -174,7 +188,9 @@ impl Interface {
         doc: &str,
     ) -> Required<O> {
         let references = &mut self.declaration.references;
-        let port = references.iter().position(|reference| reference.name == name);
+        let port = references
+            .iter()
+            .position(|reference| reference.name == name);
         let port = port.unwrap_or(references.len());
         if port == references.len() {
             references.push(ReferenceDeclaration {
@@ -191,26 +207,25 @@ impl Interface {
         self.problems.extend(problem);
         let operation = reference.operations.len() - 1;
         self.required.push(Slot { port, operation });
-        Required::new(self.required.len() - 1)
+        Required::new(self.owner, self.required.len() - 1)
     }
 
     pub(crate) fn add_property<T: PropertyValue>(
         &mut self,
-        mut slot: property::Slot<T>,
+        slot: property::Slot<T>,
     ) -> Property<T> {
         let declaration = slot.declaration().clone();
         let known = self.declaration.property(&declaration.name).is_some();
         self.refuse_twice(known, "property", &declaration.name);
-        if let Err(error) = slot.prepare("", &declaration.default) {
+        if let Err(error) = slot.check(&declaration.default) {
             self.problems.push(DeclarationError::BadDefault {
                 name: declaration.name.clone(),
                 reason: error.to_string(),
             });
         }
-        slot.forget();
         self.properties.push(Box::new(slot));
         self.declaration.properties.push(declaration);
-        Property::new(self.properties.len() - 1)
+        Property::new(self.owner, self.properties.len() - 1)
     }
 
     /// The datum of a value of a property; a value that has none is a problem of the declaration.
@@ -229,11 +244,6 @@ impl Interface {
             let name = name.to_owned();
             self.problems.push(DeclarationError::Twice { what, name });
         }
-    }
-
-    /// Everything declared, for the runtime.
-    pub(crate) fn into_declaration(&mut self) -> Declaration {
-        std::mem::take(&mut self.declaration)
     }
 }
 
@@ -286,4 +296,10 @@ fn join(
     };
     operations.push(operation);
     problem
+}
+
+impl Default for Interface {
+    fn default() -> Self {
+        Self::new()
+    }
 }

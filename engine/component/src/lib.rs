@@ -2,7 +2,7 @@
 //!
 //! TCA's `run()`, Orocos' `updateHook()` and a step of an Abstract State Machine have this one shape, and everything
 //! that lives in a running system is a [`Component`] with it. A [`System`] joins components; an executor runs it, in
-//! simulated time ([`Simulation`]) or live.
+//! simulated time ([`Simulation`]) or [`Live`].
 
 mod activity;
 mod body;
@@ -12,15 +12,19 @@ mod cycle;
 pub mod declaration;
 mod door;
 mod event;
+mod exchange;
 mod fault;
 mod handle;
 mod interface;
 mod life_cycle;
+mod live;
+mod log;
 mod outside;
 mod port;
 mod property;
 mod run;
 mod service;
+mod setup;
 mod simulated;
 mod system;
 mod time;
@@ -29,19 +33,22 @@ mod unit;
 pub use activity::{Activity, Drive, Overrun};
 pub use component::Component;
 pub use connection::{Kind, OnStale, Policy};
-pub use cycle::{Cycle, Setup};
+pub use cycle::Cycle;
 pub use declaration::Declaration;
 pub use event::{Event, Observer};
 pub use fault::Fault;
 pub use handle::{In, Out, Property, Provided, Required};
 pub use interface::Interface;
 pub use life_cycle::{LifeCycleError, State, Transition};
+pub use live::Live;
+pub use log::Log;
 pub use port::Flow;
-pub use property::{PropertyError, PropertyValue, Setting};
+pub use property::{PropertyError, PropertyProblem, PropertyValue, Setting};
 pub use run::{Run, RunError};
 pub use service::{
     CallError, CallId, Dynamic, Operation, Reply, Request, RequestId, ServiceFault, Wire,
 };
+pub use setup::Setup;
 pub use simulated::{Pace, Simulation};
-pub use system::{BuildError, ComponentId, End, System};
+pub use system::{BuildError, ComponentId, System};
 pub use time::{Span, Time};

@@ -24,36 +24,36 @@ impl<T: Described + Serialize + DeserializeOwned + Clone + Debug + Send + Sync +
 
 /// Why a property cannot have a value.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum PropertyError {
+#[error("property `{property}` of `{component}` {problem}")]
+pub struct PropertyError {
+    /// The component.
+    pub component: String,
+    /// The property.
+    pub property: String,
+    /// What is wrong.
+    pub problem: Box<PropertyProblem>,
+}
+
+/// What is wrong with a property or its value.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PropertyProblem {
     /// The component has no such property.
-    #[error("`{component}` has no property `{property}`{}", suggestion(nearest.as_deref()))]
+    #[error("does not exist{}", suggestion(nearest.as_deref()))]
     Unknown {
-        /// The component.
-        component: String,
-        /// The name asked for.
-        property: String,
         /// A name like it.
         nearest: Option<String>,
     },
     /// The value is of another type.
-    #[error("property `{property}` of `{component}` is {expected}: {source}")]
+    #[error("is {expected}: {source}")]
     Mismatch {
-        /// The component.
-        component: String,
-        /// The property.
-        property: String,
-        /// Its type.
+        /// The property's type.
         expected: String,
         /// What does not fit, and where.
         source: DatumError,
     },
     /// The value is outside of the range.
-    #[error("property `{property}` of `{component}` is {value}, outside of {least} to {greatest}{}{unit}", space(unit))]
+    #[error("cannot be {value}: it is {least} to {greatest}{}{unit}", space(unit))]
     OutOfRange {
-        /// The component.
-        component: String,
-        /// The property.
-        property: String,
         /// The value.
         value: Datum,
         /// The least lawful value.
@@ -64,12 +64,8 @@ pub enum PropertyError {
         unit: String,
     },
     /// The value is none of the choices.
-    #[error("property `{property}` of `{component}` is {value}, none of {}", list(choices))]
+    #[error("cannot be {value}: it is one of {}", list(choices))]
     NoChoice {
-        /// The component.
-        component: String,
-        /// The property.
-        property: String,
         /// The value.
         value: Datum,
         /// The lawful ones.
@@ -113,8 +109,11 @@ pub struct Setting<'a, T: PropertyValue> {
 
 /// Which values are lawful.
 struct Check<T> {
-    range: Option<(fn(&T, &RangeInclusive<T>) -> bool, RangeInclusive<T>)>,
+    range: Option<(Contains<T>, RangeInclusive<T>)>,
 }
+
+/// How a range of a type that has an order is asked; known only where the range is given.
+type Contains<T> = fn(&T, &RangeInclusive<T>) -> bool;
 
 impl<'a, T: PropertyValue> Setting<'a, T> {
     pub(crate) fn new(interface: &'a mut Interface, name: &str, default: T, doc: &str) -> Self {
@@ -191,14 +190,14 @@ pub(crate) trait AnyProperty: Any + Send {
     /// The present value.
     fn get(&self) -> Result<Datum, DatumError>;
 
-    /// Gets a value ready, if it is lawful; [`AnyProperty::apply`] puts it in place.
-    fn prepare(&mut self, component: &str, value: &Datum) -> Result<(), PropertyError>;
+    /// Whether a value is lawful.
+    fn check(&self, value: &Datum) -> Result<(), PropertyProblem>;
+
+    /// Gets a lawful value ready; [`AnyProperty::apply`] puts it in place.
+    fn prepare(&mut self, value: &Datum);
 
     /// Puts the prepared value in place. Says whether there was one.
     fn apply(&mut self) -> bool;
-
-    /// Drops the prepared value.
-    fn forget(&mut self);
 }
 
 impl<T: PropertyValue> AnyProperty for Slot<T> {
@@ -210,11 +209,9 @@ impl<T: PropertyValue> AnyProperty for Slot<T> {
         Datum::of(&self.value)
     }
 
-    fn prepare(&mut self, component: &str, value: &Datum) -> Result<(), PropertyError> {
+    fn check(&self, value: &Datum) -> Result<(), PropertyProblem> {
         let declaration = &self.declaration;
-        let typed: T = value.to().map_err(|source| PropertyError::Mismatch {
-            component: component.to_owned(),
-            property: declaration.name.clone(),
+        let typed: T = value.to().map_err(|source| PropertyProblem::Mismatch {
             expected: declaration.schema.to_string(),
             source,
         })?;
@@ -222,9 +219,7 @@ impl<T: PropertyValue> AnyProperty for Slot<T> {
             (&self.check.range, &declaration.range)
             && !contains(&typed, range)
         {
-            return Err(PropertyError::OutOfRange {
-                component: component.to_owned(),
-                property: declaration.name.clone(),
+            return Err(PropertyProblem::OutOfRange {
                 value: value.clone(),
                 least: least.clone(),
                 greatest: greatest.clone(),
@@ -232,15 +227,16 @@ impl<T: PropertyValue> AnyProperty for Slot<T> {
             });
         }
         if !declaration.choices.is_empty() && !declaration.choices.contains(value) {
-            return Err(PropertyError::NoChoice {
-                component: component.to_owned(),
-                property: declaration.name.clone(),
+            return Err(PropertyProblem::NoChoice {
                 value: value.clone(),
                 choices: declaration.choices.clone(),
             });
         }
-        self.next = Some(typed);
         Ok(())
+    }
+
+    fn prepare(&mut self, value: &Datum) {
+        self.next = value.to().ok();
     }
 
     fn apply(&mut self) -> bool {
@@ -249,9 +245,5 @@ impl<T: PropertyValue> AnyProperty for Slot<T> {
         };
         self.value = next;
         true
-    }
-
-    fn forget(&mut self) {
-        self.next = None;
     }
 }

@@ -9,6 +9,9 @@ use crate::declaration::Declaration;
 use crate::property::{PropertyError, suggestion};
 use crate::{Event, Fault, LifeCycleError, State, Time, Transition};
 
+/// Somebody who waits for an event, and says whether this is it.
+pub(crate) type Watch<'a> = &'a mut dyn FnMut(Time, &Event<'_>) -> bool;
+
 /// A running system: time passes, samples come from outside, components are looked at and told to start or stop.
 pub trait Run {
     /// The present time.
@@ -41,11 +44,8 @@ pub trait Run {
     ) -> Result<(), RunError>;
 
     /// Takes a component through a transition of its life cycle.
-    fn transition(
-        &mut self,
-        component: &str,
-        transition: Transition,
-    ) -> Result<(), LifeCycleError>;
+    fn transition(&mut self, component: &str, transition: Transition)
+    -> Result<(), LifeCycleError>;
 
     /// Asks for a cycle of a component that is event-driven or driven by hand.
     fn trigger(&mut self, component: &str) -> Result<(), RunError>;
@@ -133,7 +133,7 @@ pub enum RunError {
         /// What it takes.
         expected: String,
         /// What does not fit.
-        source: DatumError,
+        source: Box<DatumError>,
     },
     /// A property cannot have its value.
     #[error(transparent)]

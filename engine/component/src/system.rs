@@ -5,20 +5,23 @@ mod join;
 
 use std::sync::Arc;
 
+use bus::{Bus, BusError};
 use datum::Datum;
 
-pub use error::{BuildError, End};
+pub use error::BuildError;
+pub(crate) use join::End;
 
 use crate::body::Body;
 use crate::declaration::Declaration;
-use crate::property::PropertyError;
+use crate::exchange::Exchange;
+use crate::property::{PropertyError, PropertyProblem};
 use crate::unit::Unit;
-use crate::{Activity, Component, Interface, Observer, Policy, Simulation};
+use crate::{Activity, Component, Interface, Live, Observer, Policy, Simulation};
 
 /// A system in the making.
 ///
 /// ```
-/// use component::{Activity, Component, Cycle, Fault, Interface, Out, Policy, Span, System};
+/// use component::{Activity, Component, Cycle, Fault, Out, Run, Span, System};
 ///
 /// datum::message! {
 ///     /// A count.
@@ -47,11 +50,16 @@ use crate::{Activity, Component, Interface, Observer, Policy, Simulation};
 /// assert_eq!(run.cycles("Ticker"), 101);
 /// # Ok::<(), component::BuildError>(())
 /// ```
+///
+/// (The first cycle is at zero, so a second has 101 cycles of 10 ms.)
 #[derive(Default)]
 pub struct System {
     pub(crate) units: Vec<Unit>,
     pub(crate) observers: Vec<Box<dyn Observer>>,
     pub(crate) topics: Vec<Topic>,
+    pub(crate) exchange: Option<Exchange>,
+    /// Direct connections, so that none is made twice.
+    connections: Vec<(End, End)>,
 }
 
 /// A component of a system under construction.
@@ -124,10 +132,10 @@ impl System {
         value: &Datum,
     ) -> Result<(), PropertyError> {
         let Some(unit) = self.units.get_mut(component.0) else {
-            return Err(PropertyError::Unknown {
+            return Err(PropertyError {
                 component: format!("component {}", component.0),
                 property: property.to_owned(),
-                nearest: None,
+                problem: Box::new(PropertyProblem::Unknown { nearest: None }),
             });
         };
         // Put in place when the component is configured.
@@ -140,9 +148,24 @@ impl System {
         self.observers.push(Box::new(observer));
     }
 
+    /// Joins the topics declared so far to those of a bus: what is published here goes out, what others publish
+    /// comes in, to each subscriber by its own policy. `incarnation` numbers the lives of this process; what carries
+    /// it is our own, and does not come in again.
+    pub fn attach(&mut self, bus: &dyn Bus, incarnation: u64) -> Result<(), BusError> {
+        let exchange = Exchange::new(&mut self.units, &self.topics, bus, incarnation)?;
+        self.exchange = Some(exchange);
+        Ok(())
+    }
+
     /// Starts the system in simulated time: every component is configured, then those that run on start-up start,
     /// all at time zero. What fails is left out, and seen in its state and by the observers.
     pub fn simulate(self) -> Simulation {
         Simulation::new(self)
+    }
+
+    /// Starts the system in real time, a thread for each component: every component is configured, then those that
+    /// run on start-up start. What fails is left out, and seen in its state and by the observers.
+    pub fn live(self) -> Live {
+        Live::new(self)
     }
 }

@@ -264,7 +264,14 @@ impl Unit {
         self.status.state.store(to as u8, Ordering::Release);
         if from != to {
             let component = &self.name;
-            outside.emit(now, &Event::LifeCycle { component, from, to });
+            outside.emit(
+                now,
+                &Event::LifeCycle {
+                    component,
+                    from,
+                    to,
+                },
+            );
         }
     }
 

@@ -1,1 +1,20 @@
-//! An ASM machine as a component: bindings, event frames, faults
+//! An ASM machine as a component: bindings, event frames, faults.
+//!
+//! One cycle of the [`Coordinator`] is one step of the machine. The frozen inputs of the cycle become
+//! the monitored functions, as the [`Binding`] says; the updates of out functions become messages and
+//! service calls. The specification itself knows of none of this: the same file is simulated, tested
+//! and verified.
+
+mod binding;
+mod convert;
+mod coordinator;
+mod frame;
+mod inbox;
+mod outbox;
+mod step;
+
+pub use binding::{
+    Action, Argument, Binding, Call, Case, Effect, Interfaces, Monitored, Out, PublishWhen, Receive,
+};
+pub use coordinator::{BindError, Coordinator};
+pub use step::{STEP_REPORT, StepRecord, UpdateRecord};

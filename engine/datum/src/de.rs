@@ -176,7 +176,7 @@ impl<'de> SeqAccess<'de> for Elements<'de> {
     }
 
     fn size_hint(&self) -> Option<usize> {
-        self.of.len().map(|len| len.saturating_sub(self.next))
+        self.of.count().map(|len| len.saturating_sub(self.next))
     }
 }
 
@@ -269,11 +269,7 @@ impl<'de> VariantAccess<'de> for Variant<'de> {
             .map_err(|error| error.within(self.name))
     }
 
-    fn tuple_variant<V: Visitor<'de>>(
-        self,
-        _: usize,
-        visitor: V,
-    ) -> Result<V::Value, DatumError> {
+    fn tuple_variant<V: Visitor<'de>>(self, _: usize, visitor: V) -> Result<V::Value, DatumError> {
         self.content()?
             .deserialize_seq(visitor)
             .map_err(|error| error.within(self.name))

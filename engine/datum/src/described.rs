@@ -39,7 +39,7 @@ pub trait Described: Sized {
 
 /// The door through which [`message!`](crate::message!) sends each field: `#[serde(with = "datum::field")]`.
 pub mod field {
-    use super::{Deserializer, Described, Serializer};
+    use super::{Described, Deserializer, Serializer};
 
     /// Writes a field.
     pub fn serialize<T: Described, S: Serializer>(

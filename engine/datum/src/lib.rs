@@ -39,13 +39,13 @@ mod ser;
 mod value;
 
 pub use codec::{Codec, cbor, json};
-pub use value::{Datum, Name};
 pub use described::{Described, field};
 pub use error::{DatumError, Problem};
 pub use message::Message;
 pub use numbers::Numbers;
 pub use sample::Sample;
 pub use schema::{Difference, Field, Schema, Shape};
+pub use value::{Datum, Name};
 
 /// The serde that [`message!`] derives with, so that its users need no other.
 pub use serde;

@@ -130,7 +130,11 @@ impl Serializer for ToDatum {
         Ok(Datum::text(variant))
     }
 
-    fn serialize_newtype_struct<T: Serialize + ?Sized>(self, name: &'static str, value: &T) -> Made {
+    fn serialize_newtype_struct<T: Serialize + ?Sized>(
+        self,
+        name: &'static str,
+        value: &T,
+    ) -> Made {
         let content = value.serialize(self)?;
         if let Datum::Bytes(bytes) = &content
             && let Some(numbers) = Numbers::from_carrier(name, bytes)

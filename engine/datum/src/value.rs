@@ -102,7 +102,7 @@ impl Datum {
     }
 
     /// How many elements or entries; `None` for what has none.
-    pub fn len(&self) -> Option<usize> {
+    pub fn count(&self) -> Option<usize> {
         match self {
             Self::List(elements) => Some(elements.len()),
             Self::Numbers(numbers) => Some(numbers.len()),
@@ -114,12 +114,20 @@ impl Datum {
 
     /// The text, if it is one.
     pub fn as_text(&self) -> Option<&str> {
-        if let Self::Text(text) = self { Some(text) } else { None }
+        if let Self::Text(text) = self {
+            Some(text)
+        } else {
+            None
+        }
     }
 
     /// The whole number, if it is one.
     pub fn as_int(&self) -> Option<i64> {
-        if let Self::Int(value) = self { Some(*value) } else { None }
+        if let Self::Int(value) = self {
+            Some(*value)
+        } else {
+            None
+        }
     }
 
     /// The number, if it is one, whole or not.
@@ -136,7 +144,11 @@ impl Datum {
 
     /// The truth value, if it is one.
     pub fn as_bool(&self) -> Option<bool> {
-        if let Self::Bool(value) = self { Some(*value) } else { None }
+        if let Self::Bool(value) = self {
+            Some(*value)
+        } else {
+            None
+        }
     }
 
     /// What kind of data this is, in the words of an error message.

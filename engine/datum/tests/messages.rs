@@ -37,7 +37,11 @@ datum::message! {
 
 fn scan() -> Scan {
     Scan {
-        at: Vector3 { x: 0.1, y: -2.5e-300, z: 7.0 },
+        at: Vector3 {
+            x: 0.1,
+            y: -2.5e-300,
+            z: 7.0,
+        },
         ranges: vec![1.5, f32::INFINITY, f32::NEG_INFINITY, 0.1],
         cells: vec![-1, 0, 100, -128],
         raw: vec![0, 255],
@@ -56,9 +60,18 @@ fn a_message_survives_every_codec() {
     for message in [scan(), Scan::default()] {
         let datum = Datum::of(&message).unwrap();
         assert_eq!(datum.to::<Scan>().unwrap(), message);
-        assert_eq!(cbor::decode::<Scan>(&cbor::encode(&message).unwrap()).unwrap(), message);
-        assert_eq!(json::decode::<Scan>(&json::encode(&message).unwrap()).unwrap(), message);
-        assert_eq!(cbor::decode::<Datum>(&cbor::encode(&datum).unwrap()).unwrap(), datum);
+        assert_eq!(
+            cbor::decode::<Scan>(&cbor::encode(&message).unwrap()).unwrap(),
+            message
+        );
+        assert_eq!(
+            json::decode::<Scan>(&json::encode(&message).unwrap()).unwrap(),
+            message
+        );
+        assert_eq!(
+            cbor::decode::<Datum>(&cbor::encode(&datum).unwrap()).unwrap(),
+            datum
+        );
         assert_eq!(datum.to::<Datum>().unwrap(), datum);
         for codec in [Codec::Cbor, Codec::Json] {
             let bytes = codec.encode(&datum).unwrap();
@@ -82,19 +95,29 @@ fn nan_survives_every_codec() {
 
 #[test]
 fn an_empty_message_survives() {
-    assert_eq!(cbor::decode::<Empty>(&cbor::encode(&Empty {}).unwrap()).unwrap(), Empty {});
+    assert_eq!(
+        cbor::decode::<Empty>(&cbor::encode(&Empty {}).unwrap()).unwrap(),
+        Empty {}
+    );
     assert_eq!(json::encode(&Empty {}).unwrap(), "{}");
 }
 
 #[test]
 fn numeric_arrays_are_one_byte_string() {
     let datum = Datum::of(&scan()).unwrap();
-    assert!(matches!(&*datum.get("cells").unwrap(), Datum::Numbers(Numbers::I8(cells)) if cells[0] == -1));
-    assert!(matches!(&*datum.get("covariance").unwrap(), Datum::Numbers(Numbers::F64(_))));
+    assert!(
+        matches!(&*datum.get("cells").unwrap(), Datum::Numbers(Numbers::I8(cells)) if cells[0] == -1)
+    );
+    assert!(matches!(
+        &*datum.get("covariance").unwrap(),
+        Datum::Numbers(Numbers::F64(_))
+    ));
     assert!(matches!(&*datum.get("raw").unwrap(), Datum::Bytes(_)));
 
-    let mut grid = Scan::default();
-    grid.cells = vec![3; 160_000];
+    let grid = Scan {
+        cells: vec![3; 160_000],
+        ..Scan::default()
+    };
     let overhead = cbor::encode(&grid).unwrap().len() - 160_000;
     assert!(overhead < 500, "{overhead} bytes beside the cells");
 }
@@ -107,16 +130,33 @@ fn a_path_finds_what_is_inside() {
     assert_eq!(datum.get("ranges.0").as_deref(), Some(&Datum::Float(1.5)));
     assert_eq!(datum.get("cells.0").as_deref(), Some(&Datum::Int(-1)));
     assert_eq!(datum.get("").as_deref(), Some(&datum));
-    for nowhere in ["at.w", "trail.2", "cells.4", "cells.0.x", "frame.x", "trail.x"] {
+    for nowhere in [
+        "at.w",
+        "trail.2",
+        "cells.4",
+        "cells.0.x",
+        "frame.x",
+        "trail.x",
+    ] {
         assert_eq!(datum.get(nowhere), None, "{nowhere}");
     }
 }
 
 #[test]
 fn omitted_fields_have_their_initial_value_and_unknown_ones_are_refused() {
-    assert_eq!(json::decode::<Vector3>(r#"{"x": 3}"#).unwrap(), Vector3 { x: 3.0, y: 0.0, z: 1.0 });
+    assert_eq!(
+        json::decode::<Vector3>(r#"{"x": 3}"#).unwrap(),
+        Vector3 {
+            x: 3.0,
+            y: 0.0,
+            z: 1.0
+        }
+    );
     let error = json::decode::<Scan>(r#"{"at": {"w": 3}}"#).unwrap_err();
-    assert!(error.to_string().starts_with("`at`: unknown field `w`"), "{error}");
+    assert!(
+        error.to_string().starts_with("`at`: unknown field `w`"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -126,7 +166,10 @@ fn an_error_names_the_place() {
     let error = json::decode::<Scan>(r#"{"cells": [1, 200]}"#).unwrap_err();
     assert_eq!(error.path, "cells.1");
     let error = json::decode::<Scan>(r#"{"covariance": [1.0]}"#).unwrap_err();
-    assert_eq!(error.to_string(), "`covariance`: expected 36 elements, found 1");
+    assert_eq!(
+        error.to_string(),
+        "`covariance`: expected 36 elements, found 1"
+    );
 }
 
 #[test]
@@ -138,9 +181,17 @@ fn a_schema_says_what_the_struct_is() {
         "{at: geometry_msgs/Vector3, ranges: float32[], cells: int8[], raw: uint8[], covariance: float64[36], \
          frame: string, trail: geometry_msgs/Vector3[], maybe: geometry_msgs/Vector3?, count: uint32, big: int64, ok: bool}"
     );
-    let Shape::Record(fields) = &schema.shape else { panic!("a record") };
-    assert_eq!(fields[1].doc, "metres; +Infinity where nothing is (REP-117)");
-    assert_eq!(json::decode::<datum::Schema>(&json::encode(schema).unwrap()).unwrap(), *schema);
+    let Shape::Record(fields) = &schema.shape else {
+        panic!("a record")
+    };
+    assert_eq!(
+        fields[1].doc,
+        "metres; +Infinity where nothing is (REP-117)"
+    );
+    assert_eq!(
+        json::decode::<datum::Schema>(&json::encode(schema).unwrap()).unwrap(),
+        *schema
+    );
 }
 
 mod other {
@@ -155,7 +206,13 @@ fn a_comparison_names_the_first_difference() {
     assert_eq!(Scan::schema().compare(Scan::schema()), Ok(()));
     assert_eq!(Scan::schema().compare(Datum::schema()), Ok(()));
     let difference = Scan::schema().compare(other::Scan::schema()).unwrap_err();
-    assert_eq!(difference.to_string(), "`at.y`: float64 here, float32 there");
+    assert_eq!(
+        difference.to_string(),
+        "`at.y`: float64 here, float32 there"
+    );
     let difference = Empty::schema().compare(Scan::schema()).unwrap_err();
-    assert_eq!(difference.to_string(), "std_msgs/Empty here, test/Scan there");
+    assert_eq!(
+        difference.to_string(),
+        "std_msgs/Empty here, test/Scan there"
+    );
 }

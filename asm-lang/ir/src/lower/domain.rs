@@ -23,7 +23,12 @@ impl Lowering<'_> {
                 _ => None,
             };
             let elements = self.elements(hir::DomainId(index as u32));
-            self.program.domains.push(Domain { elements, base });
+            let grows = match domain.kind {
+                DomainKind::Abstract => true,
+                DomainKind::Concrete { base } => self.is_abstract(base),
+                DomainKind::Any | DomainKind::Basic | DomainKind::Enum { .. } => false,
+            };
+            self.program.domains.push(Domain { elements, base, grows });
         }
     }
 

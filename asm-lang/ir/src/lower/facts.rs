@@ -1,6 +1,6 @@
 //! What is true of the functions and rules of a model, whoever calls them.
 
-use hir::{Body, FunctionId, FunctionKind, Meaning, Model, RuleKind, RuleTerm, Target, Term, TermKind};
+use hir::{Body, Function, FunctionId, FunctionKind, Meaning, Model, RuleKind, RuleTerm, Target, Term, TermKind};
 use std::collections::BTreeSet;
 use value::RuleId;
 
@@ -11,6 +11,8 @@ pub(super) struct Facts {
     dynamic: BTreeSet<FunctionId>,
     /// Functions whose value may depend on an input.
     inputs: BTreeSet<FunctionId>,
+    /// Functions whose initial value may.
+    initial_inputs: BTreeSet<FunctionId>,
     /// Parameters that a rule, or one it calls, writes: they stand for locations.
     assigned: BTreeSet<(RuleId, usize)>,
     /// Rules that see intermediate states, themselves or in a rule they call.
@@ -52,6 +54,11 @@ impl Facts {
         mentions(term, &|function| self.dynamic.contains(&function))
     }
 
+    /// Whether the initial value of a function may depend on an input.
+    pub fn begins_with_input(&self, function: FunctionId) -> bool {
+        self.initial_inputs.contains(&function)
+    }
+
     /// Whether a term may depend on an input.
     pub fn reads_input(&self, term: &Term) -> bool {
         mentions(term, &|function| self.inputs.contains(&function))
@@ -69,24 +76,31 @@ impl Facts {
                 }
                 Meaning::Defined(_) | Meaning::Builtin(_) | Meaning::Constant(_) | Meaning::Missing => {}
             }
-            if matches!(function.kind, FunctionKind::Monitored) {
+            if matches!(function.kind, FunctionKind::Monitored | FunctionKind::Shared) {
                 self.inputs.insert(id);
             }
         }
         // Definitions inherit it from what they mention.
         loop {
-            let before = self.dynamic.len() + self.inputs.len();
+            let before = self.dynamic.len() + self.inputs.len() + self.initial_inputs.len();
             for (index, function) in model.functions.iter().enumerate() {
-                let Meaning::Defined(body) = &function.meaning else { continue };
                 let id = FunctionId(index as u32);
-                if self.is_dynamic(&body.root) {
-                    self.dynamic.insert(id);
+                if let Meaning::Defined(body) = &function.meaning {
+                    if self.is_dynamic(&body.root) {
+                        self.dynamic.insert(id);
+                    }
+                    if self.reads_input(&body.root) {
+                        self.inputs.insert(id);
+                    }
                 }
-                if self.reads_input(&body.root) {
-                    self.inputs.insert(id);
+                for body in definition(function).into_iter().chain(&function.initial) {
+                    let begins = |function| self.inputs.contains(&function) || self.initial_inputs.contains(&function);
+                    if mentions(&body.root, &begins) {
+                        self.initial_inputs.insert(id);
+                    }
                 }
             }
-            if self.dynamic.len() + self.inputs.len() == before {
+            if self.dynamic.len() + self.inputs.len() + self.initial_inputs.len() == before {
                 return;
             }
         }
@@ -94,6 +108,14 @@ impl Facts {
 
     fn rules(&mut self, model: &Model) {
         self.rule_values.extend(model.programs.iter().map(|program| program.rule));
+        for function in &model.functions {
+            for body in definition(function).into_iter().chain(&function.initial) {
+                self.rule_values_of(&body.root);
+            }
+        }
+        for program in &model.programs {
+            program.arguments.iter().for_each(|argument| self.rule_values_of(&argument.root));
+        }
         loop {
             let before = self.assigned.len() + self.sequential.len() + self.rule_values.len();
             for (index, rule) in model.rules.iter().enumerate() {
@@ -129,13 +151,15 @@ impl Facts {
                 }
                 _ => {}
             }
-            each_term(rule, &mut |term| {
-                visit(term, &mut |term| {
-                    if let TermKind::Rule(rule) = &*term.kind {
-                        self.rule_values.insert(*rule);
-                    }
-                });
-            });
+            each_term(rule, &mut |term| self.rule_values_of(term));
+        });
+    }
+
+    fn rule_values_of(&mut self, term: &Term) {
+        visit(term, &mut |term| {
+            if let TermKind::Rule(rule) = &*term.kind {
+                self.rule_values.insert(*rule);
+            }
         });
     }
 
@@ -162,12 +186,8 @@ pub(super) fn initial_order(model: &Model) -> Vec<FunctionId> {
             return;
         }
         let declared = model.function(function);
-        let defined = match &declared.meaning {
-            Meaning::Defined(body) => Some(body),
-            _ => None,
-        };
         let mut needed = BTreeSet::new();
-        for body in defined.into_iter().chain(&declared.initial) {
+        for body in definition(declared).into_iter().chain(&declared.initial) {
             visit(&body.root, &mut |term| {
                 if let TermKind::Apply(function, _) | TermKind::Spread(function, _) = &*term.kind {
                     needed.insert(*function);
@@ -187,6 +207,14 @@ pub(super) fn initial_order(model: &Model) -> Vec<FunctionId> {
         add(model, FunctionId(index as u32), &mut seen, &mut order);
     }
     order
+}
+
+/// The definition of a function that has one.
+fn definition(function: &Function) -> Option<&Body<Term>> {
+    match &function.meaning {
+        Meaning::Defined(body) => Some(body),
+        Meaning::State | Meaning::Builtin(_) | Meaning::Constant(_) | Meaning::Machine | Meaning::Missing => None,
+    }
 }
 
 /// Calls `see` for a rule and all rules in it.

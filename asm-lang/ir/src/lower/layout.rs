@@ -1,11 +1,8 @@
 //! Which slots the locations of the functions are.
 
 use super::{Lowering, domain};
-use crate::program::{Axis, AxisRange, Elements, Function, FunctionKind, Storage};
+use crate::program::{Axis, AxisRange, Elements, Function, FunctionId, FunctionKind, Storage};
 use hir::{Meaning, Type, TypeId};
-
-/// A function with more locations than this is interned: most of them are never met.
-const MAX_DENSE: u64 = 1 << 16;
 
 impl Lowering<'_> {
     /// Gives every function its storage, in order of declaration.
@@ -19,8 +16,11 @@ impl Lowering<'_> {
                 true => self.storage(&function.parameters),
                 false => Storage::None,
             };
-            if let (true, Storage::Dense { base, .. }) = (is_result, &storage) {
-                self.program.result = *base;
+            if let Storage::Dense { base, .. } = storage {
+                self.program.dense.push(FunctionId(index as u32));
+                if is_result {
+                    self.program.result = base;
+                }
             }
             let parameters = function.parameters.iter().map(|&ty| self.shape(ty)).collect();
             self.program.functions.push(Function {
@@ -30,6 +30,7 @@ impl Lowering<'_> {
                 within: self.membership(function.codomain),
                 storage,
                 initial: None,
+                clock: clock(&function.name).filter(|_| function.library),
                 own: !function.library,
             });
         }
@@ -40,7 +41,7 @@ impl Lowering<'_> {
             return Storage::Interned;
         };
         let count = ranges.iter().try_fold(1u64, |product, range| {
-            product.checked_mul(u64::from(range.count())).filter(|&product| product <= MAX_DENSE)
+            product.checked_mul(u64::from(range.count())).filter(|&product| product <= self.dense)
         });
         let Some(count) = count else {
             return Storage::Interned;
@@ -84,6 +85,19 @@ impl Lowering<'_> {
             _ => None,
         }
     }
+}
+
+/// Nanoseconds a unit of a clock of the time libraries.
+fn clock(name: &str) -> Option<i64> {
+    const SECOND: i64 = 1_000_000_000;
+    Some(match name {
+        "mCurrTimeNanosecs" => 1,
+        "mCurrTimeMillisecs" => SECOND / 1000,
+        "mCurrTimeSecs" => SECOND,
+        "mCurrTimeMins" => 60 * SECOND,
+        "mCurrTimeHours" => 3600 * SECOND,
+        _ => return None,
+    })
 }
 
 fn kind(kind: hir::FunctionKind) -> FunctionKind {

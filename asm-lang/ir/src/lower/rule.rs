@@ -235,9 +235,13 @@ impl Lowering<'_> {
                 let arguments = self.terms(arguments, frame);
                 let routine = self.routine_by_value(*callee);
                 match self.place(target, frame, span) {
-                    Some(place) => RuleNode::Assign(place, routine, arguments),
+                    Some(place) => RuleNode::Assign(Some(place), routine, arguments),
                     None => RuleNode::Skip,
                 }
+            }
+            RuleKind::Call(callee, arguments) if self.model.rule(*callee).result.is_some() => {
+                let arguments = self.terms(arguments, frame);
+                RuleNode::Assign(None, self.routine_by_value(*callee), arguments)
             }
             RuleKind::Call(callee, arguments) => self.call(*callee, arguments, frame, span),
             RuleKind::Run(term, arguments) => self.run(term, arguments, frame),

@@ -9,7 +9,7 @@ use ir::{FunctionId, Origin, Place, RoutineId, Rule, RuleNode, Slot, Term};
 use std::ops::ControlFlow;
 use value::{RuleId, Value};
 
-/// A loop that runs longer than this does not end.
+/// Loops that run longer than this in one step, all together, do not end.
 const MAX_ITERATIONS: u32 = 10_000_000;
 
 /// Where a value goes.
@@ -47,7 +47,7 @@ impl Compiler<'_> {
         match &*rule.node {
             RuleNode::Skip => Box::new(|_| Ok(())),
             RuleNode::Update(place, value) => self.update(place, value, origin),
-            RuleNode::Assign(place, routine, arguments) => self.assign(place, *routine, arguments, origin),
+            RuleNode::Assign(place, routine, arguments) => self.assign(place.as_ref(), *routine, arguments, origin),
             RuleNode::Call(routine, arguments) => self.call(*routine, arguments),
             RuleNode::Run(term, arguments) => self.run(term, arguments, origin),
             RuleNode::RunAgent(agent, arguments) => self.run_agent(agent, arguments, origin),
@@ -112,8 +112,14 @@ impl Compiler<'_> {
     }
 
     /// The turbo rule runs in a layer of its own, from which its result is taken out.
-    fn assign(&self, place: &Place, routine: RoutineId, arguments: &[Term], origin: Origin) -> RuleCode {
-        let place = self.place(place);
+    fn assign(
+        &self,
+        place: Option<&Place>,
+        routine: RoutineId,
+        arguments: &[Term],
+        origin: Origin,
+    ) -> RuleCode {
+        let place = place.map(|place| self.place(place));
         let call = self.call(routine, arguments);
         let result = self.program.result;
         Box::new(move |run| {
@@ -121,6 +127,9 @@ impl Compiler<'_> {
             call(run)?;
             let value = run.updates.take(&layer, result).unwrap_or_default();
             run.restore(layer)?;
+            let Some(place) = &place else {
+                return Ok(());
+            };
             let (function, slot) = place.slot(run);
             run.write(function, slot, value, origin)
         })
@@ -190,7 +199,8 @@ impl Compiler<'_> {
         let body = self.rule(body);
         Box::new(move |run| {
             let sequence = run.updates.open();
-            for _ in 0..MAX_ITERATIONS {
+            while run.iterations < MAX_ITERATIONS {
+                run.iterations += 1;
                 let holds = guard(run);
                 run.checked()?;
                 match holds {

@@ -240,9 +240,13 @@ impl Operator {
             Self::Le => "<=",
             Self::Gt => ">",
             Self::Ge => ">=",
-            Self::Mod | Self::Not | Self::And | Self::Or | Self::Xor | Self::Implies | Self::Iff => {
-                self.function()
-            }
+            Self::Mod
+            | Self::Not
+            | Self::And
+            | Self::Or
+            | Self::Xor
+            | Self::Implies
+            | Self::Iff => self.function(),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What the parser would rather have seen, in families instead of forty tokens.
 
-use crate::lexer::{Keyword, Token};
+use crate::lexer::Keyword;
 use crate::spelling::nearest;
 use std::fmt;
 
@@ -10,18 +10,12 @@ pub(super) struct Expected<'a> {
     tokens: Vec<&'a str>,
 }
 
-/// What a rule can begin with, `skip` and `par` among it.
-const RULE: &[&str] = &[
-    "name", "variable", "rule name", "skip", "par", "seq", "if", "switch", "choose", "forall", "let",
-    "extend", "while", "whilerec", "iterate", "local", "dynamic",
-];
-
 /// What a term can begin with, numbers among it.
 const TERM: &[&str] = &[
-    "name", "variable", "constant", "integer", "natural", "real", "complex", "char", "text", "true",
-    "false", "undef", "if", "switch", "let", "and", "or", "xor", "implies", "iff", "mod", "not", "+",
-    "-", "(", "[", "{", "<", "<<", "Prod", "Seq", "Powerset", "Bag", "Map", "Rule", "forall",
-    "exists", "exist",
+    "name", "variable", "constant", "integer", "natural", "real", "complex", "char", "text",
+    "true", "false", "undef", "if", "switch", "let", "and", "or", "xor", "implies", "iff", "mod",
+    "not", "+", "-", "(", "[", "{", "<", "<<", "Prod", "Seq", "Powerset", "Bag", "Map", "Rule",
+    "forall", "exists", "exist",
 ];
 
 /// What a domain can begin with.
@@ -29,19 +23,52 @@ const TYPE: &[&str] = &["constant", "Prod", "Seq", "Powerset", "Bag", "Map", "Ru
 
 /// What can follow an operand in a longer term.
 const OPERATOR: &[&str] = &[
-    "implies", "iff", "or", "xor", "and", "=", "!=", "<", "<=", ">", ">=", "+", "-", "*", "/", "mod",
-    "^",
+    "implies", "iff", "or", "xor", "and", "=", "!=", "<", "<=", ">", ">=", "+", "-", "*", "/",
+    "mod", "^",
 ];
 
 /// The names of all kinds; operators name functions.
 const NAME: &[&str] = &[
-    "name", "constant", "rule name", "variable", "and", "or", "xor", "implies", "iff", "mod", "not",
+    "name",
+    "constant",
+    "rule name",
+    "variable",
+    "and",
+    "or",
+    "xor",
+    "implies",
+    "iff",
+    "mod",
+    "not",
 ];
 
 impl<'a> Expected<'a> {
+    /// What a rule can begin with, `skip` and `par` among it.
+    pub(super) const RULE: &'static [&'static str] = &[
+        "name",
+        "variable",
+        "rule name",
+        "skip",
+        "par",
+        "seq",
+        "if",
+        "switch",
+        "choose",
+        "forall",
+        "let",
+        "extend",
+        "while",
+        "whilerec",
+        "iterate",
+        "local",
+        "dynamic",
+    ];
+
     /// From the parser's list, where every token is quoted.
     pub(super) fn new(tokens: &'a [String]) -> Self {
-        Self { tokens: tokens.iter().map(|token| token.trim_matches('"')).collect() }
+        Self {
+            tokens: tokens.iter().map(|token| token.trim_matches('"')).collect(),
+        }
     }
 
     /// Whether this token could stand here.
@@ -79,7 +106,12 @@ impl<'a> Expected<'a> {
         if self.term() || self.item() || self.rule() {
             return None;
         }
-        match (self.has("name"), self.has("constant"), self.has("rule name"), self.has("variable")) {
+        match (
+            self.has("name"),
+            self.has("constant"),
+            self.has("rule name"),
+            self.has("variable"),
+        ) {
             (_, false, true, false) => Some(("a rule", "`r_`")),
             (true, false, false, false) => Some(("a function", "a small letter")),
             (false, true, false, false) => Some(("a domain", "a capital letter")),
@@ -90,7 +122,10 @@ impl<'a> Expected<'a> {
 
     /// The word expected here that differs from `written` by a slip of the finger.
     pub(super) fn nearest(&self, written: &str) -> Option<&'a str> {
-        let words = self.tokens.iter().filter(|token| Keyword::spelled(token).is_some());
+        let words = self
+            .tokens
+            .iter()
+            .filter(|token| Keyword::spelled(token).is_some());
         nearest(written, words.copied())
     }
 }
@@ -103,16 +138,27 @@ impl fmt::Display for Expected<'_> {
             return out.write_str("`:=`");
         }
         if self.item() {
-            let operator = if self.operator() { "an operator or " } else { "" };
+            if self.has(",") {
+                return out.write_str("`,` or a declaration");
+            }
+            let operator = if self.operator() {
+                "an operator or "
+            } else {
+                ""
+            };
             return write!(out, "{operator}a declaration");
         }
         let name = self.name().map(|(what, _)| format!("the name of {what}"));
         let any_name = self.has("name") && self.has("constant");
         let families: [(bool, &str, &[&str]); 5] = [
             (self.term(), "a term", TERM),
-            (self.rule(), "a rule", RULE),
+            (self.rule(), "a rule", Self::RULE),
             (self.domain(), "a domain", TYPE),
-            (name.is_some() && !self.domain(), name.as_deref().unwrap_or_default(), NAME),
+            (
+                name.is_some() && !self.domain(),
+                name.as_deref().unwrap_or_default(),
+                NAME,
+            ),
             (any_name && !self.term(), "a name", NAME),
         ];
         let mut left = self.tokens.clone();
@@ -141,14 +187,5 @@ impl fmt::Display for Expected<'_> {
             Some((last, others)) => write!(out, "{} or {last}", others.join(", ")),
             None => out.write_str("something else"),
         }
-    }
-}
-
-/// Whether a rule can begin with this token.
-pub(super) fn starts_rule(token: Token<'_>) -> bool {
-    match token {
-        Token::Name(_) | Token::Variable(_) | Token::Rule(_) => true,
-        Token::Keyword(word) => RULE.contains(&word.spelling()),
-        _ => false,
     }
 }

@@ -1,12 +1,28 @@
 //! Numbers, and where a complex number ends.
 
-use super::Token;
+use super::{Lexer, Read, Token, word};
+use crate::error::SyntaxError;
+
+impl<'input> Lexer<'input, '_> {
+    pub(super) fn number(&self) -> Read<'input> {
+        let (token, length) = read(self.rest());
+        if let Token::Real(digits) = token {
+            let (number, at) = (digits.to_owned(), self.next_bytes(length));
+            if digits.ends_with('.') {
+                self.findings.report(SyntaxError::BarePoint { number, at });
+            } else if digits.contains(['e', 'E']) {
+                self.findings.report(SyntaxError::Exponent { number, at });
+            }
+        }
+        (token, length)
+    }
+}
 
 /// The number `text` begins with, and its length.
 ///
 /// `1..3` is an interval of old, so a point belongs to the number only before a digit, or where
 /// nothing else can be meant.
-pub(super) fn read(text: &str) -> (Token<'_>, usize) {
+fn read(text: &str) -> Read<'_> {
     if let Some(length) = complex_length(text) {
         return (Token::Complex(text.get(..length).unwrap_or(text)), length);
     }
@@ -32,7 +48,11 @@ pub(super) fn read(text: &str) -> (Token<'_>, usize) {
 pub(super) fn complex_length(text: &str) -> Option<usize> {
     let sign = usize::from(text.starts_with(['+', '-']));
     let real = sign + real_length(text.get(sign..)?);
-    let between = if real > sign { usize::from(text.get(real..)?.starts_with(['+', '-'])) } else { 0 };
+    let between = if real > sign {
+        usize::from(text.get(real..)?.starts_with(['+', '-']))
+    } else {
+        0
+    };
     if real > sign && between == 0 {
         return None;
     }
@@ -49,24 +69,41 @@ pub(super) fn imaginary_length(text: &str) -> Option<usize> {
 /// Both parts of a complex number as it was read.
 pub(crate) fn complex_parts(text: &str) -> (f64, f64) {
     let (real, imaginary) = text.split_once('i').unwrap_or((text, "0"));
-    let size = if imaginary.is_empty() { 1.0 } else { imaginary.parse().unwrap_or(f64::NAN) };
+    let size = if imaginary.is_empty() {
+        1.0
+    } else {
+        imaginary.parse().unwrap_or(f64::NAN)
+    };
     let sign = if real.ends_with('-') { -1.0 } else { 1.0 };
     // What is left of a lone sign is empty: `-i2` has no real part.
     let real = real.strip_suffix(['+', '-']).unwrap_or(real);
-    let real = if real.is_empty() { 0.0 } else { real.parse().unwrap_or(f64::NAN) };
+    let real = if real.is_empty() {
+        0.0
+    } else {
+        real.parse().unwrap_or(f64::NAN)
+    };
     (real, sign * size)
 }
 
 /// Digits, or digits, a point and digits.
 fn real_length(text: &str) -> usize {
     let whole = digits(text);
-    let fraction = text.get(whole..).and_then(|rest| rest.strip_prefix('.')).map_or(0, digits);
-    if whole > 0 && fraction > 0 { whole + 1 + fraction } else { whole }
+    let fraction = text
+        .get(whole..)
+        .and_then(|rest| rest.strip_prefix('.'))
+        .map_or(0, digits);
+    if whole > 0 && fraction > 0 {
+        whole + 1 + fraction
+    } else {
+        whole
+    }
 }
 
 /// `E3`, `e-3`: the language has none, so it is read only to be reported.
 fn exponent_length(text: &str) -> usize {
-    let Some(rest) = text.strip_prefix(['e', 'E']) else { return 0 };
+    let Some(rest) = text.strip_prefix(['e', 'E']) else {
+        return 0;
+    };
     let sign = usize::from(rest.starts_with(['+', '-']));
     let size = rest.get(sign..).map_or(0, digits);
     let ends = word_ends(rest.get(sign + size..));
@@ -74,9 +111,10 @@ fn exponent_length(text: &str) -> usize {
 }
 
 fn digits(text: &str) -> usize {
-    text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len())
+    text.find(|c: char| !c.is_ascii_digit())
+        .unwrap_or(text.len())
 }
 
 fn word_ends(rest: Option<&str>) -> bool {
-    !rest.unwrap_or("").starts_with(|c: char| c == '_' || c.is_alphanumeric())
+    !rest.unwrap_or("").starts_with(word::goes_on)
 }

@@ -4,7 +4,7 @@ use std::fmt;
 
 /// The smallest thing the parser sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Token<'input> {
+pub(crate) enum Token<'input> {
     /// A reserved word.
     Keyword(Keyword),
     /// A sign.
@@ -40,15 +40,11 @@ macro_rules! spelled {
     ($(#[$meta:meta])* $name:ident { $($variant:ident $spelling:literal $(| $synonym:literal)?,)* }) => {
         $(#[$meta])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-        #[allow(missing_docs, reason = "the spelling says it")]
-        pub enum $name { $($variant,)* }
+        pub(crate) enum $name { $($variant,)* }
 
         impl $name {
-            /// All of them, in the order of the table.
-            pub const ALL: &[Self] = &[$(Self::$variant,)*];
-
             /// The variant that is spelled so.
-            pub fn spelled(text: &str) -> Option<Self> {
+            pub(crate) fn spelled(text: &str) -> Option<Self> {
                 match text {
                     $($spelling $(| $synonym)? => Some(Self::$variant),)*
                     _ => None,
@@ -56,7 +52,7 @@ macro_rules! spelled {
             }
 
             /// How it is written.
-            pub const fn spelling(self) -> &'static str {
+            pub(crate) const fn spelling(self) -> &'static str {
                 match self { $(Self::$variant => $spelling,)* }
             }
         }
@@ -107,6 +103,39 @@ spelled! {
         Assign ":=", Return "<-",
         Plus "+", Minus "-", Star "*", Slash "/", Caret "^",
         Eq "=", Neq "!=", Lt "<", Le "<=", Gt ">", Ge ">=",
+    }
+}
+
+impl Token<'_> {
+    /// Whether an operand ends here, so that `+`, `-` and `<` after it are operators.
+    pub(crate) fn ends_operand(self) -> bool {
+        match self {
+            Self::Keyword(word) => matches!(
+                word,
+                Keyword::True
+                    | Keyword::False
+                    | Keyword::Undef
+                    | Keyword::Endif
+                    | Keyword::Endswitch
+                    | Keyword::Endlet
+            ),
+            Self::Sign(sign) => matches!(
+                sign,
+                Sign::Close | Sign::CloseBrace | Sign::CloseBracket | Sign::CloseRule
+            ),
+            Self::Name(_)
+            | Self::Constant(_)
+            | Self::Rule(_)
+            | Self::Variable(_)
+            | Self::Word(_)
+            | Self::Path(_)
+            | Self::Integer(_)
+            | Self::Natural(_)
+            | Self::Real(_)
+            | Self::Complex(_)
+            | Self::Char(_)
+            | Self::Text(_) => true,
+        }
     }
 }
 

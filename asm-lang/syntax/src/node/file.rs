@@ -9,7 +9,11 @@ use source::Span;
 /// What a file consists of; a section is opened by its heading and ends with the next one.
 pub(crate) enum Item {
     /// `asm x`.
-    Heading { asyncr: bool, module: bool, name: Name },
+    Heading {
+        asyncr: bool,
+        module: bool,
+        name: Name,
+    },
     /// `import x`.
     Import(Import),
     /// `export x`.
@@ -61,6 +65,7 @@ enum Kind {
     DomainInit,
     FunctionInit,
     Agent,
+    End,
 }
 
 impl Kind {
@@ -85,6 +90,7 @@ impl Kind {
             Self::DomainInit => "an initial domain",
             Self::FunctionInit => "an initial function",
             Self::Agent => "an agent",
+            Self::End => "the end of the file",
         }
     }
 }
@@ -93,13 +99,15 @@ impl Nodes<'_, '_> {
     /// Sorts the items into the sections they belong to.
     pub(crate) fn file(&self, items: Vec<Item>) -> File {
         let mut assembly = Assembly::new(self.findings);
+        let end = self.span(self.text.len(), self.text.len());
         if items.is_empty() && !self.findings.has_errors() {
-            let end = self.text.len();
-            self.findings.report(SyntaxError::Empty { at: self.findings.span(end, end) });
+            self.findings.report(SyntaxError::Empty { at: end });
+            return assembly.file;
         }
         for item in items {
             assembly.add(item);
         }
+        assembly.place(Kind::End, end);
         assembly.file
     }
 }
@@ -134,7 +142,11 @@ impl<'run> Assembly<'run> {
     fn add(&mut self, item: Item) {
         let in_init = !self.file.inits.is_empty();
         match item {
-            Item::Heading { asyncr, module, name } => self.heading(asyncr, module, name),
+            Item::Heading {
+                asyncr,
+                module,
+                name,
+            } => self.heading(asyncr, module, name),
             Item::Import(import) => {
                 self.place(Kind::Import, import.path.span);
                 self.file.imports.push(import);
@@ -157,7 +169,11 @@ impl<'run> Assembly<'run> {
                 self.definitions = true;
             }
             Item::DomainDefinition(definition) => {
-                let kind = if in_init { Kind::DomainInit } else { Kind::DomainDefinition };
+                let kind = if in_init {
+                    Kind::DomainInit
+                } else {
+                    Kind::DomainDefinition
+                };
                 self.place(kind, definition.name.span);
                 match self.file.inits.last_mut() {
                     Some(init) => init.domains.push(definition),
@@ -165,7 +181,11 @@ impl<'run> Assembly<'run> {
                 }
             }
             Item::FunctionDefinition(definition) => {
-                let kind = if in_init { Kind::FunctionInit } else { Kind::FunctionDefinition };
+                let kind = if in_init {
+                    Kind::FunctionInit
+                } else {
+                    Kind::FunctionDefinition
+                };
                 self.place(kind, definition.name.span);
                 match self.file.inits.last_mut() {
                     Some(init) => init.functions.push(definition),
@@ -198,7 +218,10 @@ impl<'run> Assembly<'run> {
 
     fn heading(&mut self, asyncr: bool, module: bool, name: Name) {
         if let Some(first) = self.heading {
-            self.findings.report(SyntaxError::SecondHeading { at: name.span, first });
+            self.findings.report(SyntaxError::SecondHeading {
+                at: name.span,
+                first,
+            });
             return;
         }
         self.place(Kind::Heading, name.span);
@@ -212,7 +235,8 @@ impl<'run> Assembly<'run> {
         self.place(Kind::Export, export.span);
         if let Some(first) = &self.file.export {
             let (at, first) = (export.span, first.span);
-            self.findings.report(SyntaxError::SecondExport { at, first });
+            self.findings
+                .report(SyntaxError::SecondExport { at, first });
             return;
         }
         self.file.export = Some(export);
@@ -230,7 +254,9 @@ impl<'run> Assembly<'run> {
 
     fn agent(&mut self, agent: AgentInit) {
         let Some(init) = self.file.inits.last_mut() else {
-            self.findings.report(SyntaxError::AgentOutsideInit { at: agent.domain.span });
+            self.findings.report(SyntaxError::AgentOutsideInit {
+                at: agent.domain.span,
+            });
             return;
         };
         let at = agent.domain.span;
@@ -254,7 +280,8 @@ impl<'run> Assembly<'run> {
         let mut section = |missing: bool, section: &'static str| {
             if missing && self.in_order && !self.broken {
                 let what = kind.described();
-                self.findings.report(SyntaxError::NoSection { section, what, at });
+                self.findings
+                    .report(SyntaxError::NoSection { section, what, at });
                 self.in_order = false;
             }
         };
@@ -264,7 +291,12 @@ impl<'run> Assembly<'run> {
             Some((furthest, earlier)) if kind < furthest => {
                 if self.in_order {
                     let (what, before) = (kind.described(), furthest.described());
-                    self.findings.report(SyntaxError::OutOfOrder { what, before, at, earlier });
+                    self.findings.report(SyntaxError::OutOfOrder {
+                        what,
+                        before,
+                        at,
+                        earlier,
+                    });
                     self.in_order = false;
                 }
             }

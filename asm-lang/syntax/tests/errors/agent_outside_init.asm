@@ -2,4 +2,4 @@ asm agent_outside_init
 signature:
 definitions:
   rule r_a = skip
-  agent Worker: r_a[] //~ L016
+  agent Worker: r_a[] //~ L025

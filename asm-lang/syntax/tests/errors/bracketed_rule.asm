@@ -2,4 +2,4 @@ asm bracketed_rule
 signature:
 definitions:
   main rule r_Main =
-    (a := 1) //~ L026
+    (a := 1) //~ L036

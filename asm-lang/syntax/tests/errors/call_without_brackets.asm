@@ -3,6 +3,6 @@ signature:
 definitions:
   main rule r_Main =
     par
-      r_a //~ L027
+      r_a //~ L037
       r_b[]
     endpar

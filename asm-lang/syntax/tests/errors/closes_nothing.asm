@@ -2,4 +2,4 @@ asm closes_nothing
 signature:
 definitions:
   main rule r_Main = a := 1
-  endpar //~ L023
+  endpar //~ L033

@@ -1,5 +1,5 @@
 asm complex_name
 signature:
-  controlled i: Integer //~ L035
+  controlled i: Integer //~ L055
 definitions:
-  main rule r_Main = i1 := 1 //~ L035
+  main rule r_Main = i1 := 1 //~ L055

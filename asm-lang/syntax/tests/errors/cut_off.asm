@@ -3,4 +3,4 @@ signature:
 definitions:
   main rule r_Main =
     par
-      if a = 1 then //~ L020
+      if a = 1 then //~ L030

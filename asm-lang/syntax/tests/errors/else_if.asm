@@ -7,4 +7,4 @@ definitions:
       else if a = 2 then b := 2
       else b := 3
       endif
-    endpar //~ L022
+    endpar //~ L032

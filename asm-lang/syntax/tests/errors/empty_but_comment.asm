@@ -1,1 +1,1 @@
-// nothing here //~ L011
+// nothing here //~ L020

@@ -3,6 +3,6 @@ signature:
 definitions:
   main rule r_Main =
     par
-      a = 1 //~ L030
+      a = 1 //~ L050
       b := 2
     endpar

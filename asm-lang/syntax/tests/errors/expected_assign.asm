@@ -1,4 +1,4 @@
 asm expected_assign
 signature:
 definitions:
-  main rule r_Main = a + 1 //~ L038
+  main rule r_Main = a + 1 //~ L058

@@ -1,4 +1,4 @@
 asm expected_comma
 signature:
 definitions:
-  main rule r_Main = a := max(b c) //~ L038
+  main rule r_Main = a := max(b c) //~ L058

@@ -1,4 +1,4 @@
 asm expected_domain
 signature:
 definitions:
-  rule r_a($x in 5) = skip //~ L038
+  rule r_a($x in 5) = skip //~ L058

@@ -1,4 +1,4 @@
 asm expected_operator
 signature:
 definitions:
-  function f = 1 2 //~ L038
+  function f = 1 2 //~ L058

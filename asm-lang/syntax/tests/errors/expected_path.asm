@@ -1,4 +1,4 @@
 asm expected_path
 import
-signature: //~ L038
+signature: //~ L058
 definitions:

@@ -1,4 +1,4 @@
 asm
-signature: //~ L038
+signature: //~ L058
 definitions:
   main rule r_Main = skip

@@ -1,5 +1,5 @@
 asm misnamed_domain
 signature:
-  domain speed subsetof Integer //~ L036
-  controlled v: speed //~ L036
+  domain speed subsetof Integer //~ L056
+  controlled v: speed //~ L056
 definitions:

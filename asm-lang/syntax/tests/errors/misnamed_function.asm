@@ -1,4 +1,4 @@
 asm misnamed_function
 signature:
-  controlled Speed: Integer //~ L036
+  controlled Speed: Integer //~ L056
 definitions:

@@ -1,4 +1,4 @@
 asm misnamed_rule
 signature:
 definitions:
-  rule a = skip //~ L036
+  rule a = skip //~ L056

@@ -1,4 +1,4 @@
 asm misnamed_variable
 signature:
 definitions:
-  main rule r_Main = forall x in s do skip //~ L036
+  main rule r_Main = forall x in s do skip //~ L056

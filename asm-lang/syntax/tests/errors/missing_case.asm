@@ -3,5 +3,5 @@ signature:
 definitions:
   main rule r_Main =
     switch a
-      1: b := 2 //~ L032
+      1: b := 2 //~ L052
     endswitch

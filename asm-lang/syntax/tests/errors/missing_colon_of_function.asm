@@ -1,5 +1,5 @@
 asm missing_colon_of_function
 signature:
-  controlled a Integer //~ L032
+  controlled a Integer //~ L052
   controlled b: Integer
 definitions:

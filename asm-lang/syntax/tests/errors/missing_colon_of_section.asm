@@ -1,4 +1,4 @@
 asm missing_colon_of_section
 signature
-  controlled a: Integer //~ L032
+  controlled a: Integer //~ L052
 definitions:

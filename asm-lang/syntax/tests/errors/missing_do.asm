@@ -3,4 +3,4 @@ signature:
 definitions:
   main rule r_Main =
     forall $x in s with $x > 1
-      f($x) := 2 //~ L032
+      f($x) := 2 //~ L052

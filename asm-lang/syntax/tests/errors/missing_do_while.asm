@@ -2,4 +2,4 @@ asm missing_do_while
 signature:
 definitions:
   main rule r_Main =
-    while a < 3 a := a + 1 //~ L032
+    while a < 3 a := a + 1 //~ L052

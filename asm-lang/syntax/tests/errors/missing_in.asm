@@ -2,4 +2,4 @@ asm missing_in
 signature:
 definitions:
   main rule r_Main =
-    let ($x = 1) a := $x endlet //~ L032
+    let ($x = 1) a := $x endlet //~ L052

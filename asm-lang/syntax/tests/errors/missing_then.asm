@@ -4,7 +4,7 @@ definitions:
   main rule r_Main =
     par
       if a = 1
-        b := 2 //~ L032
+        b := 2 //~ L052
       endif
       a := 1
     endpar

@@ -1,3 +1,3 @@
 asm no_definitions
 signature:
-  main rule r_Main = skip //~ L054
+  main rule r_Main = skip //~ L074

@@ -1,3 +1,3 @@
-signature: //~ L012
+signature: //~ L021
 definitions:
   main rule r_Main = skip

@@ -1,1 +1,1 @@
-this is no specification //~ L012
+this is no specification //~ L021

@@ -1,4 +1,4 @@
 asm no_rule
 signature:
 definitions:
-  main rule r_Main = if a = 1 then else skip endif //~ L025
+  main rule r_Main = if a = 1 then else skip endif //~ L035

@@ -2,4 +2,4 @@ asm no_rule_in_declaration
 signature:
 definitions:
   rule r_a =
-  main rule r_Main = skip //~ L025
+  main rule r_Main = skip //~ L035

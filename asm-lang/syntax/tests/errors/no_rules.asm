@@ -1,4 +1,4 @@
 asm no_rules
 signature:
 definitions:
-  main rule r_Main = seq endseq //~ L052
+  main rule r_Main = seq endseq //~ L072

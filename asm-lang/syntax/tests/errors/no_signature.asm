@@ -1,3 +1,3 @@
 asm no_signature
-controlled a: Integer //~ L054
+controlled a: Integer //~ L074
 definitions:

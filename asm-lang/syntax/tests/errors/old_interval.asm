@@ -1,4 +1,4 @@
 asm old_interval
 signature:
 definitions:
-  main rule r_Main = s := {1..3} //~ L051
+  main rule r_Main = s := {1..3} //~ L071

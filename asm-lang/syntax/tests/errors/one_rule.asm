@@ -1,4 +1,4 @@
 asm one_rule
 signature:
 definitions:
-  main rule r_Main = par skip endpar //~ L052
+  main rule r_Main = par skip endpar //~ L072

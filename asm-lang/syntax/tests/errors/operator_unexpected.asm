@@ -3,6 +3,6 @@ signature:
 definitions:
   main rule r_Main =
     par
-      a + 1 //~ L038
+      a + 1 //~ L058
       b := 2
     endpar

@@ -1,5 +1,5 @@
 asm out_of_order
 signature:
   controlled a: E
-  enum domain E = {AA | BB} //~ L053
+  enum domain E = {AA | BB} //~ L073
 definitions:

@@ -1,5 +1,5 @@
 asm property_prefix
 signature:
 definitions:
-  invariant positive over a: a > 0 //~ L055
-  CTLSPEC safe: a //~ L055
+  invariant positive over a: a > 0 //~ L075
+  CTLSPEC safe: a //~ L075

@@ -1,4 +1,4 @@
 asm reserved_name
 signature:
-  controlled agent: Integer //~ L034
+  controlled agent: Integer //~ L054
 definitions:

@@ -1,5 +1,5 @@
 module second_export
 export a
-export b //~ L014
+export b //~ L023
 signature:
 definitions:

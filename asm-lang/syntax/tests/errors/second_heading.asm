@@ -1,4 +1,4 @@
 asm a
 signature:
 definitions:
-asm b //~ L013
+asm b //~ L022

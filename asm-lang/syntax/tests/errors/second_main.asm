@@ -2,4 +2,4 @@ asm second_main
 signature:
 definitions:
   main rule r_Main = skip
-  main rule r_Other = skip //~ L015
+  main rule r_Other = skip //~ L024

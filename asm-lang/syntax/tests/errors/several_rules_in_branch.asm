@@ -4,5 +4,5 @@ definitions:
   main rule r_Main =
     if a = 1 then
       a := 2
-      b := 3 //~ L024
+      b := 3 //~ L034
     endif

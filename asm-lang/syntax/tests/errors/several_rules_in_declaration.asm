@@ -3,5 +3,5 @@ signature:
 definitions:
   rule r_a =
     a := 1
-    b := 2 //~ L024
+    b := 2 //~ L034
   main rule r_Main = skip

@@ -4,5 +4,5 @@ definitions:
   main rule r_Main =
     par
       a := (1 + b * 2
-      b := 2 //~ L021
+      b := 2 //~ L031
     endpar

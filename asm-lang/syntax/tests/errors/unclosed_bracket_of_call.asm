@@ -2,4 +2,4 @@ asm unclosed_bracket_of_call
 signature:
 definitions:
   main rule r_Main =
-    if isDef(a then skip endif //~ L021
+    if isDef(a then skip endif //~ L031

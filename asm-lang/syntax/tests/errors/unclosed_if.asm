@@ -6,4 +6,4 @@ definitions:
       if a = 1 then
         b := 2
       a := 2
-    endpar //~ L021
+    endpar //~ L031

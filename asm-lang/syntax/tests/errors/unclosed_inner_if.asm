@@ -8,4 +8,4 @@ definitions:
           a := 2
       endif
       b := 2
-    endpar //~ L021
+    endpar //~ L031

@@ -5,4 +5,4 @@ definitions:
     par
       a := 1
       b := 2
-  rule r_b = skip //~ L021
+  rule r_b = skip //~ L031

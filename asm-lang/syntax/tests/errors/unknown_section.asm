@@ -1,4 +1,4 @@
 asm unknown_section
 signature:
-defintions: //~ L033
+defintions: //~ L053
   main rule r_Main = skip

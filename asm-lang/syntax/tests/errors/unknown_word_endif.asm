@@ -3,6 +3,6 @@ signature:
 definitions:
   main rule r_Main =
     par
-      if a = 1 then b := 1 end //~ L033
+      if a = 1 then b := 1 end //~ L053
       a := 1
     endpar

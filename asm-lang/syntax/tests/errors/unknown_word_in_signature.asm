@@ -1,5 +1,5 @@
 asm unknown_word_in_signature
 signature:
-  controled a: Integer //~ L033
+  controled a: Integer //~ L053
   controlled b: Integer
 definitions:

@@ -1,5 +1,5 @@
 asm unused_fairness
 signature:
 definitions:
-  FAIRNESS a //~ L037
+  FAIRNESS a //~ L057
   main rule r_Main = skip

@@ -1,4 +1,4 @@
 asm unused_try
 signature:
 definitions:
-  main rule r_Main = try a := 1 catch a skip //~ L037
+  main rule r_Main = try a := 1 catch a skip //~ L057

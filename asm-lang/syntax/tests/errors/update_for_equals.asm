@@ -2,4 +2,4 @@ asm update_for_equals
 signature:
 definitions:
   main rule r_Main =
-    if a := 1 then b := 2 endif //~ L031
+    if a := 1 then b := 2 endif //~ L051

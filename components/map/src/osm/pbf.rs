@@ -17,7 +17,9 @@ pub fn read(source: &Source<'_>, rules: &Rules) -> Result<Extract, MapError> {
     // have them, and a damaged file must not take the robot down
     let read = catch_unwind(AssertUnwindSafe(|| blobs(&bytes, rules)));
     let damaged = |_| syntax("a block's numbers are damaged");
-    read.map_err(damaged).flatten().map_err(|fault| source.error(fault))
+    read.map_err(damaged)
+        .flatten()
+        .map_err(|fault| source.error(fault))
 }
 
 fn blobs(bytes: &[u8], rules: &Rules) -> Result<Extract, Fault> {
@@ -56,7 +58,9 @@ fn corners(header: &HeaderBlock) -> Result<Option<(LonLat, LonLat)>, Fault> {
 }
 
 fn add_block(extract: &mut Extract, block: &PrimitiveBlock, rules: &Rules) -> Result<(), Fault> {
-    block.elements().try_for_each(|element| add(extract, element, rules))
+    block
+        .elements()
+        .try_for_each(|element| add(extract, element, rules))
 }
 
 fn add(extract: &mut Extract, element: Element<'_>, rules: &Rules) -> Result<(), Fault> {
@@ -87,5 +91,7 @@ fn add(extract: &mut Extract, element: Element<'_>, rules: &Rules) -> Result<(),
 
 fn tags<'a>(pairs: impl Iterator<Item = (&'a str, &'a str)>, rules: &Rules) -> Tags {
     let wanted = pairs.filter(|(key, _)| matters(rules, key));
-    wanted.map(|(key, value)| (key.to_owned(), value.to_owned())).collect()
+    wanted
+        .map(|(key, value)| (key.to_owned(), value.to_owned()))
+        .collect()
 }

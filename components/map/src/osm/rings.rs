@@ -6,8 +6,8 @@ use std::collections::HashMap;
 pub struct Rings {
     /// Each from a node back to the same node.
     pub closed: Vec<Vec<i64>>,
-    /// How many chains did not close: the extract lacks a way.
-    pub open: usize,
+    /// Chains that did not close: the extract lacks a way.
+    pub open: Vec<Vec<i64>>,
 }
 
 /// Joins ways, each given by its nodes, until they close; in the order given, so that the result is always the same.
@@ -21,7 +21,7 @@ pub fn join(ways: &[&[i64]]) -> Rings {
     let mut used = vec![false; ways.len()];
     let mut rings = Rings {
         closed: Vec::new(),
-        open: 0,
+        open: Vec::new(),
     };
     for index in 0..ways.len() {
         if used[index] || ways[index].is_empty() {
@@ -36,7 +36,7 @@ pub fn join(ways: &[&[i64]]) -> Rings {
         if ring.len() > 3 && ring.first() == ring.last() {
             rings.closed.push(ring);
         } else {
-            rings.open += 1;
+            rings.open.push(ring);
         }
     }
     rings
@@ -67,12 +67,13 @@ mod tests {
     fn it_joins_ways_whichever_way_they_run() {
         let rings = join(&[&[1, 2, 3], &[5, 4, 3], &[5, 1], &[7, 8, 9, 7]]);
         assert_eq!(rings.closed, [vec![1, 2, 3, 4, 5, 1], vec![7, 8, 9, 7]]);
-        assert_eq!(rings.open, 0);
+        assert!(rings.open.is_empty());
     }
 
     #[test]
-    fn it_counts_what_does_not_close() {
+    fn it_keeps_what_does_not_close() {
         let rings = join(&[&[1, 2, 3], &[3, 4], &[], &[9]]);
-        assert_eq!((rings.closed.len(), rings.open), (0, 2));
+        assert!(rings.closed.is_empty());
+        assert_eq!(rings.open, [vec![1, 2, 3, 4], vec![9]]);
     }
 }

@@ -17,7 +17,7 @@ pub fn read(source: &Source<'_>, rules: &Rules) -> Result<Extract, MapError> {
         rules,
         extract: Extract::default(),
         element: None,
-        seen_root: false,
+        whole: false,
     };
     loop {
         let at = reader.buffer_position();
@@ -38,8 +38,8 @@ pub fn read(source: &Source<'_>, rules: &Rules) -> Result<Extract, MapError> {
             _ => {}
         }
     }
-    if !parser.seen_root || parser.element.is_some() {
-        let what = "the file ends before `</osm>`, or has no `<osm>`".to_owned();
+    if !parser.whole {
+        let what = "is no OSM XML file, or ends before `</osm>`".to_owned();
         return Err(source.error(Fault::Syntax { what }));
     }
     Ok(parser.extract)
@@ -50,11 +50,16 @@ struct Parser<'a> {
     extract: Extract,
     /// The element that is open; its tags and members come as children.
     element: Option<Element>,
-    seen_root: bool,
+    /// Whether the end of the root was seen.
+    whole: bool,
 }
 
 enum Element {
-    Node { id: i64, place: (f64, f64), tags: Tags },
+    Node {
+        id: i64,
+        place: (f64, f64),
+        tags: Tags,
+    },
     Way(Way),
     Relation(Relation),
 }
@@ -62,10 +67,10 @@ enum Element {
 impl Parser<'_> {
     fn open(&mut self, tag: &BytesStart<'_>) -> Result<(), Fault> {
         match tag.name().as_ref() {
-            "osm" => self.seen_root = true,
             "bounds" => {
                 let corner = |lon: &str, lat: &str| checked(number(tag, lon)?, number(tag, lat)?);
-                self.extract.bounds = Some((corner("minlon", "minlat")?, corner("maxlon", "maxlat")?));
+                self.extract.bounds =
+                    Some((corner("minlon", "minlat")?, corner("maxlon", "maxlat")?));
             }
             "node" => {
                 self.element = Some(Element::Node {
@@ -120,6 +125,7 @@ impl Parser<'_> {
     }
 
     fn close(&mut self, name: &str) -> Result<(), Fault> {
+        self.whole |= name == "osm";
         if !matches!(name, "node" | "way" | "relation") {
             return Ok(());
         }
@@ -134,11 +140,20 @@ impl Parser<'_> {
 
 fn attribute(tag: &BytesStart<'_>, name: &str) -> Result<String, Fault> {
     let wrong = |what: String| Fault::Syntax { what };
-    let found = tag.try_get_attribute(name).map_err(|error| wrong(error.to_string()))?;
+    let found = tag
+        .try_get_attribute(name)
+        .map_err(|error| wrong(error.to_string()))?;
     let element = tag.name();
-    let found = found.ok_or_else(|| wrong(format!("`<{}>` has no attribute `{name}`", element.as_ref())))?;
+    let found = found.ok_or_else(|| {
+        wrong(format!(
+            "`<{}>` has no attribute `{name}`",
+            element.as_ref()
+        ))
+    })?;
     let value = found.normalized_value(XmlVersion::Implicit1_0);
-    value.map(Into::into).map_err(|error| wrong(error.to_string()))
+    value
+        .map(Into::into)
+        .map_err(|error| wrong(error.to_string()))
 }
 
 fn number<T: std::str::FromStr>(tag: &BytesStart<'_>, name: &str) -> Result<T, Fault> {

@@ -75,7 +75,16 @@ impl<'a> Reference<'a> {
             (!self.walls[index] && (leaving || !self.tight[index])).then_some(next)
         };
         let mut found = Vec::new();
-        for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)] {
+        for (dx, dy) in [
+            (1, 0),
+            (-1, 0),
+            (0, 1),
+            (0, -1),
+            (1, 1),
+            (1, -1),
+            (-1, 1),
+            (-1, -1),
+        ] {
             let Some(next) = at(dx, dy) else { continue };
             let diagonal = dx != 0 && dy != 0;
             if !diagonal || (at(dx, 0).is_some() && at(0, dy).is_some()) {

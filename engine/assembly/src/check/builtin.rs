@@ -4,7 +4,7 @@ use source::{Diagnostic, Report, Span};
 
 use super::component::unknown;
 use super::face::{Face, Kind, Named, Port, Way, find, nearest_service};
-use super::scene::{Scene, takes_part};
+use super::scene::Scene;
 use crate::At;
 use crate::finding::{Finding, Findings};
 use crate::model::{
@@ -104,11 +104,11 @@ fn proxy(
         missing(component, "target", "\"youBotDriver\"", "a port-proxy", report);
         return None;
     };
-    let part = scene.part(target, report)?;
+    scene.part(target, report)?;
     let mut face = listed.clone();
     for entry in &component.map {
         if let MapEntry::Proxy(entry) = entry {
-            mirror(scene, entry, target, &part.face, &mut face, report);
+            mirror(scene, entry, target, &mut face, report);
         }
     }
     if let Some(told) = &component.notify {
@@ -121,7 +121,6 @@ fn mirror(
     scene: &Scene<'_>,
     entry: &ProxyEntry,
     target: &At<String>,
-    of_target: &Face,
     face: &mut Face,
     report: &mut Report,
 ) {
@@ -142,12 +141,12 @@ fn mirror(
         });
         return;
     }
-    let Some((_, way, port)) = scene.port(&entry.port, report) else {
-        return;
-    };
     let wanted = match entry.mode.value {
         ProxyMode::Oneway => Way::In,
         ProxyMode::Last | ProxyMode::All => Way::Out,
+    };
+    let Some((_, way, port)) = scene.port(&entry.port, wanted, report) else {
+        return;
     };
     if way != wanted {
         report.found(MapError::Direction {
@@ -165,8 +164,11 @@ fn mirror(
     {
         report.found(error);
     }
-    debug_assert!(of_target.port(&entry.port.name).is_some());
-    if face.port(&entry.port.name).is_some() {
+    let mirror = match way {
+        Way::In => Way::Out,
+        Way::Out => Way::In,
+    };
+    if face.port(&entry.port.name, mirror).is_some_and(|(found, _)| found == mirror) {
         return;
     }
     let mirrored = Port {
@@ -200,25 +202,16 @@ fn notify(scene: &Scene<'_>, told: &Notify, face: &Face, report: &mut Report) {
     for path in told.idle.iter().flat_map(|idle| [&idle.of, &idle.on]) {
         field(scene, path, face, report);
     }
-    for (condition, virtual_field) in [(&told.refresh, Some("new")), (&told.fault, None)] {
-        let Some(condition) = condition else {
-            continue;
-        };
-        let words = condition.split(|letter: char| !(letter.is_alphanumeric() || "._".contains(letter)));
-        let Some(word) = words.into_iter().next().filter(|word| word.contains('.')) else {
-            continue;
-        };
-        let steps = word.split('.').scan(0, |start, step| {
-            let at = condition.span.start as usize + *start;
-            *start += step.len() + 1;
-            let span = Span::new(condition.span.file, at, at + step.len());
-            Some(At::new(step.to_owned(), span))
-        });
-        let mut steps: Vec<At<String>> = steps.collect();
-        if steps.last().map(|step| step.value.as_str()) == virtual_field && virtual_field.is_some() {
-            steps.pop();
+    for path in told.refresh.iter().filter_map(|condition| condition.path.as_ref()) {
+        // `port.new` is no field: it says that a message came
+        let mut path = path.clone();
+        if path.steps.last().is_some_and(|step| step.value == "new") {
+            path.steps.pop();
         }
-        field(scene, &Path { steps, span: condition.span }, face, report);
+        field(scene, &path, face, report);
+    }
+    for path in told.fault.iter().filter_map(|condition| condition.path.as_ref()) {
+        field(scene, path, face, report);
     }
 }
 
@@ -227,7 +220,7 @@ fn field(scene: &Scene<'_>, path: &Path, face: &Face, report: &mut Report) {
     let Some((port, steps)) = path.steps.split_first() else {
         return;
     };
-    let Some((_, found)) = face.port(port) else {
+    let Some((_, found)) = face.port(port, Way::In) else {
         report.found(unknown("port", port, face.nearest_port(port)));
         return;
     };
@@ -253,15 +246,14 @@ fn ros_bridge(
         }
         Some(_) => {}
     }
-    debug_assert!(takes_part(&component.profiles, scene.profile));
     for entry in &component.map {
         if let MapEntry::Ros(entry) = entry {
-            ros_entry(component, entry, report);
+            ros_entry(scene, component, entry, report);
         }
     }
 }
 
-fn ros_entry(component: &Component, entry: &RosEntry, report: &mut Report) {
+fn ros_entry(scene: &Scene<'_>, component: &Component, entry: &RosEntry, report: &mut Report) {
     let (list, key, direction) = match entry.direction.value {
         Direction::ToRos => (&component.subscribe, "subscribe", "to ROS"),
         Direction::FromRos => (&component.publish, "publish", "from ROS"),
@@ -274,7 +266,9 @@ fn ros_entry(component: &Component, entry: &RosEntry, report: &mut Report) {
             kind: entry.kind.value.clone(),
             at: entry.from.span,
         }),
-        Some(listed) if entry.convert.is_none() && listed.kind.value != entry.kind.value => {
+        Some(listed)
+            if entry.convert.is_none()
+                && !scene.types.same(&listed.kind, &entry.kind) => {
             report.found(MapError::Types {
                 name: entry.from.value.clone(),
                 here: listed.kind.value.clone(),

@@ -1,6 +1,6 @@
 //! Components: what the composite says of each, against what its implementation declares.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 use source::{Diagnostic, Report, Span};
@@ -8,19 +8,22 @@ use source::{Diagnostic, Report, Span};
 use super::face::{Face, Kind, Named, Port, Service, Way};
 use super::scene::{NameError, Part, Scene};
 use crate::At;
-use crate::catalogue::{self, Declaration};
 use crate::choice::Choice;
+use component::declaration::{
+    Declaration, PortDeclaration, ReferenceDeclaration, ServiceDeclaration,
+};
 use crate::finding::{Finding, Findings};
 use crate::model::{Builtin, Component, Implementation, Listed, Wanted};
-use crate::nearest::{Nearest, Suggest, nearest_name};
+use crate::nearest::{Nearest, Suggest, nearest, nearest_name};
+use crate::read::error::has;
 
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum ComponentError {
-    #[error("`{component}` has two ports `{name}`")]
-    PortTwice { component: String, name: String, at: Span, first: Span },
+    #[error("`{component}` has two {way}s `{name}`")]
+    PortTwice { way: &'static str, component: String, name: String, at: Span, first: Span },
     #[error("two components have the id `{id}`")]
     SameId { id: String, at: Span, first: Span },
-    #[error("there is no {what} `{name}`")]
+    #[error("this build has no {what} `{name}`")]
     UnknownImplementation { what: &'static str, name: String, at: Span, nearest: Option<Nearest> },
     #[error("{what} `{name}` is not in this build")]
     NotInBuild { what: &'static str, name: String, at: Span },
@@ -67,7 +70,7 @@ impl Finding for ComponentError {
             Self::PortTwice { at, first, .. } => Diagnostic::error("C018", self)
                 .label(*at, "again here")
                 .label(*first, "first here")
-                .help("ports, `subscribe` and `publish` of a component share one set of names"),
+                .help("`ports.in` and `subscribe` share one set of names, and so do `ports.out` and `publish`"),
             Self::SameId { at, first, .. } => Diagnostic::error("C023", self)
                 .label(*at, "again here")
                 .label(*first, "first here")
@@ -82,8 +85,11 @@ impl Finding for ComponentError {
                 Diagnostic::error("C026", self)
                     .label(*at, "not declared by the component")
                     .label(*made_of, "the component")
-                    .help(has(what, known))
-                    .suggest(*at, &nearest_name(name, known.iter().map(String::as_str)))
+                    .suggest_or(
+                        *at,
+                        &nearest_name(name, known.iter().map(String::as_str)),
+                        has(what, known.iter().map(String::as_str)),
+                    )
             }
             Self::DeclaredOtherwise { declared, at, made_of, .. } => {
                 Diagnostic::error("C027", self)
@@ -92,27 +98,18 @@ impl Finding for ComponentError {
                     .fix("write what the component declares", *at, declared)
             }
             Self::UnknownProperty { name, at, made_of, known, .. } => {
-                let names: Vec<String> = known.iter().map(|it| it.text.clone()).collect();
+                let names = known.iter().map(|it| it.text.as_str());
                 let all = known.iter().map(|it| (it.text.as_str(), it.at));
                 Diagnostic::error("C028", self)
                     .label(*at, "no such property")
                     .label(*made_of, "the component")
-                    .help(has("property", &names))
-                    .suggest(*at, &crate::nearest::nearest(name, all))
+                    .suggest_or(*at, &nearest(name, all), has("property", names))
             }
             Self::NeverRead { at, made_of, known, .. } => Diagnostic::warning("C029", self)
                 .label(*at, "never read")
                 .label(*made_of, "the component")
-                .help(has("input", known)),
+                .help(has("input", known.iter().map(String::as_str))),
         }
-    }
-}
-
-fn has(what: &str, known: &[String]) -> String {
-    let known: Vec<&str> = known.iter().map(String::as_str).collect();
-    match known.is_empty() {
-        true => format!("it has no {what}"),
-        false => format!("it has {}", crate::read::error::enumerate(&known).replace(" or ", " and ")),
     }
 }
 
@@ -123,6 +120,7 @@ pub(crate) fn parts<'s>(
     report: &mut Report,
 ) -> Vec<Part<'s>> {
     let mut ids: BTreeMap<String, Span> = BTreeMap::new();
+    types(scene, report);
     let mut parts = Vec::new();
     for component in &scene.composite.components {
         if !scene.active(&component.profiles) {
@@ -134,6 +132,19 @@ pub(crate) fn parts<'s>(
         parts.push(Part { component, face });
     }
     parts
+}
+
+/// Types that nobody describes, each where it is named first.
+fn types(scene: &Scene<'_>, report: &mut Report) {
+    let components = scene.composite.components.iter();
+    let active = components.filter(|component| scene.active(&component.profiles));
+    let listed = active.flat_map(|it| [&it.inputs, &it.outputs, &it.subscribe, &it.publish]);
+    let mut seen = BTreeSet::new();
+    for Listed { kind, .. } in listed.flatten() {
+        if seen.insert(kind.value.as_str()) {
+            scene.types.known(kind, kind.span, report);
+        }
+    }
 }
 
 /// The id names the queue, the log and the metrics of a component.
@@ -165,7 +176,7 @@ fn face(
     report: &mut Report,
 ) -> Face {
     let Some(implementation) = &component.implementation else {
-        return Face { blank: true, ..listed(scene, component, report) };
+        return Face { blank: true, ..listed(component, report) };
     };
     match implementation {
         Implementation::Composite(file) => match nested.get(&file.value) {
@@ -177,10 +188,10 @@ fn face(
             None => Face { blank: true, ..Face::default() },
         },
         Implementation::Rust(name) => {
-            let face = listed(scene, component, report);
+            let face = listed(component, report);
             match scene.catalogue.declaration(name) {
                 Some(declaration) => {
-                    let face = declared(face, name, &declaration, report);
+                    let face = declared(scene, face, name, &declaration, report);
                     properties(component, &face, name.span, report);
                     face
                 }
@@ -192,12 +203,12 @@ fn face(
         }
         Implementation::Builtin { name, kind, .. } => {
             builtin(scene, name, *kind, report);
-            listed(scene, component, report)
+            listed(component, report)
         }
         Implementation::Asm { .. }
         | Implementation::Process { .. }
         | Implementation::Ros { .. }
-        | Implementation::Orocos { .. } => listed(scene, component, report),
+        | Implementation::Orocos { .. } => listed(component, report),
     }
 }
 
@@ -239,9 +250,9 @@ fn builtin(
 }
 
 /// What the composite lists of a component.
-fn listed(scene: &Scene<'_>, component: &Component, report: &mut Report) -> Face {
+fn listed(component: &Component, report: &mut Report) -> Face {
     let mut face = Face::default();
-    let mut first: BTreeMap<&str, Span> = BTreeMap::new();
+    let mut first: BTreeMap<(&str, &str), Span> = BTreeMap::new();
     let lists = [
         (Way::In, &component.inputs, false),
         (Way::In, &component.subscribe, true),
@@ -250,16 +261,25 @@ fn listed(scene: &Scene<'_>, component: &Component, report: &mut Report) -> Face
     ];
     for (way, list, on_topic) in lists {
         for entry in list {
-            if let Some(first) = first.insert(&entry.name, entry.name.span) {
+            let key = (way.word(), entry.name.as_str());
+            if let Some(first) = first.insert(key, entry.name.span) {
                 report.found(ComponentError::PortTwice {
+                    way: way.word(),
                     component: component.name.value.clone(),
                     name: entry.name.value.clone(),
                     at: entry.name.span,
                     first,
                 });
+                let ports = match way {
+                    Way::In => &mut face.inputs,
+                    Way::Out => &mut face.outputs,
+                };
+                let known = ports.iter_mut().find(|port| port.name.text == entry.name.value);
+                if let Some(port) = known.filter(|_| on_topic) {
+                    port.topic = Some(topic(component, &entry.name));
+                }
                 continue;
             }
-            scene.types.known(&entry.kind, entry.kind.span, report);
             let port = Port {
                 name: Named::new(&entry.name.value, Some(entry.name.span)),
                 kind: Kind::new(&entry.kind.value, Some(entry.kind.span)),
@@ -301,41 +321,65 @@ fn wanted(wanted: &Wanted) -> Service {
 
 /// Holds what the composite lists against what the component declares, and adds what is not listed.
 fn declared(
+    scene: &Scene<'_>,
     listed: Face,
     implementation: &At<String>,
     declaration: &Declaration,
     report: &mut Report,
 ) -> Face {
-    let mut compare = Compare { implementation, report };
+    let mut compare = Compare { scene, implementation, report };
+    let services: Vec<Declared> = declaration.services.iter().map(Declared::service).collect();
+    let references: Vec<Declared> =
+        declaration.references.iter().map(Declared::reference).collect();
     let properties = &declaration.properties;
     Face {
-        inputs: compare.ports(listed.inputs, Way::In, declaration),
-        outputs: compare.ports(listed.outputs, Way::Out, declaration),
-        services: compare.services(listed.services, "service", &declaration.services),
-        references: compare.services(listed.references, "reference", &declaration.references),
+        inputs: compare.ports(listed.inputs, Way::In, &declaration.inputs),
+        outputs: compare.ports(listed.outputs, Way::Out, &declaration.outputs),
+        services: compare.services(listed.services, "service", &services),
+        references: compare.services(listed.references, "reference", &references),
         topics: Vec::new(),
         properties: Some(properties.iter().map(|it| Named::new(&it.name, None)).collect()),
         blank: false,
     }
 }
 
+/// What services and references have in common.
+struct Declared<'d> {
+    name: &'d str,
+    interface: &'d str,
+    optional: bool,
+}
+
+impl<'d> Declared<'d> {
+    fn service(declaration: &'d ServiceDeclaration) -> Self {
+        let ServiceDeclaration { name, interface, .. } = declaration;
+        Self { name, interface, optional: false }
+    }
+
+    fn reference(declaration: &'d ReferenceDeclaration) -> Self {
+        let ReferenceDeclaration { name, interface, optional, .. } = declaration;
+        Self { name, interface, optional: *optional }
+    }
+}
+
 struct Compare<'c> {
+    scene: &'c Scene<'c>,
     implementation: &'c At<String>,
     report: &'c mut Report,
 }
 
 impl Compare<'_> {
-    fn ports(&mut self, listed: Vec<Port>, way: Way, declaration: &Declaration) -> Vec<Port> {
-        let declared = match way {
-            Way::In => &declaration.inputs,
-            Way::Out => &declaration.outputs,
-        };
+    fn ports(&mut self, listed: Vec<Port>, way: Way, declared: &[PortDeclaration]) -> Vec<Port> {
         for port in &listed {
-            match declared.iter().find(|declared| declared.name == port.name.text) {
-                Some(declared) => {
-                    self.agree(way.word(), &port.name, &declared.type_name, port.kind.as_ref());
-                }
-                None => self.undeclared(port, way, declared),
+            let Some(declared) = declared.iter().find(|it| it.name == port.name.text) else {
+                self.undeclared(port, way, declared);
+                continue;
+            };
+            if let Some(kind) = &port.kind
+                && !self.scene.types.means(&kind.text, &declared.schema)
+            {
+                let is = declared.schema.to_string();
+                self.otherwise(way.word(), &port.name, is, kind);
             }
         }
         let mut ports = listed;
@@ -343,7 +387,7 @@ impl Compare<'_> {
             if !ports.iter().any(|port| port.name.text == declared.name) {
                 ports.push(Port {
                     name: Named::new(&declared.name, None),
-                    kind: Kind::new(&declared.type_name, None),
+                    kind: Kind::declared(&declared.schema),
                     topic: None,
                     listed: false,
                 });
@@ -354,56 +398,46 @@ impl Compare<'_> {
 
     /// An output that is not there leaves its readers waiting for ever; an input that is not there
     /// merely is not read, unless its name was meant to be another one.
-    fn undeclared(&mut self, port: &Port, way: Way, declared: &[catalogue::Port]) {
+    fn undeclared(&mut self, port: &Port, way: Way, declared: &[PortDeclaration]) {
         let known: Vec<String> = declared.iter().map(|port| port.name.clone()).collect();
-        let implementation = self.implementation.value.clone();
-        let (name, made_of) = (port.name.text.clone(), self.implementation.span);
-        let at = port.name.at.unwrap_or(made_of);
-        let resembles = nearest_name(&name, known.iter().map(String::as_str)).is_some();
+        let resembles = nearest_name(&port.name.text, known.iter().map(String::as_str)).is_some();
         if way == Way::In && !resembles {
-            self.report.found(ComponentError::NeverRead { implementation, name, at, made_of, known });
+            self.report.found(ComponentError::NeverRead {
+                implementation: self.implementation.value.clone(),
+                name: port.name.text.clone(),
+                at: port.name.at.unwrap_or(self.implementation.span),
+                made_of: self.implementation.span,
+                known,
+            });
             return;
         }
-        let what = way.word();
-        self.report.found(ComponentError::NotDeclared {
-            implementation,
-            what,
-            name,
-            at,
-            made_of,
-            known,
-        });
+        self.not_declared(way.word(), &port.name, known);
     }
 
     fn services(
         &mut self,
         listed: Vec<Service>,
         what: &'static str,
-        declared: &[catalogue::Service],
+        declared: &[Declared<'_>],
     ) -> Vec<Service> {
         let mut services = listed;
         for service in &mut services {
-            match declared.iter().find(|declared| declared.name == service.name.text) {
-                Some(declared) => {
-                    let interface = Some(&service.interface);
-                    self.agree(what, &service.name, &declared.interface, interface);
-                    service.optional |= declared.optional;
-                }
-                None => self.report.found(ComponentError::NotDeclared {
-                    implementation: self.implementation.value.clone(),
-                    what,
-                    name: service.name.text.clone(),
-                    at: service.name.at.unwrap_or(self.implementation.span),
-                    made_of: self.implementation.span,
-                    known: declared.iter().map(|service| service.name.clone()).collect(),
-                }),
+            let Some(declared) = declared.iter().find(|it| it.name == service.name.text) else {
+                let known = declared.iter().map(|it| it.name.to_owned()).collect();
+                self.not_declared(what, &service.name, known);
+                continue;
+            };
+            service.optional |= declared.optional;
+            if service.interface.text != declared.interface {
+                let is = declared.interface.to_owned();
+                self.otherwise(what, &service.name, is, &service.interface);
             }
         }
         for declared in declared {
             if !services.iter().any(|service| service.name.text == declared.name) {
                 services.push(Service {
-                    name: Named::new(&declared.name, None),
-                    interface: Kind { text: declared.interface.clone(), at: None },
+                    name: Named::new(declared.name, None),
+                    interface: Kind { text: declared.interface.to_owned(), at: None },
                     optional: declared.optional,
                 });
             }
@@ -411,17 +445,25 @@ impl Compare<'_> {
         services
     }
 
-    fn agree(&mut self, what: &'static str, name: &Named, declared: &str, kind: Option<&Kind>) {
-        let Some(kind) = kind.filter(|kind| !declared.is_empty() && kind.text != declared) else {
-            return;
-        };
+    fn not_declared(&mut self, what: &'static str, name: &Named, known: Vec<String>) {
+        self.report.found(ComponentError::NotDeclared {
+            implementation: self.implementation.value.clone(),
+            what,
+            name: name.text.clone(),
+            at: name.at.unwrap_or(self.implementation.span),
+            made_of: self.implementation.span,
+            known,
+        });
+    }
+
+    fn otherwise(&mut self, what: &'static str, name: &Named, declared: String, written: &Kind) {
         self.report.found(ComponentError::DeclaredOtherwise {
             implementation: self.implementation.value.clone(),
             what,
             name: name.text.clone(),
-            declared: declared.to_owned(),
-            written: kind.text.clone(),
-            at: kind.at.unwrap_or(self.implementation.span),
+            declared,
+            written: written.text.clone(),
+            at: written.at.unwrap_or(self.implementation.span),
             made_of: self.implementation.span,
         });
     }

@@ -24,7 +24,7 @@ pub(crate) enum ConnectionError {
     },
     #[error("a connection from a topic to a topic joins no component")]
     Relay { from: Span, to: Span },
-    #[error("`{from}` is `{from_kind}`, but `{to}` is `{to_kind}`", from_kind = from_kind.text, to_kind = to_kind.text)]
+    #[error("`{from}` is `{}`, but `{to}` is `{}`", from_kind.text, to_kind.text)]
     Types {
         from: String,
         from_kind: Kind,
@@ -35,10 +35,12 @@ pub(crate) enum ConnectionError {
     },
     #[error("`{port}` keeps the last value, and two write it")]
     TwoWriters { port: String, at: Span, first: Span },
+    #[error("`{from}` and `{to}` are joined twice")]
+    Twice { from: String, to: String, at: Span, first: Span },
     #[error("a connection of type `{kind}` needs a `size`")]
     NoSize { kind: Flow, at: Span },
     #[error("nothing is connected to input `{component}.{port}`")]
-    Undriven { component: String, port: String, kind: String, at: Span },
+    Undriven { component: String, port: String, kind: String, nested: bool, at: Span },
     #[error("`{component}` also has the input `{port}`, which the composite leaves open")]
     Open { component: String, port: String, kind: String, at: Span },
     #[error("`lock = \"unsync\"` needs both ends in one thread")]
@@ -75,15 +77,20 @@ impl Finding for ConnectionError {
                 .label(*at, "the second writer")
                 .label(*first, "the first writer")
                 .help("queue both with `type = \"buffer\"` and a `size`, or leave one out"),
+            Self::Twice { at, first, .. } => Diagnostic::error("C049", self)
+                .label(*at, "again here")
+                .label(*first, "first here"),
             Self::NoSize { kind, at } => Diagnostic::error("C044", self)
                 .label(*at, "how long is the queue?")
                 .help(format!("for example `policy = {{ type = \"{kind}\", size = 16 }}`")),
-            Self::Undriven { component, port, kind, at } => Diagnostic::error("C045", self)
-                .label(*at, "would never see a message")
-                .help(format!(
-                    "connect an output of type `{kind}` to `{component}.{port}`, or move it to \
-                     `subscribe`"
-                )),
+            Self::Undriven { component, port, kind, nested, at } => {
+                let or = match nested {
+                    true => "",
+                    false => ", or move it to `subscribe`",
+                };
+                let help = format!("connect an output of type `{kind}` to `{component}.{port}`{or}");
+                Diagnostic::error("C045", self).label(*at, "would never see a message").help(help)
+            }
             Self::Open { component, port, kind, at } => Diagnostic::warning("C046", self)
                 .label(*at, "would never see a message there")
                 .help(format!("connect an output of type `{kind}` to `{component}.{port}`")),
@@ -104,7 +111,9 @@ impl Finding for ConnectionError {
 /// A connection that leads somewhere: a port and a topic.
 pub(crate) struct TopicLink {
     pub topic: String,
+    /// The place of the topic's name.
     pub at: Span,
+    pub port: (String, String),
     pub kind: Option<Kind>,
     /// Whether the port writes the topic.
     pub published: bool,
@@ -135,6 +144,7 @@ pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) -> Vec<TopicLink> {
 /// Who writes each input port.
 #[derive(Default)]
 struct Drivers {
+    joined: BTreeMap<(String, String), Span>,
     inside: BTreeMap<(String, String), (Span, Flow)>,
     /// Ports that are written from outside the composite, or by somebody misnamed.
     elsewhere: Vec<(String, String)>,
@@ -154,6 +164,13 @@ fn connection(
     let to = terminals(scene, &connection.to, Way::In, report);
     for source in &from {
         for target in &to {
+            let key = (source.terminal.to_string(), target.terminal.to_string());
+            if let Some(first) = drivers.joined.insert(key, target.terminal.span()) {
+                let (from, to) = (source.terminal.to_string(), target.terminal.to_string());
+                let at = target.terminal.span();
+                report.found(ConnectionError::Twice { from, to, at, first });
+                continue;
+            }
             pair(scene, connection, (source, target), links, report);
         }
         if let (Terminal::Topic(_), Some(target)) = (source.terminal, to.first())
@@ -195,7 +212,7 @@ fn terminals<'s>(
             joints.push(Joint { terminal, kind: None });
             continue;
         };
-        let Some((part, way, port)) = scene.port(end, report) else {
+        let Some((part, way, port)) = scene.port(end, wanted, report) else {
             continue;
         };
         if way != wanted {
@@ -229,7 +246,7 @@ fn pair(
             let (Some(from_kind), Some(to_kind)) = (&source.kind, &target.kind) else {
                 return;
             };
-            if from_kind.text != to_kind.text {
+            if !scene.types.same(&from_kind.text, &to_kind.text) {
                 report.found(ConnectionError::Types {
                     from: from.to_string(),
                     from_kind: from_kind.clone(),
@@ -240,15 +257,17 @@ fn pair(
                 });
             }
         }
-        (Terminal::Port(_), Terminal::Topic(topic)) => links.push(TopicLink {
+        (Terminal::Port(port), Terminal::Topic(topic)) => links.push(TopicLink {
             topic: topic.value.clone(),
             at: topic.span,
+            port: (port.component.value.clone(), port.name.value.clone()),
             kind: source.kind.clone(),
             published: true,
         }),
-        (Terminal::Topic(topic), Terminal::Port(_)) => links.push(TopicLink {
+        (Terminal::Topic(topic), Terminal::Port(port)) => links.push(TopicLink {
             topic: topic.value.clone(),
             at: topic.span,
+            port: (port.component.value.clone(), port.name.value.clone()),
             kind: target.kind.clone(),
             published: false,
         }),
@@ -272,7 +291,7 @@ fn drive(
         .parts
         .iter()
         .find(|part| part.component.name.value == to.component.value)
-        .and_then(|part| part.face.port(&to.name))
+        .and_then(|part| part.face.port(&to.name, Way::In))
         .filter(|(_, port)| port.topic.is_some())
         .and_then(|(_, port)| port.name.at);
     let earlier = match drivers.inside.insert(key, (at, flow)) {
@@ -299,7 +318,10 @@ fn undriven(part: &Part<'_>, drivers: &Drivers, report: &mut Report) {
         let at = own_place(part, port.name.at);
         let kind = port.kind.as_ref().map_or("any", |kind| &kind.text).to_owned();
         report.found(match port.listed {
-            true => ConnectionError::Undriven { component, port: port_name, kind, at },
+            true => {
+                let nested = super::nested(part.component).is_some();
+                ConnectionError::Undriven { component, port: port_name, kind, nested, at }
+            }
             false => ConnectionError::Open { component, port: port_name, kind, at },
         });
     }

@@ -71,6 +71,13 @@ pub(crate) enum Way {
 }
 
 impl Way {
+    fn other(self) -> Self {
+        match self {
+            Self::In => Self::Out,
+            Self::Out => Self::In,
+        }
+    }
+
     pub(crate) fn word(self) -> &'static str {
         match self {
             Self::In => "input",
@@ -86,6 +93,12 @@ impl Named {
 }
 
 impl Kind {
+    /// A type that a component declares.
+    pub(crate) fn declared(schema: &datum::Schema) -> Option<Self> {
+        let unknown = schema.shape == datum::Shape::Any && schema.name.is_empty();
+        (!unknown).then(|| Self { text: schema.to_string(), at: None })
+    }
+
     /// A type that was written somewhere; the empty one is no type at all.
     pub(crate) fn new(text: impl Into<String>, at: Option<Span>) -> Option<Self> {
         let text = text.into();
@@ -94,11 +107,16 @@ impl Kind {
 }
 
 impl Face {
-    /// The port of this name.
-    pub(crate) fn port(&self, name: &str) -> Option<(Way, &Port)> {
-        let inputs = self.inputs.iter().map(|port| (Way::In, port));
-        let outputs = self.outputs.iter().map(|port| (Way::Out, port));
-        inputs.chain(outputs).find(|(_, port)| port.name.text == name)
+    /// The port of this name, of the wanted direction if there is one.
+    pub(crate) fn port(&self, name: &str, wanted: Way) -> Option<(Way, &Port)> {
+        let find = |way: Way| {
+            let ports = match way {
+                Way::In => &self.inputs,
+                Way::Out => &self.outputs,
+            };
+            ports.iter().find(|port| port.name.text == name).map(|port| (way, port))
+        };
+        find(wanted).or_else(|| find(wanted.other()))
     }
 
     /// The port that a misspelt name resembles.

@@ -22,23 +22,39 @@ use source::Report;
 
 use self::face::Face;
 use self::scene::Scene;
+pub(crate) use self::binding::chosen_field;
+pub(crate) use self::component::topic;
+pub(crate) use self::scene::{NameError, nested, takes_part};
+pub(crate) use self::wire::{DEFAULT_TIMEOUT_MS, waits};
 use crate::catalogue::Catalogue;
 use crate::family::{Family, Member};
 use crate::types::Types;
 
-/// Checks a composite and all it nests in one profile.
+/// What the components of a composite show, by name.
+pub(crate) type Faces = BTreeMap<String, Face>;
+
+/// Checks a composite and all it nests in one profile, and returns what the components of each
+/// file show.
 pub(crate) fn check(
     family: &Family,
     types: &BTreeMap<&str, Types<'_>>,
     catalogue: &dyn Catalogue,
     profile: Option<&str>,
-) -> Report {
-    let report = Report::new();
-    let mut checker = Checker { family, types, catalogue, profile, faces: BTreeMap::new(), report };
+    report: &mut Report,
+) -> BTreeMap<String, Faces> {
+    let mut checker = Checker {
+        family,
+        types,
+        catalogue,
+        profile,
+        promoted: BTreeMap::new(),
+        faces: BTreeMap::new(),
+        report,
+    };
     if let Some(member) = family.member(&family.root) {
         checker.composite(&family.root, member);
     }
-    checker.report
+    checker.faces
 }
 
 struct Checker<'c> {
@@ -46,14 +62,16 @@ struct Checker<'c> {
     types: &'c BTreeMap<&'c str, Types<'c>>,
     catalogue: &'c dyn Catalogue,
     profile: Option<&'c str>,
-    faces: BTreeMap<String, Rc<Face>>,
-    report: Report,
+    /// What each composite promotes, by the path of its file.
+    promoted: BTreeMap<String, Rc<Face>>,
+    faces: BTreeMap<String, Faces>,
+    report: &'c mut Report,
 }
 
 impl<'c> Checker<'c> {
     /// Checks a composite and returns what it promotes.
     fn composite(&mut self, path: &str, member: &'c Member) -> Rc<Face> {
-        if let Some(face) = self.faces.get(path) {
+        if let Some(face) = self.promoted.get(path) {
             return face.clone();
         }
         let Some(types) = self.types.get(path) else {
@@ -76,7 +94,7 @@ impl<'c> Checker<'c> {
             catalogue: self.catalogue,
             parts: Vec::new(),
         };
-        let report = &mut self.report;
+        let report = &mut *self.report;
         endpoint::check(&scene, report);
         scene.parts = component::parts(&scene, &nested, report);
         builtin::check(&mut scene, report);
@@ -86,7 +104,10 @@ impl<'c> Checker<'c> {
         deploy::check(&scene, &topics, report);
         binding::check(&scene, report);
         let face = Rc::new(promote::check(&scene, &topics, report));
-        self.faces.insert(path.to_owned(), face.clone());
+        let parts = scene.parts.into_iter();
+        let faces = parts.map(|part| (part.component.name.value.clone(), part.face)).collect();
+        self.faces.insert(path.to_owned(), faces);
+        self.promoted.insert(path.to_owned(), face.clone());
         face
     }
 }

@@ -78,7 +78,7 @@ fn promotion(
             }
         }
         Promoted::Port(end) => {
-            if let Some((_, way, port)) = scene.port(end, report) {
+            if let Some((_, way, port)) = scene.port(end, Way::In, report) {
                 let port = Port { name, kind: port.kind.clone(), topic: None, listed: true };
                 match way {
                     Way::In => face.inputs.push(port),

@@ -2,13 +2,14 @@
 
 use source::{Diagnostic, Report, Span};
 
-use super::face::{Face, Port, Service, Way, find, nearest_service};
+use super::face::{Face, Named, Port, Service, Way, find, nearest_service};
 use crate::At;
 use crate::catalogue::Catalogue;
 use crate::family::{Family, Member};
 use crate::finding::{Finding, Findings};
 use crate::model::{Component, Composite, End, Implementation, Transport};
 use crate::nearest::{Nearest, Suggest, nearest};
+use crate::read::error::has;
 use crate::types::Types;
 
 /// A composite in one profile.
@@ -43,6 +44,7 @@ pub(crate) enum NameError {
         /// What it has by this name instead.
         instead: Option<&'static str>,
         nearest: Option<Nearest>,
+        known: Vec<String>,
     },
     #[error("`amqp` needs a broker, and {reason}")]
     NoBroker { at: Span, reason: &'static str },
@@ -51,14 +53,17 @@ pub(crate) enum NameError {
 impl Finding for NameError {
     fn diagnostic(&self) -> Diagnostic {
         match self {
-            Self::Unknown { at, nearest, .. } => Diagnostic::error("C020", self)
+            Self::Unknown { what, at, nearest, .. } => Diagnostic::error("C020", self)
                 .label(*at, "not known here")
-                .suggest(*at, nearest),
-            Self::UnknownPart { at, instead, nearest, name, .. } => {
+                .suggest_or(*at, nearest, way_out(what)),
+            Self::UnknownPart { what, at, instead, nearest, known, name, .. } => {
                 let diagnostic = Diagnostic::error("C021", self);
+                let known = has(what, known.iter().map(String::as_str));
                 match instead {
-                    Some(instead) => diagnostic.label(*at, format!("`{name}` is {instead}")),
-                    None => diagnostic.label(*at, "not known").suggest(*at, nearest),
+                    Some(instead) => {
+                        diagnostic.label(*at, format!("`{name}` is {instead}")).help(known)
+                    }
+                    None => diagnostic.label(*at, "not known").suggest_or(*at, nearest, known),
                 }
             }
             Self::NoBroker { at, .. } => Diagnostic::error("C022", self)
@@ -68,12 +73,32 @@ impl Finding for NameError {
     }
 }
 
+/// What to do about a name that nothing has.
+fn way_out(what: &str) -> String {
+    match what {
+        "component" => "a component is written as `[components.Name]`".to_owned(),
+        "profile" => "a profile is what a component takes part in: `profile = \"sim\"`".to_owned(),
+        "topic" => "a topic is what a component subscribes or publishes".to_owned(),
+        "broker" => "a broker is written as `[brokers.name]`".to_owned(),
+        "bridge" => "a bridge is written as `[bridges.name]`".to_owned(),
+        "input" => "an input stands under `subscribe` or `ports.in`".to_owned(),
+        "output" => "an output stands under `publish` or `ports.out`".to_owned(),
+        "reference" => "a reference stands under `references`".to_owned(),
+        "service" => "a service stands under `services`".to_owned(),
+        other => format!("name a {other} that there is"),
+    }
+}
+
 /// The file of a nested composite.
 pub(crate) fn nested(component: &Component) -> Option<&str> {
     match &component.implementation {
         Some(Implementation::Composite(file)) => Some(file),
         _ => None,
     }
+}
+
+fn names<'n>(named: impl Iterator<Item = &'n Named>) -> Vec<String> {
+    named.map(|named| named.text.clone()).collect()
 }
 
 /// Whether something with these profiles takes part.
@@ -112,10 +137,11 @@ impl<'s> Scene<'s> {
     pub(crate) fn port(
         &self,
         end: &End,
+        wanted: Way,
         report: &mut Report,
     ) -> Option<(&Part<'s>, Way, &Port)> {
         let part = self.part(&end.component, report)?;
-        match part.face.port(&end.name) {
+        match part.face.port(&end.name, wanted) {
             Some((way, port)) => Some((part, way, port)),
             None => {
                 let nearest = part.face.nearest_port(&end.name);
@@ -170,7 +196,7 @@ impl<'s> Scene<'s> {
         }
         let name = end.name.value.as_str();
         let instead = [
-            ("a port", face.port(name).is_some()),
+            ("a port", face.port(name, Way::In).is_some()),
             ("a service", find(&face.services, name).is_some()),
             ("a reference", find(&face.references, name).is_some()),
         ];
@@ -181,6 +207,12 @@ impl<'s> Scene<'s> {
             at: end.name.span,
             instead: instead.into_iter().find(|(_, is)| *is).map(|(what, _)| what),
             nearest,
+            known: match what {
+                "service" => names(face.services.iter().map(|it| &it.name)),
+                "reference" => names(face.references.iter().map(|it| &it.name)),
+                "property" => names(face.properties.iter().flatten()),
+                _ => names(face.inputs.iter().chain(&face.outputs).map(|it| &it.name)),
+            },
         });
     }
 

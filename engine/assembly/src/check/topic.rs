@@ -7,10 +7,10 @@ use source::{Diagnostic, Report, Span};
 use super::component::topic;
 use super::connection::TopicLink;
 use super::face::Kind;
-use super::scene::Scene;
+use super::scene::{Part, Scene};
 use super::wire::own_place;
 use crate::finding::{Finding, Findings};
-use crate::model::{Component, Promoted};
+use crate::model::Promoted;
 use crate::nearest::{Nearest, Suggest, nearest};
 
 #[derive(Debug, thiserror::Error)]
@@ -18,9 +18,11 @@ pub(crate) enum TopicError {
     #[error("topic `{topic}` has two types: `{kind}` and `{other}`")]
     TwoTypes { topic: String, kind: String, other: String, at: Span, other_at: Span },
     #[error("nobody publishes `{topic}`")]
-    Silent { topic: String, at: Span, nearest: Option<Nearest> },
+    Silent { topic: String, at: Span, written: Written, nearest: Option<Nearest> },
     #[error("`{component}` neither subscribes nor publishes `{name}`, so it cannot be renamed")]
     UnknownRename { component: String, name: String, at: Span, known: Vec<(String, Span)> },
+    #[error("output `{port}` is on two topics: `{first}` and `{second}`")]
+    TwoTopics { port: String, first: String, first_at: Span, second: String, at: Span },
 }
 
 impl Finding for TopicError {
@@ -30,25 +32,39 @@ impl Finding for TopicError {
                 .label(*at, format!("`{kind}` here"))
                 .label(*other_at, format!("`{other}` here"))
                 .help("rename one of the two, or use one type"),
-            Self::Silent { topic, at, nearest } => {
-                let diagnostic = Diagnostic::warning("C051", self)
-                    .label(*at, "subscribed here");
-                match nearest {
-                    Some(_) => diagnostic.suggest(*at, nearest),
-                    None => diagnostic.help(format!(
+            Self::Silent { topic, at, written, nearest } => {
+                let diagnostic = Diagnostic::warning("C051", self).label(*at, "subscribed here");
+                let Some(Nearest { name, declared }) = nearest else {
+                    return diagnostic.help(format!(
                         "if it comes from outside, write `[[promote]]` with `topic = \"{topic}\"`"
-                    )),
+                    ));
+                };
+                let diagnostic = match declared {
+                    Some(declared) => {
+                        diagnostic.label(*declared, format!("`{name}` is published here"))
+                    }
+                    None => diagnostic,
+                };
+                match written {
+                    Written::At(span) => {
+                        diagnostic.fix(format!("did you mean `{name}`?"), *span, name)
+                    }
+                    Written::AsPort(port) => diagnostic
+                        .help(format!("did you mean `rename = {{ {port} = \"{name}\" }}`?")),
                 }
             }
             Self::UnknownRename { name, at, known, .. } => {
                 let all = known.iter().map(|(name, at)| (name.as_str(), Some(*at)));
-                let nearest = nearest(name, all);
-                let diagnostic = Diagnostic::error("C052", self).label(*at, "no such topic");
-                match nearest {
-                    Some(_) => diagnostic.suggest(*at, &nearest),
-                    None => diagnostic.help("left is the name in the component, right the topic"),
-                }
+                Diagnostic::error("C052", self).label(*at, "no such topic").suggest_or(
+                    *at,
+                    &nearest(name, all),
+                    "left is the name in the component, right the topic",
+                )
             }
+            Self::TwoTopics { at, first_at, .. } => Diagnostic::error("C053", self)
+                .label(*at, "the second topic")
+                .label(*first_at, "the first topic")
+                .help("an output writes one topic; whoever wants another name renames it"),
         }
     }
 }
@@ -62,30 +78,41 @@ pub(crate) struct Role {
     pub kind: Option<Kind>,
     pub published: bool,
     pub subscribed: bool,
+    /// Component and port; `None` for a topic that a nested composite promotes.
+    port: Option<(String, String)>,
+    written: Written,
+}
+
+/// How the topic's name came about.
+#[derive(Clone, Debug)]
+pub(crate) enum Written {
+    /// It stands at a place, where it can be replaced.
+    At(Span),
+    /// It is the name of the port.
+    AsPort(String),
 }
 
 /// Checks all topics, and returns them.
 pub(crate) fn check(scene: &Scene<'_>, links: &[TopicLink], report: &mut Report) -> Topics {
     for part in &scene.parts {
-        renames(scene, part.component, report);
+        renames(part, report);
     }
     let topics = collect(scene, links);
-    let promoted: Vec<&str> = scene
-        .composite
-        .promotions
-        .iter()
-        .filter(|promotion| scene.active(&promotion.profiles))
+    let promotions = scene.composite.promotions.iter();
+    let active = promotions.filter(|promotion| scene.active(&promotion.profiles));
+    let promoted: Vec<&str> = active
         .filter_map(|promotion| match &promotion.what {
             Promoted::Topic(topic) => Some(topic.value.as_str()),
             _ => None,
         })
         .collect();
     for (topic, roles) in &topics {
-        types(topic, roles, report);
+        types(scene, topic, roles, report);
         if !promoted.contains(&topic.as_str()) {
             silent(topic, roles, &topics, report);
         }
     }
+    two_topics(&topics, report);
     topics
 }
 
@@ -93,34 +120,62 @@ fn collect(scene: &Scene<'_>, links: &[TopicLink]) -> Topics {
     let mut topics = Topics::new();
     let mut add = |name: &str, role: Role| topics.entry(name.to_owned()).or_default().push(role);
     for part in &scene.parts {
+        let component = &part.component.name.value;
         let ports = part.face.inputs.iter().map(|port| (false, port));
         for (published, port) in ports.chain(part.face.outputs.iter().map(|port| (true, port))) {
             if let Some(topic) = &port.topic {
-                let at = own_place(part, port.name.at);
-                let kind = port.kind.clone();
-                add(topic, Role { at, kind, published, subscribed: !published });
+                let role = Role {
+                    at: own_place(part, port.name.at),
+                    kind: port.kind.clone(),
+                    published,
+                    subscribed: !published,
+                    port: Some((component.clone(), port.name.text.clone())),
+                    written: written(part, &port.name.text),
+                };
+                add(topic, role);
             }
         }
         for promoted in &part.face.topics {
-            let name = topic(part.component, &promoted.name.text);
-            let (kind, at) = (promoted.kind.clone(), part.component.name.span);
-            let (published, subscribed) = (promoted.published, promoted.subscribed);
-            add(&name, Role { at, kind, published, subscribed });
+            let role = Role {
+                at: part.component.name.span,
+                kind: promoted.kind.clone(),
+                published: promoted.published,
+                subscribed: promoted.subscribed,
+                port: None,
+                written: written(part, &promoted.name.text),
+            };
+            add(&topic(part.component, &promoted.name.text), role);
         }
     }
     for link in links {
-        let (kind, published) = (link.kind.clone(), link.published);
-        add(&link.topic, Role { at: link.at, kind, published, subscribed: !published });
+        let role = Role {
+            at: link.at,
+            kind: link.kind.clone(),
+            published: link.published,
+            subscribed: !link.published,
+            port: Some(link.port.clone()),
+            written: Written::At(link.at),
+        };
+        add(&link.topic, role);
     }
     topics
 }
 
-fn types(topic: &str, roles: &[Role], report: &mut Report) {
+/// A renamed topic stands in the rename.
+fn written(part: &Part<'_>, name: &str) -> Written {
+    let rename = part.component.rename.iter().find(|rename| rename.from.value == name);
+    match rename {
+        Some(rename) => Written::At(rename.to.span),
+        None => Written::AsPort(name.to_owned()),
+    }
+}
+
+fn types(scene: &Scene<'_>, topic: &str, roles: &[Role], report: &mut Report) {
     let mut typed = roles.iter().filter_map(|role| Some((role, role.kind.as_ref()?)));
     let Some((first_role, first)) = typed.next() else {
         return;
     };
-    for (role, kind) in typed.filter(|(_, kind)| kind.text != first.text) {
+    for (role, kind) in typed.filter(|(_, kind)| !scene.types.same(&kind.text, &first.text)) {
         report.found(TopicError::TwoTypes {
             topic: topic.to_owned(),
             kind: kind.text.clone(),
@@ -145,19 +200,20 @@ fn silent(topic: &str, roles: &[Role], topics: &Topics, report: &mut Report) {
     report.found(TopicError::Silent {
         topic: topic.to_owned(),
         at: subscriber.at,
+        written: subscriber.written.clone(),
         nearest: nearest(topic, published),
     });
 }
 
-fn renames(scene: &Scene<'_>, component: &Component, report: &mut Report) {
-    let part = scene.parts.iter().find(|part| part.component.name.value == component.name.value);
-    let Some(face) = part.map(|part| &part.face).filter(|face| !face.blank) else {
+fn renames(part: &Part<'_>, report: &mut Report) {
+    if part.face.blank {
         return;
-    };
+    }
+    let component = part.component;
     let listed = component.subscribe.iter().chain(&component.publish);
     let mut known: Vec<(String, Span)> =
         listed.map(|entry| (entry.name.value.clone(), entry.name.span)).collect();
-    for topic in &face.topics {
+    for topic in &part.face.topics {
         known.push((topic.name.text.clone(), topic.name.at.unwrap_or(component.name.span)));
     }
     for rename in &component.rename {
@@ -167,6 +223,29 @@ fn renames(scene: &Scene<'_>, component: &Component, report: &mut Report) {
                 name: rename.from.value.clone(),
                 at: rename.from.span,
                 known: known.clone(),
+            });
+        }
+    }
+}
+
+/// An output writes one topic.
+fn two_topics(topics: &Topics, report: &mut Report) {
+    let roles = topics.iter().flat_map(|(topic, roles)| roles.iter().map(move |it| (topic, it)));
+    let mut published: Vec<(&String, &Role)> = roles.filter(|(_, role)| role.published).collect();
+    published.sort_by_key(|(_, role)| role.at);
+    let mut first: BTreeMap<&(String, String), (&String, Span)> = BTreeMap::new();
+    for (topic, role) in published {
+        let Some(port) = &role.port else {
+            continue;
+        };
+        let (other, first_at) = *first.entry(port).or_insert((topic, role.at));
+        if other != topic {
+            report.found(TopicError::TwoTopics {
+                port: format!("{}.{}", port.0, port.1),
+                first: other.clone(),
+                first_at,
+                second: topic.clone(),
+                at: role.at,
             });
         }
     }

@@ -11,7 +11,7 @@ use crate::model::{Promoted, Wire};
 
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum WireError {
-    #[error("`{reference}` needs `{wanted}`, but `{service}` is `{found}`")]
+    #[error("`{reference}` needs `{}`, but `{service}` is `{}`", wanted.text, found.text)]
     Mismatch {
         reference: String,
         wanted: Kind,
@@ -22,9 +22,9 @@ pub(crate) enum WireError {
     },
     #[error("reference `{component}.{reference}` is neither wired nor promoted")]
     Dangling { component: String, reference: String, interface: String, at: Span },
-    #[error("reference `{reference}` is {how} twice")]
+    #[error("reference `{reference}` is {how}")]
     Twice { reference: String, how: &'static str, at: Span, first: Span },
-    #[error("a call of `{reference}` waits for ever")]
+    #[error("nobody says how long a call of `{reference}` may take")]
     NoTimeout { reference: String, at: Span },
 }
 
@@ -53,7 +53,7 @@ impl Finding for WireError {
                 .label(*first, "first here")
                 .help("one wire may lead to several services: `service = [\"A.x\", \"B.x\"]`"),
             Self::NoTimeout { at, .. } => Diagnostic::warning("C033", self)
-                .label(*at, "no `timeout_ms`")
+                .label(*at, format!("{DEFAULT_TIMEOUT_MS} ms are taken"))
                 .help("add `timeout_ms = 2000`, or `oneway = true` where no reply is awaited"),
         }
     }
@@ -71,7 +71,7 @@ pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) {
             && scene.active(&promotion.profiles)
         {
             let key = (end.component.value.clone(), end.name.value.clone());
-            joined.take(key, end.span(), "wired or promoted", report);
+            joined.take(key, end.span(), false, report);
         }
     }
     for part in &scene.parts {
@@ -81,10 +81,13 @@ pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) {
     }
 }
 
-/// The references that lead somewhere, and the place that says where.
+/// How long a call may take where the wire does not say.
+pub(crate) const DEFAULT_TIMEOUT_MS: u64 = 1000;
+
+/// The references that lead somewhere, the places that say where, and whether those are wires.
 #[derive(Default)]
 struct Joined {
-    places: BTreeMap<(String, String), Span>,
+    places: BTreeMap<(String, String), (Span, bool)>,
 }
 
 impl Joined {
@@ -92,11 +95,16 @@ impl Joined {
         &mut self,
         key: (String, String),
         at: Span,
-        how: &'static str,
+        wire: bool,
         report: &mut Report,
     ) {
         let reference = format!("{}.{}", key.0, key.1);
-        if let Some(first) = self.places.insert(key, at) {
+        if let Some((first, first_wire)) = self.places.insert(key, (at, wire)) {
+            let how = match (first_wire, wire) {
+                (true, true) => "wired twice",
+                (false, false) => "promoted twice",
+                (true, false) | (false, true) => "wired and promoted",
+            };
             report.found(WireError::Twice { reference, how, at, first });
         }
     }
@@ -131,7 +139,7 @@ fn wire(scene: &Scene<'_>, wire: &Wire, joined: &mut Joined, report: &mut Report
     }
     let end = &wire.reference;
     let key = (end.component.value.clone(), end.name.value.clone());
-    joined.take(key, end.span(), "wired", report);
+    joined.take(key, end.span(), true, report);
     scene.broker(wire.binding.as_ref(), wire.broker.as_ref(), report);
     if reference.is_some() && waits(wire) && wire.timeout_ms.is_none() {
         let (reference, at) = (wire.reference.to_string(), wire.reference.span());

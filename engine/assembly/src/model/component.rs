@@ -185,11 +185,20 @@ pub struct Notify {
     /// When the event `idle` is told.
     pub idle: Option<Idle>,
     /// When the event `refresh` is told.
-    pub refresh: Option<At<String>>,
+    pub refresh: Option<Condition>,
     /// When the event `fault` is told.
-    pub fault: Option<At<String>>,
+    pub fault: Option<Condition>,
     /// After how long without data the event `stale` is told.
     pub stale_ms: Option<At<i64>>,
+}
+
+/// When an event is told: `jointStatus.new`, `jointStatus.error_flags != 0`.
+#[derive(Clone, Debug)]
+pub struct Condition {
+    /// All of it.
+    pub text: At<String>,
+    /// `port.field`, which it begins with.
+    pub path: Option<Path>,
 }
 
 /// The motion has ended: what was measured is near what was commanded, for some time.

@@ -12,7 +12,7 @@ mod setting;
 mod wiring;
 
 pub use component::{
-    Component, Direction, Idle, Listed, MapEntry, Notify, Path, Plot, ProxyEntry, ProxyMode,
+    Component, Condition, Direction, Idle, Listed, MapEntry, Notify, Path, Plot, ProxyEntry, ProxyMode,
     Rename, RosEntry, Verify, Wanted,
 };
 pub use composite::Composite;

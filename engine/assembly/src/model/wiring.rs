@@ -97,10 +97,10 @@ choice! {
 choice! {
     /// What happens to a call nobody waits for any longer.
     pub enum Cancel {
-        /// It runs to its end.
-        Never = "never",
         /// It is withdrawn when its time is over.
         OnTimeout = "on_timeout",
+        /// It runs to its end.
+        Never = "never",
     }
 }
 
@@ -212,10 +212,10 @@ choice! {
 choice! {
     /// Whether new data wakes the reader.
     pub enum Delivery {
+        /// It does, if the reader is event-driven.
+        Event = "event",
         /// It does not: the reader reads when it cycles.
         Cycle = "cycle",
-        /// It does.
-        Event = "event",
         /// The reader looks every `poll_ms`.
         Poll = "poll",
     }

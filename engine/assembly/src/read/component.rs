@@ -10,7 +10,7 @@ use super::{binding, name, pace, setting};
 use crate::At;
 use crate::finding::Findings;
 use crate::model::{
-    Builtin, Component, Idle, Implementation, Listed, MapEntry, Notify, Pace, Path, Plot,
+    Builtin, Component, Condition, Idle, Implementation, Listed, MapEntry, Notify, Pace, Path, Plot,
     ProxyEntry, Rename, RosEntry, Verify, Wanted,
 };
 use crate::tree::{Branch, Node};
@@ -184,12 +184,25 @@ fn notify(
         let busy = keys.text("busy", "\"command_written\"");
         let near = "{ within = 0.01, of = \"commands.position\", on = \"jointStatus.position\" }";
         let idle = keys.table("idle", "`idle`", near, idle).flatten();
-        let refresh = keys.text("refresh", "\"jointStatus.new\"");
-        let fault = keys.text("fault", "\"jointStatus.error_flags != 0\"");
+        let refresh = condition(&mut keys, "refresh", "\"jointStatus.new\"");
+        let fault = condition(&mut keys, "fault", "\"jointStatus.error_flags != 0\"");
         let stale_ms = keys.whole("stale_ms", 1..=DAY_MS);
         Some(Notify { span, reference: reference?, busy, idle, refresh, fault, stale_ms })
     })
     .flatten()
+}
+
+/// A text that begins with `port.field`.
+fn condition(keys: &mut Keys<'_, '_, '_>, key: &'static str, example: &str) -> Option<Condition> {
+    let text = keys.text(key, example)?;
+    let belongs = |letter: char| letter.is_alphanumeric() || letter == '.' || letter == '_';
+    let head = text.split(|letter| !belongs(letter)).next().unwrap_or("");
+    let at = At::new(head.to_owned(), keys.reader.part(&text, 0..head.len()));
+    let path = match head.contains('.') {
+        true => name::path(keys.reader, &at),
+        false => None,
+    };
+    Some(Condition { text, path })
 }
 
 fn idle(mut keys: Keys<'_, '_, '_>) -> Option<Idle> {

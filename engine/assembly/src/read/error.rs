@@ -61,7 +61,7 @@ impl Finding for ReadError {
     fn diagnostic(&self) -> Diagnostic {
         match self {
             Self::Syntax { at, earlier, .. } => {
-                let diagnostic = Diagnostic::error("C001", self).label(*at, "here");
+                let diagnostic = Diagnostic::error("C001", self).label(*at, "found here");
                 match earlier {
                     Some(earlier) => diagnostic
                         .label(*earlier, "it already stands here")
@@ -77,11 +77,10 @@ impl Finding for ReadError {
                 }
             }
             Self::UnknownKey { at, known, nearest, .. } => {
-                let diagnostic = Diagnostic::error("C003", self).label(*at, "unknown key");
-                match nearest {
-                    Some(_) => diagnostic.suggest(*at, nearest),
-                    None => diagnostic.help(format!("the keys are {}", enumerate(known))),
-                }
+                let keys = format!("the keys are {}", enumerate(known));
+                Diagnostic::error("C003", self)
+                    .label(*at, "unknown key")
+                    .suggest_or(*at, nearest, keys)
             }
             Self::MissingKey { key, at, example, .. } => Diagnostic::error("C004", self)
                 .label(*at, format!("`{key}` is missing here"))
@@ -119,12 +118,25 @@ impl Finding for ReadError {
 
 /// The names in backquotes with commas and a final "or".
 pub(crate) fn enumerate(names: &[&str]) -> String {
+    joined(names, "or")
+}
+
+/// "it has `a`, `b` and `c`": what there is instead of what was not found.
+pub(crate) fn has<'n>(what: &str, names: impl IntoIterator<Item = &'n str>) -> String {
+    let names: Vec<&str> = names.into_iter().collect();
+    match names.is_empty() {
+        true => format!("it has no {what}"),
+        false => format!("it has {}", joined(&names, "and")),
+    }
+}
+
+fn joined(names: &[&str], last_word: &str) -> String {
     match names {
         [] => "none".to_owned(),
         [only] => format!("`{only}`"),
         [first @ .., last] => {
             let first: Vec<String> = first.iter().map(|name| format!("`{name}`")).collect();
-            format!("{} or `{last}`", first.join(", "))
+            format!("{} {last_word} `{last}`", first.join(", "))
         }
     }
 }

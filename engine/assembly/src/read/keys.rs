@@ -95,7 +95,12 @@ impl<'t> Reader<'t> {
         range: RangeInclusive<i64>,
     ) -> Option<At<i64>> {
         let Branch::Integer(number) = node.value else {
-            self.wrong_type(key, "a whole number", node, &range.start().to_string());
+            let meant = match &node.value {
+                Branch::Text(text) => text.parse().ok().filter(|number| range.contains(number)),
+                _ => None,
+            };
+            let example = meant.unwrap_or(*range.start().max(&1));
+            self.wrong_type(key, "a whole number", node, &example.to_string());
             return None;
         };
         if !range.contains(&number) {

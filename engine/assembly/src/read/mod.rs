@@ -18,6 +18,7 @@ mod wiring;
 
 use source::{FileId, Report, Span};
 
+pub(crate) use self::endpoint::DAY_MS;
 use self::error::ReadError;
 use self::keys::Reader;
 use crate::finding::Findings;

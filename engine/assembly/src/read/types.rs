@@ -9,7 +9,7 @@ use super::top;
 use crate::At;
 use crate::finding::Findings;
 use crate::tree::{Node, Table};
-use crate::types::{Definition, TypeFile, TypeText, text};
+use crate::types::{Definition, TypeFile, TypeText, split};
 
 /// The dialect this version reads.
 const SCHEMA: &str = "composite-types/1";
@@ -34,15 +34,16 @@ fn definition(reader: &mut Reader<'_>, key: &At<String>, node: &Node) -> Option<
     Some(Definition { name: key.clone(), fields })
 }
 
-fn type_text(reader: &mut Reader<'_>, written: &At<String>) -> Option<At<TypeText>> {
-    let read = text(written);
-    if read.is_none() {
+fn type_text(reader: &mut Reader<'_>, written: &At<String>) -> Option<TypeText> {
+    let Some((base, many)) = split(written) else {
         reader.report.found(ReadError::NotAName {
             text: written.value.clone(),
             what: "a type",
             rule: "a type is a name, a list `name[]` or an array `name[5]`",
             at: written.span,
         });
-    }
-    read.map(|read| At::new(read, written.span))
+        return None;
+    };
+    let span = reader.part(written, 0..base.len());
+    Some(TypeText { base: At::new(base.to_owned(), span), many })
 }

@@ -78,7 +78,10 @@ impl<T> Writer<T> {
     /// Makes a value the newest one. Says whether it took the place of a value that nobody had read.
     pub(crate) fn write(&mut self, value: T) -> bool {
         // SAFETY: `self.slot` is the writer's own, and `&mut self` keeps other writers away.
-        unsafe { self.shared.with(self.slot, |content| *content = Some(value)) };
+        unsafe {
+            self.shared
+                .with(self.slot, |content| *content = Some(value))
+        };
         let before = (self.shared.middle).swap(self.slot | FRESH, Ordering::AcqRel);
         self.slot = before & SLOT;
         before & FRESH != 0
@@ -130,11 +133,26 @@ mod tests {
                 std::hint::spin_loop();
                 continue;
             };
-            assert!(value.iter().all(|part| *part == value[0]), "torn: {value:?}");
+            assert!(
+                value.iter().all(|part| *part == value[0]),
+                "torn: {value:?}"
+            );
             assert!(value[0] > newest, "{} after {newest}", value[0]);
             newest = value[0];
         }
         assert!(writing.join().is_ok());
+    }
+
+    #[test]
+    fn o9_a_writer_never_waits_for_a_reader_at_work() {
+        let (mut writer, mut reader) = triple();
+        writer.write(0);
+        let held = reader.take();
+        // Were there a lock to wait for, this would not end.
+        for n in 1..1000 {
+            writer.write(n);
+        }
+        assert_eq!((held, reader.take()), (Some(0), Some(999)));
     }
 
     #[test]

@@ -6,8 +6,8 @@ use std::time::Duration;
 use datum::{Datum, DatumError, Message, Schema};
 
 use super::{AnySender, Flow};
-use crate::connection::{OnStale, Policy, Receiver, Stamped, channel};
 use crate::Time;
+use crate::connection::{OnStale, Policy, Receiver, Stamped, channel};
 
 /// An input port at run time.
 pub(crate) struct Input<T> {

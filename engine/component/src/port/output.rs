@@ -94,6 +94,17 @@ impl<T: Message> Way<T> {
 }
 
 impl Link {
+    /// To a bus: nobody inside is triggered.
+    pub(crate) fn to_bus(to: String) -> Self {
+        Self {
+            reader: usize::MAX,
+            to,
+            trigger: false,
+            mandatory: false,
+            dropped: Arc::default(),
+        }
+    }
+
     /// Draws the consequences of a delivery.
     fn settle(
         &self,
@@ -153,7 +164,10 @@ impl<T: Message> AnyOutput for Output<T> {
     fn join(&mut self, sender: Box<dyn AnySender>, link: Link) {
         let same = (&*sender as &dyn Any).is::<Sender<T>>();
         let way = if same {
-            (sender as Box<dyn Any>).downcast().map(|sender| Way::Same(*sender)).ok()
+            (sender as Box<dyn Any>)
+                .downcast()
+                .map(|sender| Way::Same(*sender))
+                .ok()
         } else {
             Some(Way::Shared(sender))
         };

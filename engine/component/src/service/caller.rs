@@ -38,6 +38,8 @@ pub(crate) struct Reference {
 /// What a reference is joined to.
 pub(crate) struct Wiring {
     pub inbox: Arc<Inbox>,
+    /// The service: `TrajectoryPlanner.planning`.
+    pub to: String,
     /// The provider's place in the system.
     pub provider: usize,
     /// The service's position of each of the reference's operations.
@@ -295,11 +297,6 @@ impl Caller {
     /// The next deadline.
     pub(crate) fn deadline(&self) -> Option<Time> {
         self.outstanding.iter().map(|call| call.deadline).min()
-    }
-
-    /// Whether something has come for the next cycle.
-    pub(crate) fn has_news(&self) -> bool {
-        !self.ended.is_empty() || !self.mailbox.queue.is_empty()
     }
 }
 

@@ -105,11 +105,6 @@ impl Service {
         }
     }
 
-    /// Whether something waits for the component.
-    pub(crate) fn has_news(&self) -> bool {
-        !self.inbox.queue.is_empty() || !self.waiting.is_empty()
-    }
-
     /// Hands over the waiting requests of an operation; those that expect an answer stay open.
     pub(crate) fn take(&mut self, operation: usize) -> Vec<(RequestId, Ask)> {
         if self.waiting.is_empty() {

@@ -2,6 +2,7 @@
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+use std::collections::binary_heap::PeekMut;
 use std::sync::Arc;
 
 use datum::Sample;
@@ -27,7 +28,7 @@ pub(super) enum What {
     /// The end of a call, unless it has been answered.
     Deadline { component: usize },
     /// A cycle, because something new is there.
-    Trigger { component: usize },
+    Trigger { component: usize, generation: u64 },
     /// A cycle, because a period has passed.
     Period { component: usize, generation: u64 },
 }
@@ -37,7 +38,7 @@ impl Due {
         let (class, component) = match self.what {
             What::Sample { .. } => (0, 0),
             What::Deadline { component } => (1, component),
-            What::Trigger { component } | What::Period { component, .. } => (2, component),
+            What::Trigger { component, .. } | What::Period { component, .. } => (2, component),
         };
         (self.at, class, component, self.serial)
     }
@@ -79,6 +80,12 @@ impl Queue {
 
     pub(super) fn pop(&mut self) -> Option<Due> {
         self.heap.pop().map(|Reverse(due)| due)
+    }
+
+    /// What is due next, if it is due by then.
+    pub(super) fn pop_until(&mut self, until: Time) -> Option<Due> {
+        let due = self.heap.peek_mut()?;
+        (due.0.at <= until).then(|| PeekMut::pop(due).0)
     }
 
     /// When something is due next.

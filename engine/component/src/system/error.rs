@@ -1,30 +1,9 @@
 //! What can be wrong with a system's construction.
 
-use std::fmt;
-
 use datum::{DatumError, Difference};
 
 use crate::declaration::DeclarationError;
 use crate::property::{PropertyError, suggestion};
-
-/// One end of a connection: `component.port`.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct End {
-    /// The component's name.
-    pub component: String,
-    /// The port's, service's or reference's name.
-    pub port: String,
-    /// The component's place in the system.
-    pub(crate) unit: usize,
-    /// The port's place in the component.
-    pub(crate) index: usize,
-}
-
-impl fmt::Display for End {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}.{}", self.component, self.port)
-    }
-}
 
 /// Why a system cannot be built as asked.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -56,22 +35,22 @@ pub enum BuildError {
     /// Two ends of different types.
     #[error("`{from}` and `{to}` differ: {difference}")]
     Types {
-        /// The writing end, or the reference.
-        from: End,
+        /// The writing end, `component.port`, or the reference.
+        from: String,
         /// The reading end, or the service.
-        to: End,
+        to: String,
         /// The first difference.
-        difference: Difference,
+        difference: Box<Difference>,
     },
     /// Two ends of different interfaces.
     #[error("`{from}` requires {required}, `{to}` provides {provided}")]
     Interfaces {
         /// The reference.
-        from: End,
+        from: String,
         /// Its interface.
         required: String,
         /// The service.
-        to: End,
+        to: String,
         /// Its interface.
         provided: String,
     },
@@ -79,17 +58,17 @@ pub enum BuildError {
     #[error("`{from}` calls `{operation}`, which `{to}` does not serve")]
     Operation {
         /// The reference.
-        from: End,
+        from: String,
         /// The operation.
         operation: String,
         /// The service.
-        to: End,
+        to: String,
     },
     /// Joined already: a connection twice, a second topic for an output, a second service for a reference.
     #[error("`{end}` is joined already: to {to}")]
     Joined {
         /// The end.
-        end: End,
+        end: String,
         /// To what.
         to: String,
     },
@@ -97,7 +76,7 @@ pub enum BuildError {
     #[error("`{to}` has no sample of zeros: {source}")]
     NoZero {
         /// The reading end.
-        to: End,
+        to: String,
         /// Why.
         source: DatumError,
     },

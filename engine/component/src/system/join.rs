@@ -3,13 +3,24 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-use super::{BuildError, End, System, Topic};
+use super::{BuildError, System, Topic};
 use crate::Policy;
 use crate::body::Body;
 use crate::declaration::{OperationDeclaration, PortDeclaration};
 use crate::port::Link;
 use crate::property::suggestion_among;
 use crate::service::{Wire, Wiring};
+
+/// One end of a connection.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct End {
+    /// `component.port`.
+    pub name: String,
+    /// The component's place in the system.
+    pub unit: usize,
+    /// The port's, service's or reference's place in the component.
+    pub index: usize,
+}
 
 /// A table of a component's named things.
 struct Table<'a> {
@@ -44,7 +55,10 @@ fn references(body: &Body) -> Table<'_> {
     let references = &body.declaration.references;
     Table {
         what: "reference",
-        names: references.iter().map(|reference| &*reference.name).collect(),
+        names: references
+            .iter()
+            .map(|reference| &*reference.name)
+            .collect(),
     }
 }
 
@@ -53,7 +67,16 @@ impl System {
     pub fn connect(&mut self, from: &str, to: &str, policy: Policy) -> Result<(), BuildError> {
         let from = self.end(from, outputs)?;
         let to = self.end(to, inputs)?;
-        self.join(&from, &to, &policy)
+        let connection = (from, to);
+        if self.connections.contains(&connection) {
+            return Err(BuildError::Joined {
+                end: connection.0.name,
+                to: format!("`{}`", connection.1.name),
+            });
+        }
+        self.join(&connection.0, &connection.1, &policy)?;
+        self.connections.push(connection);
+        Ok(())
     }
 
     /// Lets an output publish to a topic. An output has one topic; a topic may have several publishers.
@@ -61,7 +84,7 @@ impl System {
         let from = self.end(from, outputs)?;
         if let Some(taken) = &self.units[from.unit].body.topics[from.index] {
             return Err(BuildError::Joined {
-                end: from,
+                end: from.name,
                 to: format!("topic `{taken}`"),
             });
         }
@@ -81,7 +104,7 @@ impl System {
         let known = &self.topics[index].subscribers;
         if known.iter().any(|(known, _)| *known == to) {
             return Err(BuildError::Joined {
-                end: to,
+                end: to.name,
                 to: format!("topic `{topic}`"),
             });
         }
@@ -98,18 +121,18 @@ impl System {
         let to = self.end(to, services)?;
         let reference = &self.units[from.unit].body.references[from.index];
         let service = &self.units[to.unit].body.services[to.index];
-        if reference.wiring.is_some() {
+        if let Some(wiring) = &reference.wiring {
             return Err(BuildError::Joined {
-                end: from,
-                to: "a service".to_owned(),
+                to: format!("`{}`", wiring.to),
+                end: from.name,
             });
         }
         if reference.declaration.interface != service.declaration.interface {
             return Err(BuildError::Interfaces {
                 required: reference.declaration.interface.clone(),
                 provided: service.declaration.interface.clone(),
-                from,
-                to,
+                from: from.name,
+                to: to.name,
             });
         }
         let mut operations = Vec::new();
@@ -119,6 +142,7 @@ impl System {
         }
         let wiring = Wiring {
             inbox: Arc::clone(&service.inbox),
+            to: to.name.clone(),
             provider: to.unit,
             operations,
             wire,
@@ -141,23 +165,24 @@ impl System {
     }
 
     fn join(&mut self, from: &End, to: &End, policy: &Policy) -> Result<(), BuildError> {
-        let name = to.to_string();
-        let output = self.units[from.unit].body.outputs[from.index].schema().clone();
+        let output = self.units[from.unit].body.outputs[from.index]
+            .schema()
+            .clone();
         let input = &mut self.units[to.unit].body.inputs[to.index];
         output
             .compare(input.schema())
             .map_err(|difference| BuildError::Types {
-                from: from.clone(),
-                to: to.clone(),
-                difference,
+                from: from.name.clone(),
+                to: to.name.clone(),
+                difference: Box::new(difference),
             })?;
         let sender = input.open(policy).map_err(|source| BuildError::NoZero {
-            to: to.clone(),
+            to: to.name.clone(),
             source,
         })?;
         let link = Link {
             reader: to.unit,
-            to: name,
+            to: to.name.clone(),
             trigger: policy.trigger,
             mandatory: policy.mandatory,
             dropped: Arc::new(AtomicU64::new(0)),
@@ -187,8 +212,7 @@ impl System {
             });
         };
         Ok(End {
-            component: component.to_owned(),
-            port: port.to_owned(),
+            name: path.to_owned(),
             unit: id.0,
             index,
         })
@@ -205,9 +229,9 @@ fn find_operation(
     let found = (served.iter().enumerate()).find(|(_, served)| served.name == called.name);
     let Some((index, operation)) = found else {
         return Err(BuildError::Operation {
-            from: from.clone(),
+            from: from.name.clone(),
             operation: called.name.clone(),
-            to: to.clone(),
+            to: to.name.clone(),
         });
     };
     called
@@ -215,9 +239,9 @@ fn find_operation(
         .compare(&operation.request)
         .and_then(|()| called.response.compare(&operation.response))
         .map_err(|difference| BuildError::Types {
-            from: from.clone(),
-            to: to.clone(),
-            difference,
+            from: from.name.clone(),
+            to: to.name.clone(),
+            difference: Box::new(difference),
         })?;
     Ok(index)
 }

@@ -171,6 +171,8 @@ fn simple(reader: &mut SliceReader<'_>, first: u8) -> Result<Datum, DatumError> 
             .map(|value| Datum::Float(value.into()))
             .map_err(malformed),
         marker::F64 => f64::decode(reader).map(Datum::Float).map_err(malformed),
-        other => Err(malformed(format_args!("byte {other:#04x} starts nothing known"))),
+        other => Err(malformed(format_args!(
+            "byte {other:#04x} starts nothing known"
+        ))),
     }
 }

@@ -44,9 +44,7 @@ impl Serialize for Json<'_> {
             }
             Datum::Float(value) if value.is_infinite() => serializer.serialize_str("-Infinity"),
             Datum::List(elements) => serializer.collect_seq(elements.iter().map(Json)),
-            Datum::Numbers(numbers) => {
-                serializer.collect_seq(numbers.iter().map(|number| Owned(number)))
-            }
+            Datum::Numbers(numbers) => serializer.collect_seq(numbers.iter().map(Owned)),
             Datum::Record(entries) => {
                 serializer.collect_map(entries.iter().map(|(name, value)| (name, Json(value))))
             }

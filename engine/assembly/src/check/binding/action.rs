@@ -1,5 +1,6 @@
 //! What an update of an out function does: calls and messages.
 
+use datum::Schema;
 use source::{Report, Span};
 
 use super::error::BindingError;
@@ -43,8 +44,7 @@ pub(super) fn check(bound: &Bound<'_>, action: &Action, report: &mut Report) {
 fn call(bound: &Bound<'_>, call: &Call, report: &mut Report) {
     let wanted = operation(bound, call, report);
     if let Some(with) = &call.with {
-        let schema = wanted.and_then(|(request, _)| bound.scene.types.schema(&request));
-        argument::check(bound, &call.operation.name, with, schema.as_ref(), report);
+        argument::check(bound, &call.operation.name, with, wanted.as_ref(), report);
     }
     let Some(event) = &call.event else {
         return;
@@ -70,8 +70,8 @@ fn call(bound: &Bound<'_>, call: &Call, report: &mut Report) {
     }
 }
 
-/// The types of argument and result of the operation, if the build knows them.
-fn operation(bound: &Bound<'_>, call: &Call, report: &mut Report) -> Option<(String, String)> {
+/// The argument of the operation, if the build knows it.
+fn operation(bound: &Bound<'_>, call: &Call, report: &mut Report) -> Option<Schema> {
     let references = &bound.part.face.references;
     let name: &At<String> = &call.operation.component;
     let Some(reference) = find(references, name) else {
@@ -85,11 +85,11 @@ fn operation(bound: &Bound<'_>, call: &Call, report: &mut Report) -> Option<(Str
         let known = operations.iter().map(|operation| (operation.name.as_str(), None));
         report.found(unknown("operation", name, nearest(name, known)));
     }
-    found.map(|operation| (operation.request.clone(), operation.response.clone()))
+    found.map(|operation| operation.request.clone())
 }
 
-/// The type of a reply that is kept under this name, if the build knows it.
-pub(super) fn kept(bound: &Bound<'_>, name: &str) -> Option<Option<String>> {
+/// A reply that is kept under this name, and what it looks like, if the build knows it.
+pub(super) fn kept(bound: &Bound<'_>, name: &str) -> Option<Option<Schema>> {
     let keeps = |call: &&Call| call.keep.as_ref().is_some_and(|keep| keep.value == name);
     let call = calls(&bound.part.component.bind).find(keeps)?;
     let reference = find(&bound.part.face.references, &call.operation.component);

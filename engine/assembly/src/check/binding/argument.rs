@@ -40,7 +40,9 @@ fn kept(
     let inputs = &bound.part.face.inputs;
     let input = inputs.iter().find(|port| port.name.text == name.value);
     let message = match input {
-        Some(port) => port.kind.as_ref().map(|kind| kind.text.clone()),
+        Some(port) => {
+            port.kind.as_ref().and_then(|kind| bound.scene.types.schema(&kind.text))
+        }
         None => match action::kept(bound, name) {
             Some(response) => response,
             None => {
@@ -59,14 +61,16 @@ fn kept(
     let Some(message) = message else {
         return;
     };
-    match bound.scene.types.steps(&message, path) {
+    match bound.scene.types.within(message, path) {
         Err(error) => report.found(error),
         Ok(Some(found)) => {
             if let Some(wanted) = wanted
                 && wanted.compare(&found).is_err()
             {
                 let at = path.iter().fold(name.span, |span, step| span.to(step.span));
-                wrong(what, wanted, &format!("@{}", name.value), found.to_string(), at, report);
+                let steps = path.iter().map(|step| format!(".{}", step.value));
+                let given = format!("`@{}{}`", name.value, steps.collect::<String>());
+                wrong(what, wanted, &given, format!("`{found}`"), at, report);
             }
         }
         Ok(None) => {}

@@ -35,7 +35,7 @@ pub(crate) enum BindingError {
     UnboundOut { function: FunctionInfo, at: Span },
     #[error("`@{name}` is neither an input nor kept from a reply")]
     UnknownKept { name: String, at: Span, known: Vec<String> },
-    #[error("`{what}` takes `{wanted}`, but `{given}` is `{found}`")]
+    #[error("`{what}` takes `{wanted}`, but {given} is {found}")]
     WrongArgument { what: String, wanted: String, given: String, found: String, at: Span },
     #[error("the main rule of the specification is not `{name}`")]
     MainRule { name: String, at: Span, found: Option<(String, Span)> },
@@ -99,7 +99,7 @@ impl Finding for BindingError {
             }
             Self::WrongArgument { at, .. } => Diagnostic::error("C100", self)
                 .label(*at, "of another type")
-                .help("`@name.field` takes a part"),
+                .help("`@name.field` takes a part of a message"),
             Self::MainRule { at, found, .. } => {
                 let diagnostic = Diagnostic::error("C101", self).label(*at, "named here");
                 match found {

@@ -1,0 +1,355 @@
+//! Values read back from text: of scripts, of traces.
+
+use ir::{DomainId, Elements, FunctionId, FunctionKind, Program, Shape};
+use value::{Atom, RuleId, Value};
+
+/// Values may nest this deep.
+const MAX_DEPTH: usize = 64;
+
+/// Reads the values of a program.
+#[derive(Clone, Copy)]
+pub(crate) struct Literals<'a> {
+    program: &'a Program,
+    /// The elements a running machine took from the reserve.
+    reserve: &'a [(DomainId, u32)],
+}
+
+impl<'a> Literals<'a> {
+    /// What a program declares; of a running machine also what `extend` added.
+    pub fn new(program: &'a Program, reserve: &'a [(DomainId, u32)]) -> Self {
+        Self { program, reserve }
+    }
+
+    /// The value of a text that stands where this shape is wanted.
+    pub fn value(self, text: &str, shape: &Shape) -> Option<Value> {
+        let mut reader = Reader { literals: self, rest: text, depth: 0 };
+        let value = reader.value(shape)?;
+        reader.rest.trim_start().is_empty().then_some(value)
+    }
+
+    /// The name and the arguments of a location, as in `battery(ROB1)`; the arguments as texts.
+    pub fn location(text: &str) -> (&str, Vec<&str>) {
+        let text = text.trim();
+        match text.split_once('(') {
+            Some((name, rest)) => (name.trim(), split(rest.strip_suffix(')').unwrap_or(rest))),
+            None => (text, Vec::new()),
+        }
+    }
+
+    /// The input location that a text names, and the value that another one gives it.
+    pub fn input(self, location: &str, value: &str) -> Option<((FunctionId, Vec<Value>), Value)> {
+        let (name, arguments) = Self::location(location);
+        let functions = self.program.functions.iter().enumerate();
+        let mut candidates = functions.filter(|(index, function)| {
+            matches!(function.kind, FunctionKind::Monitored | FunctionKind::Shared)
+                && function.parameters.len() == arguments.len()
+                && &*self.program.symbols.functions[*index] == name
+        });
+        candidates.find_map(|(index, function)| {
+            let arguments = arguments.iter().zip(&function.parameters);
+            let arguments = arguments.map(|(argument, shape)| self.value(argument, shape));
+            let arguments = arguments.collect::<Option<Vec<Value>>>()?;
+            let value = self.value(value, &function.codomain)?;
+            Some(((FunctionId(index as u32), arguments), value))
+        })
+    }
+
+    fn element(self, word: &str, domain: DomainId) -> Option<Value> {
+        let number = || word.trim_end_matches('n').parse::<i64>().ok();
+        match self.program.domains.get(domain.0 as usize)?.elements {
+            Elements::Ints { low, high } => {
+                number().filter(|number| (low..=high).contains(number)).map(Value::Int)
+            }
+            Elements::Atoms { first, count } => {
+                let mut declared = first.0..first.0 + count;
+                let found = declared.find(|&atom| &*self.program.symbols.atoms[atom as usize] == word);
+                found.or_else(|| self.taken(word)).map(|atom| Value::Atom(Atom(atom)))
+            }
+            Elements::Computed(_) | Elements::Undefined | Elements::Open => self.word(word),
+        }
+    }
+
+    /// An element that `extend` named `domain!number`.
+    fn taken(self, word: &str) -> Option<u32> {
+        let (name, number) = word.split_once('!')?;
+        let number: u32 = number.parse().ok()?;
+        let at = self.reserve.iter().position(|(domain, count)| {
+            let known = &self.program.symbols.domains[domain.0 as usize];
+            *count == number && known.eq_ignore_ascii_case(name)
+        })?;
+        Some((self.program.symbols.atoms.len() + at) as u32)
+    }
+
+    /// A word as what it looks like.
+    fn word(self, word: &str) -> Option<Value> {
+        match word {
+            "undef" => return Some(Value::Undef),
+            "true" => return Some(Value::Bool(true)),
+            "false" => return Some(Value::Bool(false)),
+            _ => {}
+        }
+        if let Ok(number) = word.parse() {
+            return Some(Value::Int(number));
+        }
+        if word.starts_with(|first: char| first.is_ascii_digit() || first == '-') {
+            return word.parse().ok().map(Value::real);
+        }
+        let declared = self.program.symbols.atoms.iter().position(|name| &**name == word);
+        let atom = declared.map(|atom| atom as u32).or_else(|| self.taken(word));
+        atom.map(|atom| Value::Atom(Atom(atom)))
+    }
+}
+
+/// The parts between the commas that stand in no brackets or quotes.
+fn split(text: &str) -> Vec<&str> {
+    let mut parts = Vec::new();
+    let (mut depth, mut quoted, mut escaped, mut start) = (0i32, false, false, 0);
+    for (at, letter) in text.char_indices() {
+        match letter {
+            _ if escaped => escaped = false,
+            '\\' if quoted => escaped = true,
+            '"' => quoted = !quoted,
+            _ if quoted => {}
+            '(' | '[' | '{' => depth += 1,
+            ')' | ']' | '}' => depth -= 1,
+            ',' if depth == 0 => {
+                parts.push(text[start..at].trim());
+                start = at + 1;
+            }
+            _ => {}
+        }
+    }
+    let last = text[start..].trim();
+    if !last.is_empty() || !parts.is_empty() {
+        parts.push(last);
+    }
+    parts
+}
+
+/// A place in a text.
+struct Reader<'a> {
+    literals: Literals<'a>,
+    rest: &'a str,
+    depth: usize,
+}
+
+impl<'a> Reader<'a> {
+    fn accept(&mut self, token: &str) -> bool {
+        let rest = self.rest.trim_start();
+        match rest.strip_prefix(token) {
+            Some(rest) => {
+                self.rest = rest;
+                true
+            }
+            None => false,
+        }
+    }
+
+    fn value(&mut self, shape: &Shape) -> Option<Value> {
+        if self.depth >= MAX_DEPTH {
+            return None;
+        }
+        self.depth += 1;
+        let value = self.value_here(shape);
+        self.depth -= 1;
+        value
+    }
+
+    fn value_here(&mut self, shape: &Shape) -> Option<Value> {
+        if self.accept("(") {
+            return self.tuple(shape);
+        }
+        if self.accept("[") {
+            let item = match shape {
+                Shape::Seq(item) => item,
+                _ => &Shape::Any,
+            };
+            return self.items(item, "]").map(Value::seq);
+        }
+        if self.accept("{") {
+            return self.set_or_map(shape);
+        }
+        if self.accept("\"") {
+            return self.text().map(Value::text);
+        }
+        if self.accept("'") {
+            return self.character();
+        }
+        if self.accept("<<") {
+            let rule = self.word();
+            return if self.accept(">>") { self.rule(rule) } else { None };
+        }
+        if self.accept("<") {
+            let item = match shape {
+                Shape::Bag(item) => item,
+                _ => &Shape::Any,
+            };
+            return self.items(item, ">").map(Value::bag);
+        }
+        let word = self.word();
+        if word == "rule" {
+            let rule = self.word();
+            // the parameter domains after it say nothing new
+            if self.accept("(") {
+                self.items(&Shape::Any, ")");
+            }
+            return self.rule(rule);
+        }
+        self.scalar(word, shape)
+    }
+
+    fn scalar(&self, word: &str, shape: &Shape) -> Option<Value> {
+        if word == "undef" {
+            return Some(Value::Undef);
+        }
+        match shape {
+            Shape::Bool => word.parse().ok().map(Value::Bool),
+            Shape::Int => word.parse().ok().map(Value::Int),
+            Shape::Natural => {
+                let number = word.trim_end_matches('n').parse().ok();
+                number.filter(|number| *number >= 0).map(Value::Int)
+            }
+            Shape::Real => word.parse().ok().map(Value::real),
+            Shape::Domain(domain) => self.literals.element(word, *domain),
+            Shape::Any => self.literals.word(word),
+            Shape::Char
+            | Shape::Text
+            | Shape::Complex
+            | Shape::Rule
+            | Shape::Tuple(_)
+            | Shape::Seq(_)
+            | Shape::Set(_)
+            | Shape::Bag(_)
+            | Shape::Map(..) => None,
+        }
+    }
+
+    /// Letters up to the next bracket, comma, blank or arrow.
+    fn word(&mut self) -> &'a str {
+        let rest = self.rest.trim_start();
+        let ends = |(at, letter): &(usize, char)| {
+            letter.is_whitespace() || ",()[]{}<>\"'".contains(*letter) || rest[*at..].starts_with("->")
+        };
+        let end = rest.char_indices().find(ends).map_or(rest.len(), |(at, _)| at);
+        let (word, rest) = rest.split_at(end);
+        self.rest = rest;
+        word
+    }
+
+    fn tuple(&mut self, shape: &Shape) -> Option<Value> {
+        let mut items = Vec::new();
+        loop {
+            let item = match shape {
+                Shape::Tuple(shapes) => shapes.get(items.len())?,
+                _ => &Shape::Any,
+            };
+            items.push(self.value(item)?);
+            if self.accept(")") {
+                return Some(Value::tuple(items));
+            }
+            if !self.accept(",") {
+                return None;
+            }
+        }
+    }
+
+    fn items(&mut self, item: &Shape, close: &str) -> Option<Vec<Value>> {
+        let mut items = Vec::new();
+        if self.accept(close) {
+            return Some(items);
+        }
+        loop {
+            items.push(self.value(item)?);
+            if self.accept(close) {
+                return Some(items);
+            }
+            if !self.accept(",") {
+                return None;
+            }
+        }
+    }
+
+    fn set_or_map(&mut self, shape: &Shape) -> Option<Value> {
+        if self.accept("->") {
+            return self.accept("}").then(|| Value::map([]));
+        }
+        if self.accept("}") {
+            return Some(match shape {
+                Shape::Map(..) => Value::map([]),
+                _ => Value::set([]),
+            });
+        }
+        let (key, value) = match shape {
+            Shape::Map(key, value) => (&**key, &**value),
+            Shape::Set(item) => (&**item, &Shape::Any),
+            _ => (&Shape::Any, &Shape::Any),
+        };
+        let (mut keys, mut values) = (Vec::new(), Vec::new());
+        loop {
+            keys.push(self.value(key)?);
+            if self.accept("->") {
+                values.push(self.value(value)?);
+            }
+            if self.accept("}") {
+                break;
+            }
+            if !self.accept(",") {
+                return None;
+            }
+        }
+        match values.len() {
+            0 => Some(Value::set(keys)),
+            count if count == keys.len() => Some(Value::map(keys.into_iter().zip(values))),
+            _ => None,
+        }
+    }
+
+    /// A text, as JSON writes it, from behind the first quote.
+    fn text(&mut self) -> Option<String> {
+        let mut text = String::new();
+        let mut letters = self.rest.chars();
+        loop {
+            match letters.next()? {
+                '"' => break,
+                '\\' => text.push(escaped(&mut letters)?),
+                letter => text.push(letter),
+            }
+        }
+        self.rest = letters.as_str();
+        Some(text)
+    }
+
+    fn character(&mut self) -> Option<Value> {
+        let mut letters = self.rest.chars();
+        let letter = match letters.next()? {
+            '\\' => escaped(&mut letters)?,
+            letter => letter,
+        };
+        self.rest = letters.as_str();
+        self.accept("'").then_some(Value::Char(letter))
+    }
+
+    fn rule(&self, name: &str) -> Option<Value> {
+        let at = self.literals.program.symbols.rules.iter().position(|rule| &**rule == name)?;
+        Some(Value::Rule(RuleId(at as u32)))
+    }
+}
+
+/// The character behind a backslash.
+fn escaped(letters: &mut std::str::Chars<'_>) -> Option<char> {
+    Some(match letters.next()? {
+        'n' => '\n',
+        'r' => '\r',
+        't' => '\t',
+        'b' => '\u{8}',
+        'f' => '\u{c}',
+        'u' => {
+            let mut code = 0;
+            for _ in 0..4 {
+                code = code * 16 + letters.next()?.to_digit(16)?;
+            }
+            char::from_u32(code)?
+        }
+        letter => letter,
+    })
+}

@@ -1,0 +1,350 @@
+//! The normalised trace: what a run read, chose and wrote, one fact a line.
+//!
+//! ```text
+//! # trace-format 1
+//! D0 Robot = {rob1,rob2}        the elements of the domains that may grow, before the first step
+//! @step 1
+//! T 40000000                    the time of the step in nanoseconds, unless it is 0
+//! M estop = false               what was read of the environment, in reading order
+//! C 1 of 3                      which candidate was chosen, counted from 0
+//! U mode = MOVING               the update set, sorted
+//! UD Order = {order!1}          the elements that joined a domain
+//! S mode = MOVING               every location that rules may write, after the step
+//! D Order = {order!1}           the elements of the domains that may grow, after the step
+//! D Robot = {rob1,rob2}
+//! @invariant post inv_safe      or `@error CLASH …`: why there is no further step
+//! @end INV                      `OK`, or the kind of the fault
+//! ```
+//!
+//! Values are written as in the language, without blanks; the elements of sets, bags and maps are
+//! sorted by their text. Every tool that runs the language can write such a trace, so that runs can
+//! be compared; and a [`Recording`] replays one.
+
+use crate::literal::Literals;
+use ir::{DomainId, FunctionId, FunctionKind, Program, Slot};
+use machine::{Chooser, Environment, Fault, FaultKind, Machine, Step};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::sync::Arc;
+use value::Value;
+
+/// A trace that is being written.
+#[derive(Debug, Default)]
+pub struct Trace {
+    text: String,
+}
+
+impl Trace {
+    /// The head of a trace, and the machine's domains.
+    pub fn begin(machine: &Machine) -> Self {
+        let mut trace = Self::default();
+        trace.line(format_args!("# trace-format 1"));
+        trace.domains("D0", machine);
+        trace
+    }
+
+    /// A line of comment.
+    pub fn comment(&mut self, comment: &str) {
+        for line in comment.lines() {
+            self.line(format_args!("# {line}"));
+        }
+    }
+
+    /// The step that the machine did last.
+    pub fn step(&mut self, machine: &Machine) {
+        let step = machine.last_step();
+        self.causes(machine, &step, step.number);
+        self.effects(machine, &step);
+    }
+
+    /// The step that failed last.
+    pub fn fault(&mut self, machine: &Machine, fault: &Fault) {
+        let step = machine.last_step();
+        self.causes(machine, &step, fault.step);
+        if let FaultKind::Invariant { index, .. } = &fault.kind {
+            let invariant = &machine.program().invariants[*index];
+            if !invariant.assumes {
+                self.effects(machine, &step);
+            }
+            let when = if invariant.assumes { "pre" } else { "post" };
+            // an invariant without a name is called by its text
+            let name: Vec<&str> = invariant.name.split_whitespace().collect();
+            self.line(format_args!("@invariant {when} {}", name.join(" ")));
+        } else {
+            self.line(format_args!("@error {}", kind(fault)));
+        }
+    }
+
+    /// The whole text.
+    pub fn end(mut self, fault: Option<&Fault>) -> String {
+        self.line(format_args!("@end {}", fault.map_or("OK", kind)));
+        self.text
+    }
+
+    fn line(&mut self, line: std::fmt::Arguments<'_>) {
+        // writing to a string cannot fail
+        let _ = self.text.write_fmt(line);
+        self.text.push('\n');
+    }
+
+    fn causes(&mut self, machine: &Machine, step: &Step<'_>, number: u64) {
+        self.line(format_args!("@step {number}"));
+        if step.now_ns != 0 {
+            self.line(format_args!("T {}", step.now_ns));
+        }
+        for input in step.inputs {
+            self.line(format_args!("M {} = {}", location(machine, input.slot), text(machine, &input.value)));
+        }
+        for choice in step.choices {
+            self.line(format_args!("C {} of {}", choice.index, choice.count));
+        }
+    }
+
+    fn effects(&mut self, machine: &Machine, step: &Step<'_>) {
+        let updates = step.updates.iter().map(|update| (update.slot, &update.value));
+        self.locations("U", machine, updates);
+        let mut joined: BTreeMap<DomainId, Vec<Value>> = BTreeMap::new();
+        for (domain, atom) in step.extended {
+            joined.entry(*domain).or_default().push(Value::Atom(*atom));
+        }
+        for (domain, atoms) in joined {
+            self.domain("UD", machine, domain, &atoms);
+        }
+        let state = machine.state();
+        let program = machine.program();
+        let is_written = |&slot: &Slot| {
+            let kind = state.function(program, slot).map(|id| program.functions[id.0 as usize].kind);
+            matches!(kind, Some(FunctionKind::Controlled | FunctionKind::Out)) && slot != program.result
+        };
+        let slots = (0..state.len() as Slot).filter(is_written);
+        self.locations("S", machine, slots.map(|slot| (slot, state.get(slot))));
+        self.domains("D", machine);
+    }
+
+    fn locations<'a>(
+        &mut self,
+        word: &str,
+        machine: &Machine,
+        locations: impl Iterator<Item = (Slot, &'a Value)>,
+    ) {
+        let lines = locations.map(|(slot, value)| format!("{} = {}", location(machine, slot), text(machine, value)));
+        let mut lines: Vec<String> = lines.collect();
+        lines.sort();
+        for line in lines {
+            self.line(format_args!("{word} {line}"));
+        }
+    }
+
+    fn domains(&mut self, word: &str, machine: &Machine) {
+        for (index, domain) in machine.program().domains.iter().enumerate() {
+            let id = DomainId(index as u32);
+            let elements = machine.state().extent(id);
+            if domain.grows && !elements.is_empty() {
+                self.domain(word, machine, id, elements);
+            }
+        }
+    }
+
+    fn domain(&mut self, word: &str, machine: &Machine, domain: DomainId, elements: &[Value]) {
+        let name = &machine.program().symbols.domains[domain.0 as usize];
+        self.line(format_args!("{word} {name} = {}", list(machine, elements, "{", "}", true)));
+    }
+}
+
+fn kind(fault: &Fault) -> &'static str {
+    match &fault.kind {
+        FaultKind::Clash { .. } => "CLASH",
+        FaultKind::Outside { .. } => "DOMAIN",
+        FaultKind::Input { .. } => "MONREAD",
+        FaultKind::Invariant { .. } => "INV",
+        FaultKind::UndefinedGuard => "EXC:UndefinedGuard",
+        FaultKind::Library(_) => "EXC:Library",
+        FaultKind::Infinite => "EXC:Infinite",
+        FaultKind::NotACollection(_) => "EXC:NotACollection",
+        FaultKind::NotARule(_) => "EXC:NotARule",
+        FaultKind::RuleArity { .. } => "EXC:RuleArity",
+        FaultKind::NoProgram(_) => "EXC:NoProgram",
+        FaultKind::TooDeep(_) => "EXC:TooDeep",
+        FaultKind::Endless(_) => "EXC:Endless",
+        FaultKind::TooLarge(_) => "EXC:TooLarge",
+        FaultKind::NoMain => "EXC:NoMain",
+    }
+}
+
+fn location(machine: &Machine, slot: Slot) -> String {
+    match machine.state().location(machine.program(), slot) {
+        Some((function, arguments)) => applied(machine, function, &arguments),
+        None => format!("location {slot}"),
+    }
+}
+
+fn applied(machine: &Machine, function: FunctionId, arguments: &[Value]) -> String {
+    let name = &machine.program().symbols.functions[function.0 as usize];
+    match arguments {
+        [] => name.to_string(),
+        arguments => format!("{name}{}", list(machine, arguments, "(", ")", false)),
+    }
+}
+
+fn list(machine: &Machine, items: &[Value], open: &str, close: &str, sorted: bool) -> String {
+    let mut items: Vec<String> = items.iter().map(|item| text(machine, item)).collect();
+    if sorted {
+        items.sort();
+    }
+    format!("{open}{}{close}", items.join(","))
+}
+
+/// A value as a trace writes it.
+fn text(machine: &Machine, value: &Value) -> String {
+    match value {
+        Value::Tuple(items) => list(machine, items, "(", ")", false),
+        Value::Seq(items) => list(machine, items, "[", "]", false),
+        Value::Set(items) => {
+            let items: Vec<Value> = items.iter().cloned().collect();
+            list(machine, &items, "{", "}", true)
+        }
+        Value::Bag(items) => {
+            let each = items.iter().flat_map(|(item, &count)| std::iter::repeat_n(item.clone(), count));
+            list(machine, &each.collect::<Vec<_>>(), "<", ">", true)
+        }
+        Value::Map(pairs) => {
+            let pairs = pairs.iter().map(|(key, value)| format!("{}->{}", text(machine, key), text(machine, value)));
+            let mut pairs: Vec<String> = pairs.collect();
+            pairs.sort();
+            format!("{{{}}}", if pairs.is_empty() { "->".to_owned() } else { pairs.join(",") })
+        }
+        Value::Rule(rule) => {
+            let name = machine.program().symbols.rules.get(rule.0 as usize);
+            format!("rule {}", name.map_or("?", |name| name))
+        }
+        Value::Real(number) => real(number.get()),
+        Value::Undef
+        | Value::Bool(_)
+        | Value::Int(_)
+        | Value::Char(_)
+        | Value::Atom(_)
+        | Value::Text(_)
+        | Value::Complex(_) => value.show(&machine.naming()).to_string(),
+    }
+}
+
+/// A number with a point, also in front of an exponent, as other tools write it.
+fn real(number: f64) -> String {
+    if number.is_infinite() {
+        return if number > 0.0 { "Infinity" } else { "-Infinity" }.to_owned();
+    }
+    let shown = format!("{number:?}");
+    let exponent = if shown.contains('.') { "E" } else { ".0E" };
+    shown.replace('e', exponent)
+}
+
+/// A trace that was read, to be run again.
+#[derive(Clone, Debug, Default)]
+pub struct Recording {
+    steps: Vec<Recorded>,
+}
+
+/// What caused a step.
+#[derive(Clone, Debug, Default)]
+pub struct Recorded {
+    /// The time in nanoseconds.
+    pub now_ns: i64,
+    /// Location and value.
+    inputs: Vec<(String, String)>,
+    choices: Vec<usize>,
+}
+
+impl Recording {
+    /// Reads the causes of the steps; all else is what a replay computes anew.
+    pub fn read(text: &str) -> Self {
+        let mut steps: Vec<Recorded> = Vec::new();
+        for line in text.lines() {
+            let Some((word, rest)) = line.split_once(' ') else { continue };
+            if word == "@step" {
+                steps.push(Recorded::default());
+            }
+            let Some(step) = steps.last_mut() else { continue };
+            match word {
+                "T" => step.now_ns = rest.trim().parse().unwrap_or_default(),
+                "M" => {
+                    if let Some((location, value)) = rest.split_once(" = ") {
+                        step.inputs.push((location.to_owned(), value.to_owned()));
+                    }
+                }
+                "C" => {
+                    let index = rest.split(' ').next().and_then(|index| index.parse::<usize>().ok());
+                    step.choices.extend(index);
+                }
+                _ => {}
+            }
+        }
+        Self { steps }
+    }
+
+    /// The steps, in order.
+    pub fn steps(&self) -> &[Recorded] {
+        &self.steps
+    }
+}
+
+impl Recorded {
+    /// The inputs of the step, for a machine that is about to do it.
+    ///
+    /// # Errors
+    /// A line names no input of the machine, or gives it no value: the lines.
+    pub fn inputs(&self, machine: &Machine) -> Result<Inputs, Vec<String>> {
+        let naming = machine.naming();
+        let literals = Literals::new(naming.program, naming.reserve);
+        let mut inputs = Inputs { values: BTreeMap::new(), program: machine.program().clone() };
+        let mut unreadable = Vec::new();
+        for (location, value) in &self.inputs {
+            match literals.input(location, value) {
+                // read twice in a step, the first answer holds
+                Some((location, value)) => {
+                    inputs.values.entry(location).or_insert(value);
+                }
+                None => unreadable.push(format!("{location} = {value}")),
+            }
+        }
+        if unreadable.is_empty() { Ok(inputs) } else { Err(unreadable) }
+    }
+
+    /// The choices of the step.
+    pub fn choices(&self) -> Choices {
+        Choices { indices: self.choices.clone(), at: 0 }
+    }
+}
+
+/// The inputs of one recorded step.
+#[derive(Clone, Debug)]
+pub struct Inputs {
+    values: BTreeMap<(FunctionId, Vec<Value>), Value>,
+    program: Arc<Program>,
+}
+
+impl Environment for Inputs {
+    fn read(&mut self, function: FunctionId, arguments: &[Value]) -> Result<Option<Value>, String> {
+        let key = (function, arguments.to_vec());
+        let value = self.values.get(&key).cloned();
+        let monitored = self.program.functions[function.0 as usize].kind == FunctionKind::Monitored;
+        match value {
+            None if monitored => Err("the recorded step did not read it".to_owned()),
+            known => Ok(known),
+        }
+    }
+}
+
+/// The choices of one recorded step; beyond the last one the first candidate is taken.
+#[derive(Clone, Debug, Default)]
+pub struct Choices {
+    indices: Vec<usize>,
+    at: usize,
+}
+
+impl Chooser for Choices {
+    fn choose(&mut self, _count: usize) -> usize {
+        let index = self.indices.get(self.at).copied().unwrap_or(0);
+        self.at += 1;
+        index
+    }
+}

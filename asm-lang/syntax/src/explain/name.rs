@@ -1,0 +1,89 @@
+//! Names of the wrong kind, and what cannot be a name.
+
+use super::{Expected, Explainer};
+use crate::error::SyntaxError;
+use crate::lexer::{Keyword, Sign, Spanned, Token};
+
+impl<'input> Explainer<'input, '_> {
+    /// `i`, `i1`: read as a number where a name stands.
+    pub(super) fn complex_name(
+        &self,
+        found: Spanned<'input>,
+        expected: &Expected<'_>,
+    ) -> Option<SyntaxError> {
+        let named = expected.name().map(|(what, _)| what);
+        let what = named.or(expected.rule().then_some("a function"))?;
+        matches!(found.1, Token::Complex(_)).then(|| SyntaxError::ComplexName {
+            found: self.place(found),
+            what,
+        })
+    }
+
+    /// A name of another kind, or a reserved word.
+    pub(super) fn wrong_name(
+        &self,
+        found: Spanned<'input>,
+        expected: &Expected<'_>,
+    ) -> Option<SyntaxError> {
+        let (what, beginning) = self.named(found, expected)?;
+        let place = self.place(found);
+        let after_comma = matches!(
+            self.nesting.previous,
+            Some((_, Token::Sign(Sign::Comma), _))
+        );
+        let better = match (found.1, what) {
+            // After a comma it is more likely that the name is missing.
+            (Token::Keyword(_), _) if after_comma => return None,
+            (Token::Keyword(_), _) => {
+                return Some(SyntaxError::ReservedName { found: place, what });
+            }
+            (Token::Name(name), "a domain") => Some(recased(name, char::to_ascii_uppercase)),
+            (Token::Name(name), "an enumeration literal") => Some(name.to_uppercase()),
+            (Token::Constant(name), "a function") => Some(recased(name, char::to_ascii_lowercase)),
+            (Token::Name(name), "a rule") => Some(format!("r_{name}")),
+            (Token::Name(name), "a variable") => Some(format!("${name}")),
+            (Token::Name(_) | Token::Constant(_) | Token::Rule(_) | Token::Variable(_), _) => None,
+            _ => return None,
+        };
+        Some(SyntaxError::Misnamed {
+            what,
+            beginning,
+            found: place,
+            better,
+        })
+    }
+
+    /// What is to be named at a token, and what such a name begins with.
+    fn named(
+        &self,
+        found: Spanned<'input>,
+        expected: &Expected<'_>,
+    ) -> Option<(&'static str, &'static str)> {
+        let updated = matches!(found.1, Token::Constant(_))
+            && expected.rule()
+            && [":=", "("]
+                .iter()
+                .any(|sign| self.behind(found).starts_with(sign));
+        if updated {
+            return Some(("a function", "a small letter"));
+        }
+        let (what, beginning) = expected.name()?;
+        let in_braces = self.nesting.innermost()?.opener.1 == Token::Sign(Sign::OpenBrace);
+        let literal = what == "a domain" && in_braces && self.declares(&[Keyword::Domain]);
+        Some((
+            if literal {
+                "an enumeration literal"
+            } else {
+                what
+            },
+            beginning,
+        ))
+    }
+}
+
+/// The name with its first letter changed.
+fn recased(name: &str, case: fn(&char) -> char) -> String {
+    let mut characters = name.chars();
+    let first = characters.next().map(|first| case(&first));
+    first.into_iter().chain(characters).collect()
+}

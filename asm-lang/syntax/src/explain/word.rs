@@ -1,0 +1,151 @@
+//! Words that are missing, misspelled, or reserved for nothing.
+
+use super::{Expected, Explainer};
+use crate::error::SyntaxError;
+use crate::lexer::{Keyword, Spanned, Token};
+
+/// A word, what it should follow, and what it belongs to.
+type Missing<'input> = (&'static str, String, Option<Spanned<'input>>);
+
+impl<'input> Explainer<'input, '_> {
+    /// A word that is reserved and never used.
+    pub(super) fn unused_word(
+        &self,
+        found: Spanned<'input>,
+        _: &Expected<'_>,
+    ) -> Option<SyntaxError> {
+        let unused = [
+            Keyword::Try,
+            Keyword::Catch,
+            Keyword::Endcase,
+            Keyword::Fairness,
+        ];
+        let Token::Keyword(word) = found.1 else {
+            return None;
+        };
+        unused.contains(&word).then(|| SyntaxError::Unused {
+            found: self.place(found),
+        })
+    }
+
+    /// A name that is nearly a word expected here, and does not go on like a name.
+    pub(super) fn misspelled_word(
+        &self,
+        found: Spanned<'input>,
+        expected: &Expected<'_>,
+    ) -> Option<SyntaxError> {
+        let (Token::Name(name) | Token::Constant(name)) = found.1 else {
+            return None;
+        };
+        let behind = self.behind(found);
+        if [":=", "<-", "(", "[", "."]
+            .iter()
+            .any(|sign| behind.starts_with(sign))
+        {
+            return None;
+        }
+        let meant = expected.nearest(name)?.to_owned();
+        Some(SyntaxError::UnknownWord {
+            found: self.place(found),
+            meant,
+        })
+    }
+
+    /// Something else before `asm` or `module`.
+    pub(super) fn missing_heading(
+        &self,
+        found: Spanned<'input>,
+        expected: &Expected<'_>,
+    ) -> Option<SyntaxError> {
+        let first = self.nesting.declaration().is_none() && expected.item();
+        first.then(|| SyntaxError::NoHeading {
+            at: self.span(found),
+        })
+    }
+
+    /// `f = 1` among declarations.
+    pub(super) fn missing_function(
+        &self,
+        found: Spanned<'input>,
+        expected: &Expected<'_>,
+    ) -> Option<SyntaxError> {
+        let among = expected.item() && !self.declares(&[Keyword::Rule]);
+        let defined = matches!(found.1, Token::Name(_)) && self.behind(found).starts_with('=');
+        let (after, _) = self.place(self.nesting.previous?);
+        (among && defined).then(|| SyntaxError::MissingWord {
+            word: "function",
+            after: format!("`{after}`"),
+            at: self.span(found),
+            opener: None,
+        })
+    }
+
+    /// The word or sign between the parts of a construct.
+    pub(super) fn missing_word(
+        &self,
+        found: Spanned<'input>,
+        expected: &Expected<'_>,
+    ) -> Option<SyntaxError> {
+        if expected.term() || expected.rule() || expected.item() {
+            return None;
+        }
+        let (word, after, opener) = self
+            .missing_in_binder(expected)
+            .or_else(|| self.missing_in_construct(expected))
+            .or_else(|| self.missing_in_declaration(expected))?;
+        let opener = opener.map(|opener| self.place(opener));
+        Some(SyntaxError::MissingWord {
+            word,
+            after,
+            at: self.span(found),
+            opener,
+        })
+    }
+
+    fn missing_in_binder(&self, expected: &Expected<'_>) -> Option<Missing<'input>> {
+        let Some((_, Token::Variable(name), _)) = self.nesting.previous else {
+            return None;
+        };
+        let binder = expected.has("in") && !expected.operator();
+        binder.then(|| ("in", format!("the variable `{name}`"), None))
+    }
+
+    fn missing_in_construct(&self, expected: &Expected<'_>) -> Option<Missing<'input>> {
+        let innermost = self.nesting.innermost()?;
+        if let Some(prefix) = innermost.prefix.filter(|_| expected.has("do")) {
+            let after = format!("the {} of `{}`", head(prefix.1), prefix.1);
+            return Some(("do", after, Some(prefix)));
+        }
+        let Token::Keyword(word) = innermost.opener.1 else {
+            return None;
+        };
+        let (missing, after) = match word {
+            Keyword::If if expected.has("then") => ("then", "the guard of `if`"),
+            Keyword::Switch if expected.has(":") => (":", "the term of `case`"),
+            Keyword::Switch if expected.has("case") && !expected.has("endswitch") => {
+                ("case", "the term of `switch`")
+            }
+            Keyword::Let if expected.has("in") => ("in", "the bindings of `let`"),
+            _ => return None,
+        };
+        Some((missing, after.to_owned(), Some(innermost.opener)))
+    }
+
+    fn missing_in_declaration(&self, expected: &Expected<'_>) -> Option<Missing<'input>> {
+        if self.nesting.open().next().is_some() || expected.operator() {
+            return None;
+        }
+        let words = ["=", ":", "over", "domain", "subsetof", "rule"];
+        let word = words.into_iter().find(|word| expected.has(word))?;
+        let (before, _) = self.place(self.nesting.previous?);
+        Some((word, format!("`{before}`"), None))
+    }
+}
+
+/// What stands between the first word of a rule and its `do`.
+fn head(prefix: Token<'_>) -> &'static str {
+    match prefix {
+        Token::Keyword(Keyword::While | Keyword::Whilerec) => "guard",
+        _ => "variables",
+    }
+}

@@ -1,0 +1,100 @@
+//! Signs, and the signs of other languages.
+
+use super::{Keyword, Lexer, Read, Sign, Token, number, word};
+use crate::error::SyntaxError;
+
+/// Operators as other languages write them, and what they mean here; longer ones first.
+const FOREIGN: &[(&str, &str)] = &[
+    ("&&", "and"),
+    ("&", "and"),
+    ("∧", "and"),
+    ("||", "or"),
+    ("∨", "or"),
+    ("!", "not"),
+    ("¬", "not"),
+    ("==", "="),
+    ("=>", "implies"),
+    ("⇒", "implies"),
+    ("≠", "!="),
+    ("≤", "<="),
+    ("≥", ">="),
+    ("→", "->"),
+    ("≔", ":="),
+    ("%", "mod"),
+    ("**", "^"),
+    ("~", "not"),
+    ("/\\", "and"),
+    ("\\/", "or"),
+];
+
+/// Whether a sign begins with this character, be it a foreign one. The first character of every
+/// sign is a sign of its own.
+pub(super) fn begins(c: char) -> bool {
+    Sign::spelled(c.encode_utf8(&mut [0; 4])).is_some()
+        || FOREIGN.iter().any(|(sign, _)| sign.starts_with(c))
+}
+
+impl<'input> Lexer<'input, '_> {
+    /// The longest sign here that makes sense, or the number that begins with it.
+    pub(super) fn sign(&mut self) -> Option<Read<'input>> {
+        let rest = self.rest();
+        if rest.starts_with(['+', '-']) && !self.previous.is_some_and(Token::ends_operand) {
+            let complex = number::complex_length(rest).and_then(|length| rest.get(..length));
+            if let Some(complex) = complex {
+                return Some((Token::Complex(complex), complex.len()));
+            }
+        }
+        let spelled = |length| rest.get(..length).and_then(Sign::spelled);
+        let Some(sign) = spelled(2).filter(|&sign| self.makes_sense(sign)) else {
+            return self
+                .foreign_sign()
+                .or_else(|| Some((Token::Sign(spelled(1)?), 1)));
+        };
+        if matches!(sign, Sign::OpenRule | Sign::CloseRule) {
+            self.in_rule_reference = sign == Sign::OpenRule;
+        }
+        Some((Token::Sign(sign), 2))
+    }
+
+    /// Whether a sign of two characters is meant as one: `a<-1` compares, `a <- r_x()` returns,
+    /// `<<r_x>>` is a rule, `<<1>>` a bag in a bag.
+    fn makes_sense(&self, sign: Sign) -> bool {
+        match sign {
+            Sign::Return | Sign::OpenRule => {
+                self.from(self.position + 2).trim_start().starts_with("r_")
+            }
+            Sign::CloseRule => self.in_rule_reference,
+            _ => true,
+        }
+    }
+
+    /// A sign of another language: reported, and read as it was meant.
+    fn foreign_sign(&self) -> Option<Read<'input>> {
+        let rest = self.rest();
+        let &(found, meant) = FOREIGN.iter().find(|(found, _)| rest.starts_with(found))?;
+        let keyword = Keyword::spelled(meant).map(Token::Keyword);
+        let token = keyword.or_else(|| Sign::spelled(meant).map(Token::Sign))?;
+        self.report_foreign(found, meant);
+        Some((token, found.len()))
+    }
+
+    /// Reports what other languages write for `meant`; the fix puts blanks where words would meet.
+    pub(super) fn report_foreign(&self, found: &str, meant: &'static str) {
+        let at = self.next_bytes(found.len());
+        let before = self
+            .text
+            .get(..self.position)
+            .is_some_and(|text| text.ends_with(word::goes_on));
+        let after = self
+            .from(self.position + found.len())
+            .starts_with(word::goes_on);
+        let blank = |needed| if needed { " " } else { "" };
+        let text = format!("{}{meant}{}", blank(before), blank(after));
+        self.findings.report(SyntaxError::Foreign {
+            found: found.to_owned(),
+            meant,
+            text,
+            at,
+        });
+    }
+}

@@ -1,0 +1,139 @@
+//! Words: reserved ones, names, variables, paths.
+
+use super::{Keyword, Lexer, Read, Token, number};
+use crate::error::SyntaxError;
+
+/// Whether a word begins with this character.
+pub(super) fn begins(c: char) -> bool {
+    c == '_' || c.is_alphabetic()
+}
+
+/// Whether a word goes on with this character.
+pub(super) fn goes_on(c: char) -> bool {
+    c == '_' || c.is_alphanumeric()
+}
+
+/// The length of the word a text begins with; an element with its number, as `person!1`, is one.
+pub(super) fn length(text: &str) -> usize {
+    let word = text.find(|c| !goes_on(c)).unwrap_or(text.len());
+    let number = text
+        .get(word..)
+        .and_then(|rest| rest.strip_prefix('!'))
+        .unwrap_or("");
+    let digits = number
+        .find(|c: char| !c.is_ascii_digit())
+        .unwrap_or(number.len());
+    if digits > 0 {
+        word + "!".len() + digits
+    } else {
+        word
+    }
+}
+
+impl<'input> Lexer<'input, '_> {
+    pub(super) fn word(&self) -> Read<'input> {
+        let rest = self.rest();
+        let word = rest.get(..length(rest)).unwrap_or(rest);
+        if self.names_file_or_state(word) {
+            return self.name(Token::Word(word), word);
+        }
+        if let Some(foreign) = self.foreign_word(word) {
+            return foreign;
+        }
+        if let Some(keyword) = Keyword::spelled(word) {
+            return (Token::Keyword(keyword), word.len());
+        }
+        if let Some(length) = number::imaginary_length(rest) {
+            return (Token::Complex(rest.get(..length).unwrap_or(word)), length);
+        }
+        let is_rule = word.strip_prefix("r_").is_some_and(|name| !name.is_empty());
+        let token = match word {
+            _ if word.starts_with(char::is_uppercase) => Token::Constant(word),
+            _ if is_rule => Token::Rule(word),
+            _ => Token::Name(word),
+        };
+        self.name(token, word)
+    }
+
+    /// `$x`.
+    pub(super) fn variable(&self) -> Option<Read<'input>> {
+        let rest = self.rest();
+        let name = rest
+            .strip_prefix('$')
+            .filter(|name| name.starts_with(begins))?;
+        let variable = rest.get(..1 + length(name))?;
+        Some(self.name(Token::Variable(variable), variable))
+    }
+
+    /// What stands after `import`: quoted, or everything up to a blank or a bracket.
+    pub(super) fn path(&self) -> Option<Read<'input>> {
+        let rest = self.rest();
+        if let Some(quoted) = rest.strip_prefix('"') {
+            let path = quoted.get(..quoted.find(['"', '\n'])?)?;
+            let closed = quoted.get(path.len()..)?.starts_with('"');
+            return closed.then_some((Token::Path(path), path.len() + 2));
+        }
+        let in_path = |c: char| c.is_ascii_alphanumeric() || "_-./\\:".contains(c);
+        let path = rest.get(..rest.find(|c| !in_path(c)).unwrap_or(rest.len()))?;
+        // No path, and then the next section.
+        let section = Keyword::spelled(path.trim_end_matches(':')).is_some();
+        (!path.is_empty() && !section).then_some((Token::Path(path), path.len()))
+    }
+
+    /// Any word may follow `asm`, `module` and `init`, except one that begins a section.
+    fn names_file_or_state(&self, word: &str) -> bool {
+        let Some(Token::Keyword(before)) = self.previous else {
+            return false;
+        };
+        let named = matches!(before, Keyword::Asm | Keyword::Module | Keyword::Init);
+        named && !["import", "export", "signature", "definitions"].contains(&word)
+    }
+
+    /// Words of other languages for the parts of a block, reported and read as they were meant.
+    fn foreign_word(&self, word: &'input str) -> Option<Read<'input>> {
+        if ["elseif", "elsif", "elif"].contains(&word) {
+            self.report_foreign(word, "else if");
+            // The `if` is the next token.
+            return Some((Token::Keyword(Keyword::Else), word.len() - "if".len()));
+        }
+        if word != "end" {
+            return None;
+        }
+        // `end if`, in one line
+        let rest = self.rest();
+        let second = rest.get(word.len()..)?.trim_start_matches([' ', '\t']);
+        let second = second.get(..length(second))?;
+        let meant = ENDS
+            .iter()
+            .find(|end| end.spelling().strip_prefix("end") == Some(second))?;
+        let found = rest.get(..rest.find(second)? + second.len())?;
+        self.report_foreign(found, meant.spelling());
+        Some((Token::Keyword(*meant), found.len()))
+    }
+
+    /// Checks that a name consists of what names consist of.
+    fn name(&self, token: Token<'input>, word: &'input str) -> Read<'input> {
+        let at = self.next_bytes(word.len());
+        if !word.is_ascii() {
+            self.findings.report(SyntaxError::ForeignLetters {
+                word: word.to_owned(),
+                at,
+            });
+        } else if word.contains('!') && !self.names_elements {
+            self.findings.report(SyntaxError::ElementName {
+                word: word.to_owned(),
+                at,
+            });
+        }
+        (token, word.len())
+    }
+}
+
+const ENDS: &[Keyword] = &[
+    Keyword::Endif,
+    Keyword::Endpar,
+    Keyword::Endseq,
+    Keyword::Endlet,
+    Keyword::Endswitch,
+    Keyword::Enditerate,
+];

@@ -1,0 +1,216 @@
+//! Rules.
+
+use super::Nodes;
+use super::term::{applied, bound, deepest, optional, ranges};
+use crate::MAX_DEPTH;
+use crate::ast::*;
+use crate::error::{Place, SyntaxError};
+use crate::spelling::nearest;
+use source::Span;
+
+/// `choose` up to its `do`.
+pub(crate) struct Choose {
+    /// The variables.
+    pub(crate) binders: Vec<Binder>,
+    /// What the choice has to fulfil.
+    pub(crate) guard: Option<Term>,
+}
+
+impl Choose {
+    /// With what is done.
+    pub(crate) fn kind(self, body: Rule, ifnone: Option<Rule>) -> RuleKind {
+        RuleKind::Choose {
+            binders: self.binders,
+            guard: self.guard,
+            body,
+            ifnone,
+        }
+    }
+}
+
+impl Nodes<'_, '_> {
+    /// A rule, or `Invalid` where it nests too deep.
+    pub(crate) fn rule(&self, start: usize, kind: RuleKind, end: usize) -> Rule {
+        let span = self.span(start, end);
+        let depth = 1 + rule_depth(&kind);
+        if depth > MAX_DEPTH {
+            self.findings.report(SyntaxError::TooDeep { at: span });
+            return Rule {
+                kind: Box::new(RuleKind::Invalid),
+                span,
+                depth: 1,
+            };
+        }
+        Rule {
+            kind: Box::new(kind),
+            span,
+            depth,
+        }
+    }
+
+    /// `local f: D [R] S`; several in a row are one rule.
+    pub(crate) fn local(&self, function: Function, init: Rule, body: Rule) -> RuleKind {
+        let mut functions = vec![(function, init)];
+        match *body.kind {
+            RuleKind::Local {
+                functions: more,
+                body,
+            } => {
+                functions.extend(more);
+                RuleKind::Local { functions, body }
+            }
+            kind => {
+                let body = Rule {
+                    kind: Box::new(kind),
+                    ..body
+                };
+                RuleKind::Local { functions, body }
+            }
+        }
+    }
+
+    /// A term standing as a rule.
+    pub(crate) fn term_as_rule(&self, term: Assignee, arguments: Option<Vec<Term>>) -> RuleKind {
+        let span = match &term {
+            Assignee::Variable(name) => name.span,
+            Assignee::Location { span, .. } => *span,
+        };
+        let term = self.spanned_term(applied(term), span);
+        RuleKind::Term {
+            term,
+            arguments: arguments.unwrap_or_default(),
+        }
+    }
+
+    /// `par … endpar`.
+    pub(crate) fn par(&self, start: usize, rules: Vec<Rule>) -> RuleKind {
+        self.count_rules("par", &rules, start);
+        RuleKind::Par(rules)
+    }
+
+    /// `seq … endseq`.
+    pub(crate) fn seq(&self, start: usize, rules: Vec<Rule>) -> RuleKind {
+        self.count_rules("seq", &rules, start);
+        RuleKind::Seq(rules)
+    }
+
+    fn count_rules(&self, block: &'static str, rules: &[Rule], start: usize) {
+        let count = match rules {
+            [] => "no rule",
+            [only] if !matches!(*only.kind, RuleKind::Invalid) => "one rule",
+            _ => return,
+        };
+        let at = self.span(start, start + block.len());
+        self.findings
+            .report(SyntaxError::FewRules { block, count, at });
+    }
+
+    /// One rule; several are a mistake, read as if they stood in `par`.
+    pub(crate) fn block(&self, start: usize, mut rules: Vec<Rule>, end: usize) -> Rule {
+        match rules.pop() {
+            Some(only) if rules.is_empty() => only,
+            last => {
+                rules.extend(last);
+                self.several_rules(&rules, self.span(start, end));
+                self.rule(start, RuleKind::Par(rules), end)
+            }
+        }
+    }
+
+    fn several_rules(&self, rules: &[Rule], all: Span) {
+        let [first, second, ..] = rules else { return };
+        if rules
+            .iter()
+            .any(|rule| matches!(*rule.kind, RuleKind::Invalid))
+        {
+            return; // what looks like a rule may be a part of what was not understood
+        }
+        self.findings
+            .report(match rules.iter().find_map(misspelled_word) {
+                Some((found, meant)) => SyntaxError::UnknownWord { found, meant },
+                None => SyntaxError::SeveralRules {
+                    first: first.span,
+                    second: second.span,
+                    all: Some((all, self.text.get(all.range()).unwrap_or("").to_owned())),
+                },
+            });
+    }
+}
+
+/// A term standing as a rule that is nearly a word that goes on after a rule, and that word.
+fn misspelled_word(rule: &Rule) -> Option<(Place, String)> {
+    let RuleKind::Term { term, .. } = &*rule.kind else {
+        return None;
+    };
+    let TermKind::Apply { name, .. } = &*term.kind else {
+        return None;
+    };
+    let meant = nearest(
+        &name.text,
+        ["else", "endif", "otherwise", "endswitch", "endlet"],
+    )?;
+    Some(((name.text.to_string(), name.span), meant.to_owned()))
+}
+
+/// The depth of the deepest part of a rule.
+fn rule_depth(kind: &RuleKind) -> u32 {
+    match kind {
+        RuleKind::Skip | RuleKind::Invalid => 0,
+        RuleKind::Update { target, value } => target_depth(target).max(value.depth),
+        RuleKind::Assign {
+            target, arguments, ..
+        } => target_depth(target).max(deepest(arguments)),
+        RuleKind::Macro { arguments, .. } | RuleKind::Turbo { arguments, .. } => deepest(arguments),
+        RuleKind::Term { term, arguments } => term.depth.max(deepest(arguments)),
+        RuleKind::Par(rules) | RuleKind::Seq(rules) => {
+            rules.iter().map(|rule| rule.depth).max().unwrap_or(0)
+        }
+        RuleKind::If {
+            guard,
+            then,
+            otherwise,
+        } => guard.depth.max(then.depth).max(optional_rule(otherwise)),
+        RuleKind::Switch(SwitchRule {
+            subject,
+            cases,
+            otherwise,
+        }) => cases
+            .iter()
+            .map(|(case, body)| case.depth.max(body.depth))
+            .fold(subject.depth.max(optional_rule(otherwise)), u32::max),
+        RuleKind::Choose {
+            binders,
+            guard,
+            body,
+            ifnone,
+        } => ranges(binders)
+            .max(optional(guard))
+            .max(body.depth)
+            .max(optional_rule(ifnone)),
+        RuleKind::Forall {
+            binders,
+            guard,
+            body,
+        } => ranges(binders).max(optional(guard)).max(body.depth),
+        RuleKind::Let { bindings, body } => bound(bindings).max(body.depth),
+        RuleKind::Extend { body, .. } | RuleKind::Iterate(body) => body.depth,
+        RuleKind::While { guard, body } | RuleKind::WhileRec { guard, body } => {
+            guard.depth.max(body.depth)
+        }
+        RuleKind::Local { functions, body } => functions
+            .iter()
+            .map(|(_, init)| init.depth)
+            .fold(body.depth, u32::max),
+    }
+}
+
+fn target_depth(target: &Assignee) -> u32 {
+    match target {
+        Assignee::Location { arguments, .. } => deepest(arguments),
+        Assignee::Variable(_) => 0,
+    }
+}
+
+fn optional_rule(rule: &Option<Rule>) -> u32 {
+    rule.as_ref().map_or(0, |rule| rule.depth)
+}

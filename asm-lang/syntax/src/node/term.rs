@@ -1,0 +1,270 @@
+//! Terms.
+
+use super::Nodes;
+use crate::MAX_DEPTH;
+use crate::ast::*;
+use crate::error::SyntaxError;
+use crate::lexer;
+use source::Span;
+
+/// What stands between the brackets of a set, a sequence or a bag.
+pub(crate) enum Elements {
+    /// `a, b`.
+    Listed(Vec<Term>),
+    /// `a : b`.
+    Interval(Interval),
+    /// `$x in D : t`.
+    Comprehension(Comprehension),
+}
+
+impl Elements {
+    /// In the brackets of a set, a sequence or a bag.
+    pub(crate) fn kind(self, collection: Collection) -> TermKind {
+        match self {
+            Self::Listed(items) => TermKind::Listed { collection, items },
+            Self::Interval(interval) => TermKind::Interval {
+                collection,
+                interval,
+            },
+            Self::Comprehension(comprehension) => TermKind::Comprehension {
+                collection,
+                comprehension,
+            },
+        }
+    }
+}
+
+/// What could be written to, as a term.
+pub(crate) fn applied(located: Assignee) -> TermKind {
+    match located {
+        Assignee::Variable(name) => TermKind::Variable(name),
+        Assignee::Location {
+            agent: None,
+            function: name,
+            arguments,
+            ..
+        } => TermKind::Apply { name, arguments },
+        Assignee::Location {
+            agent: Some(agent),
+            function: name,
+            arguments,
+            ..
+        } => TermKind::Dot {
+            agent,
+            name,
+            arguments,
+        },
+    }
+}
+
+impl Nodes<'_, '_> {
+    /// A term, or `Invalid` where it nests too deep.
+    pub(crate) fn term(&self, start: usize, kind: TermKind, end: usize) -> Term {
+        self.spanned_term(kind, self.span(start, end))
+    }
+
+    pub(super) fn spanned_term(&self, kind: TermKind, span: Span) -> Term {
+        let depth = 1 + term_depth(&kind);
+        if depth > MAX_DEPTH {
+            self.findings.report(SyntaxError::TooDeep { at: span });
+            return Term {
+                kind: Box::new(TermKind::Invalid),
+                span,
+                depth: 1,
+            };
+        }
+        Term {
+            kind: Box::new(kind),
+            span,
+            depth,
+        }
+    }
+
+    /// `left op right`.
+    pub(crate) fn binary(&self, left: Term, (operator, at): (Operator, Span), right: Term) -> Term {
+        let span = left.span.to(right.span);
+        self.spanned_term(
+            TermKind::Binary {
+                operator,
+                at,
+                left,
+                right,
+            },
+            span,
+        )
+    }
+
+    /// `op operand`.
+    pub(crate) fn unary(&self, (operator, at): (Operator, Span), operand: Term) -> Term {
+        let span = at.to(operand.span);
+        self.spanned_term(
+            TermKind::Unary {
+                operator,
+                at,
+                operand,
+            },
+            span,
+        )
+    }
+
+    /// `f`, `f(t…)`, `a.f(t…)`.
+    pub(crate) fn location(
+        &self,
+        start: usize,
+        agent: Option<Name>,
+        function: Name,
+        arguments: Option<Vec<Term>>,
+        end: usize,
+    ) -> Assignee {
+        let arguments = arguments.unwrap_or_default();
+        Assignee::Location {
+            agent,
+            function,
+            arguments,
+            span: self.span(start, end),
+        }
+    }
+
+    /// `(t)` is `t`, `(t, u)` a tuple.
+    pub(crate) fn tuple(&self, start: usize, mut items: Vec<Term>, end: usize) -> Term {
+        match items.pop() {
+            Some(only) if items.is_empty() => Term {
+                span: self.span(start, end),
+                ..only
+            },
+            last => {
+                items.extend(last);
+                self.term(start, TermKind::Tuple(items), end)
+            }
+        }
+    }
+
+    /// `exist`, as AsmetaL before 26.06 wrote it.
+    pub(crate) fn old_exists(&self, start: usize, end: usize) {
+        self.findings.report(SyntaxError::OldExists {
+            at: self.span(start, end),
+        });
+    }
+
+    /// `..`, as old AsmetaL wrote intervals.
+    pub(crate) fn old_interval(&self, start: usize, end: usize) {
+        self.findings.report(SyntaxError::OldInterval {
+            at: self.span(start, end),
+        });
+    }
+
+    /// Digits as a number; `None` beyond 64 bits.
+    pub(crate) fn integer(&self, start: usize, digits: &str, end: usize) -> Option<i64> {
+        let number = digits.parse().ok();
+        if number.is_none() {
+            self.findings.report(SyntaxError::TooLarge {
+                digits: digits.to_owned(),
+                at: self.span(start, end),
+            });
+        }
+        number
+    }
+
+    /// Digits, a point and digits as a number.
+    pub(crate) fn real(&self, digits: &str) -> Literal {
+        Literal::Real(digits.parse().unwrap_or(f64::NAN))
+    }
+
+    /// Both parts of a complex number.
+    pub(crate) fn complex(&self, text: &str) -> Literal {
+        let (real, imaginary) = lexer::complex_parts(text);
+        Literal::Complex(real, imaginary)
+    }
+
+    /// The one character between the quotes.
+    pub(crate) fn char(&self, start: usize, text: &str, end: usize) -> char {
+        lexer::character(text).unwrap_or_else(|| {
+            // It has no closing quote if that was reported.
+            if !self.findings.error_between(start, start) {
+                let (text, at) = (text.to_owned(), self.span(start, end));
+                self.findings.report(SyntaxError::CharLength { text, at });
+            }
+            char::REPLACEMENT_CHARACTER
+        })
+    }
+}
+
+/// The depth of the deepest part of a term.
+fn term_depth(kind: &TermKind) -> u32 {
+    match kind {
+        TermKind::Literal(_)
+        | TermKind::Variable(_)
+        | TermKind::Constant(_)
+        | TermKind::RuleRef { .. }
+        | TermKind::Domain(_)
+        | TermKind::Invalid => 0,
+        TermKind::Apply { arguments, .. } | TermKind::Dot { arguments, .. } => deepest(arguments),
+        TermKind::Binary { left, right, .. } => left.depth.max(right.depth),
+        TermKind::Unary { operand, .. } => operand.depth,
+        TermKind::Tuple(items) | TermKind::Listed { items, .. } => deepest(items),
+        TermKind::If {
+            guard,
+            then,
+            otherwise,
+        } => guard.depth.max(then.depth).max(optional(otherwise)),
+        TermKind::Switch {
+            subject,
+            cases,
+            otherwise,
+        } => pairs(cases).max(subject.depth).max(optional(otherwise)),
+        TermKind::Let { bindings, body } => bound(bindings).max(body.depth),
+        TermKind::Quantified { binders, guard, .. } => ranges(binders).max(optional(guard)),
+        TermKind::Interval {
+            interval: Interval { from, to, step },
+            ..
+        } => from.depth.max(to.depth).max(optional(step)),
+        TermKind::Comprehension { comprehension, .. } => collected(comprehension),
+        TermKind::Map(entries) => pairs(entries),
+        TermKind::MapComprehension {
+            comprehension,
+            value,
+        } => collected(comprehension).max(value.depth),
+    }
+}
+
+pub(super) fn deepest(terms: &[Term]) -> u32 {
+    terms.iter().map(|term| term.depth).max().unwrap_or(0)
+}
+
+fn pairs(pairs: &[(Term, Term)]) -> u32 {
+    pairs
+        .iter()
+        .map(|(left, right)| left.depth.max(right.depth))
+        .max()
+        .unwrap_or(0)
+}
+
+pub(super) fn bound(bindings: &[(Name, Term)]) -> u32 {
+    bindings
+        .iter()
+        .map(|(_, value)| value.depth)
+        .max()
+        .unwrap_or(0)
+}
+
+pub(super) fn ranges(binders: &[Binder]) -> u32 {
+    binders
+        .iter()
+        .map(|binder| binder.range.depth)
+        .max()
+        .unwrap_or(0)
+}
+
+fn collected(
+    Comprehension {
+        binders,
+        guard,
+        item,
+    }: &Comprehension,
+) -> u32 {
+    ranges(binders).max(optional(guard)).max(item.depth)
+}
+
+pub(super) fn optional(term: &Option<Term>) -> u32 {
+    term.as_ref().map_or(0, |term| term.depth)
+}

@@ -1,0 +1,4 @@
+asm misnamed_literal
+signature:
+  enum domain Color = {red, GREEN} //~ L056
+definitions:

@@ -1,0 +1,3 @@
+asm no_definitions_at_all
+signature:
+  controlled a: Integer //~ L074

@@ -1,0 +1,4 @@
+asm open_character
+signature:
+definitions:
+  main rule r_Main = a := 'it //~ L004

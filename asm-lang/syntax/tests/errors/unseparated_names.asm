@@ -1,0 +1,4 @@
+module unseparated_names
+export f g //~ L058
+signature:
+definitions:

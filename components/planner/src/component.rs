@@ -1,0 +1,254 @@
+//! The component: requests in, paths out.
+
+use ::component::{
+    CallId, Component, Cycle, Fault, In, Interface, Out, Property, Provided, RequestId, Required,
+    ServiceFault,
+};
+use geometry::{Disc, Grid, OCCUPIED, Point, message};
+use messages::{GetMap, Obstacles, OccupancyGrid, Path, Place, Plan as PlanOperation, PlanRequest};
+
+use crate::{NoPath, PLANNERS, Planner, Settings, planner};
+
+/// `nav::TrajectoryPlanner`: serves `plan`, publishes each path it found.
+///
+/// A request without a map is planned on the one that the reference `maps` gives. What the robot saw and the map does
+/// not show, port `obstacles`, is in the way as well.
+pub struct TrajectoryPlanner {
+    planning: Provided<PlanOperation>,
+    maps: Required<GetMap>,
+    obstacles: In<Obstacles>,
+    trajectory: Out<Path>,
+    properties: Properties,
+
+    /// The planner, and what it was made of.
+    made: Option<(String, Settings, Box<dyn Planner>)>,
+    /// Requests that wait for a map.
+    waiting: Vec<(CallId, RequestId, PlanRequest)>,
+}
+
+struct Properties {
+    algorithm: Property<String>,
+    inflation: Property<f64>,
+    comfort: Property<f64>,
+    clearance_weight: Property<f64>,
+    step: Property<f64>,
+    allow_unknown: Property<bool>,
+    place: Property<String>,
+}
+
+impl TrajectoryPlanner {
+    /// Declares ports and properties.
+    pub fn new(interface: &mut Interface) -> Self {
+        let maps = interface.require("maps", "gives the map of requests that bring none");
+        Self {
+            planning: interface.serve(
+                "planning",
+                "a path for a round robot; faults NO_PATH, START_OCCUPIED, GOAL_OCCUPIED, OUTSIDE, BAD_MAP",
+            ),
+            maps: interface.optional(maps),
+            obstacles: interface.input("obstacles", "what the map does not show, map frame"),
+            trajectory: interface.output("trajectory", "every path that was found, map frame"),
+            properties: Properties::declare(interface),
+            made: None,
+            waiting: Vec::new(),
+        }
+    }
+
+    /// Plans, or asks for the map first.
+    fn take(&mut self, cycle: &mut Cycle<'_>, id: RequestId, request: PlanRequest) {
+        if !request.map.data.is_empty() {
+            self.answer(cycle, id, &request.map, &request);
+            return;
+        }
+        let name = cycle.property(self.properties.place);
+        let call = cycle.call(self.maps, Place { name });
+        self.waiting.push((call, id, request));
+    }
+
+    /// Goes on with the requests whose map came, or did not.
+    fn go_on(&mut self, cycle: &mut Cycle<'_>) {
+        for reply in cycle.replies(self.maps) {
+            let Some(at) = self
+                .waiting
+                .iter()
+                .position(|(call, ..)| *call == reply.call)
+            else {
+                continue;
+            };
+            let (_, id, request) = self.waiting.swap_remove(at);
+            match reply.result {
+                Ok(map) => self.answer(cycle, id, &map, &request),
+                Err(error) => {
+                    let detail = format!("the request has no map, and `maps` gave none: {error}");
+                    self.refuse(cycle, id, ServiceFault::new("BAD_MAP", detail));
+                }
+            }
+        }
+    }
+
+    fn answer(
+        &mut self,
+        cycle: &mut Cycle<'_>,
+        id: RequestId,
+        map: &OccupancyGrid,
+        request: &PlanRequest,
+    ) {
+        match self.plan(cycle, map, request) {
+            Ok(path) => {
+                cycle.write(self.trajectory, path.clone());
+                cycle.reply(self.planning, id, Ok(path));
+            }
+            Err(fault) => self.refuse(cycle, id, fault),
+        }
+    }
+
+    fn refuse(&self, cycle: &mut Cycle<'_>, id: RequestId, fault: ServiceFault) {
+        cycle.report("plan", fault.to_string().into());
+        cycle.reply(self.planning, id, Err(fault));
+    }
+
+    fn plan(
+        &mut self,
+        cycle: &mut Cycle<'_>,
+        map: &OccupancyGrid,
+        request: &PlanRequest,
+    ) -> Result<Path, ServiceFault> {
+        let frame = &map.header.frame_id;
+        for (end, given) in [("start", &request.start), ("goal", &request.goal)] {
+            let other = &given.header.frame_id;
+            if !other.is_empty() && other != frame {
+                let detail = format!("the {end} is in frame `{other}`, the map in `{frame}`");
+                return Err(ServiceFault::new(PlanOperation::OUTSIDE, detail));
+            }
+        }
+        let bad_map =
+            |error: geometry::LayoutError| ServiceFault::new("BAD_MAP", error.to_string());
+        let mut grid = message::grid(map).map_err(bad_map)?;
+        let (start, goal) = (
+            message::pose(&request.start.pose),
+            message::pose(&request.goal.pose),
+        );
+        if let Some(seen) = cycle.read(self.obstacles).any() {
+            add(&mut grid, seen, start.translation.vector.into());
+        }
+        let planner = self.planner(cycle)?;
+        let plan = planner
+            .plan(&grid, &start, &goal)
+            .map_err(|why| fault(&why))?;
+        let (length, explored) = (plan.length, plan.explored);
+        cycle.report(
+            "plan",
+            format!("{length:.2} m, {explored} cells searched").into(),
+        );
+        Ok(message::path(&plan.poses, cycle.now().nanos(), frame))
+    }
+
+    /// The planner that the properties ask for; the same one as long as they do not change.
+    fn planner(&mut self, cycle: &Cycle<'_>) -> Result<&mut Box<dyn Planner>, ServiceFault> {
+        let (name, settings) = self.properties.read(cycle);
+        let same = |(known, of, _): &(String, Settings, _)| *known == name && *of == settings;
+        let made = match self.made.take().filter(same) {
+            Some(made) => made,
+            None => {
+                let made = planner(&name, &settings).ok_or_else(|| {
+                    ServiceFault::new("BAD_ALGORITHM", format!("no planner is called `{name}`"))
+                })?;
+                (name, settings, made)
+            }
+        };
+        Ok(&mut self.made.insert(made).2)
+    }
+}
+
+/// Puts what was seen on the map. The robot stands at `start`, so what is said to be there is not.
+fn add(grid: &mut Grid, seen: &Obstacles, start: Point) {
+    let discs = seen.discs.iter().map(message::disc);
+    for Disc { centre, radius } in discs {
+        if (centre - start).norm() > radius {
+            grid.disc(centre, radius, OCCUPIED);
+        }
+    }
+}
+
+fn fault(why: &NoPath) -> ServiceFault {
+    ServiceFault::new(why.code(), why.to_string())
+}
+
+impl Component for TrajectoryPlanner {
+    fn stop(&mut self) {
+        self.waiting.clear();
+    }
+
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        let cancelled = cycle.cancelled(self.planning);
+        self.waiting.retain(|(_, id, _)| !cancelled.contains(id));
+        self.go_on(cycle);
+        for request in cycle.requests(self.planning) {
+            self.take(cycle, request.id, request.argument);
+        }
+        Ok(())
+    }
+}
+
+impl Properties {
+    fn declare(interface: &mut Interface) -> Self {
+        let defaults = Settings::default();
+        let metres = |interface: &mut Interface, name: &str, default: f64, doc: &str| {
+            let setting = interface.setting(name, default, doc);
+            setting.range(0.0..=10.0).unit("m").declare()
+        };
+        Self {
+            algorithm: interface
+                .setting("algorithm", "astar".to_owned(), "which planner")
+                .choices(PLANNERS.iter().map(|(name, _)| *name))
+                .declare(),
+            inflation: metres(
+                interface,
+                "inflation_m",
+                defaults.inflation,
+                "no path comes nearer to an obstacle: the robot's radius and a margin",
+            ),
+            comfort: metres(
+                interface,
+                "comfort_m",
+                defaults.comfort,
+                "beyond the inflation the robot likes this much more room",
+            ),
+            clearance_weight: interface
+                .setting(
+                    "clearance_weight",
+                    defaults.clearance_weight,
+                    "how dear a way without that room is; 0: the shortest way that is allowed",
+                )
+                .range(0.0..=20.0)
+                .declare(),
+            step: metres(
+                interface,
+                "step_m",
+                defaults.step,
+                "poses of a path are at most this far apart",
+            ),
+            allow_unknown: interface.property(
+                "allow_unknown",
+                defaults.allow_unknown,
+                "whether a path may cross what nobody has seen",
+            ),
+            place: interface.property(
+                "place",
+                String::new(),
+                "the place to ask `maps` for when a request brings no map",
+            ),
+        }
+    }
+
+    fn read(&self, cycle: &Cycle<'_>) -> (String, Settings) {
+        let settings = Settings {
+            inflation: cycle.property(self.inflation),
+            comfort: cycle.property(self.comfort),
+            clearance_weight: cycle.property(self.clearance_weight),
+            step: cycle.property(self.step),
+            allow_unknown: cycle.property(self.allow_unknown),
+        };
+        (cycle.property(self.algorithm), settings)
+    }
+}

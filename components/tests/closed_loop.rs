@@ -1,0 +1,306 @@
+//! The reactive layer in the simulated world, without a coordinator: paths are drawn by hand.
+
+#![allow(clippy::unwrap_used, missing_docs)]
+
+mod course;
+
+use component::{Run, Span, Time, Transition};
+use course::{Course, GO, block, disc, nanos};
+use geometry::Point;
+use messages::Path;
+use world::Obstacle;
+
+/// m, of the robot.
+const RADIUS: f64 = 0.2;
+
+fn goal() -> Point {
+    Point::new(10.0, 5.0)
+}
+
+/// Drives with 20 seeds; says the largest distance from the goal and the smallest between the robot and anything.
+fn arrives_with_every_seed(course: &Course) {
+    let (mut farthest, mut nearest): (f64, f64) = (0.0, f64::INFINITY);
+    for seed in 0..20 {
+        let drive = course.clone().seed(seed).drive(60.0);
+        assert_eq!(drive.faults, [""; 0]);
+        assert_eq!(
+            drive.codes(),
+            ["REACHED"],
+            "seed {seed}: {:?}",
+            drive.events
+        );
+        farthest = farthest.max((drive.end() - goal()).norm());
+        nearest = nearest.min(drive.nearest - RADIUS);
+    }
+    println!("at most {farthest:.3} m from the goal, at least {nearest:.3} m from everything");
+    assert!(farthest <= 0.1, "{farthest} m from the goal");
+    assert!(nearest > 0.03, "{nearest} m from an obstacle");
+}
+
+#[test]
+fn it_reaches_the_end_of_a_free_path() {
+    arrives_with_every_seed(&Course::corridor());
+}
+
+#[test]
+fn it_bends_around_a_thing_in_the_middle() {
+    arrives_with_every_seed(&Course::corridor().with(disc(0.0, 5.0, 0.0, 0.3)));
+}
+
+#[test]
+fn it_winds_through_several_things() {
+    let course = Course::corridor()
+        .with(disc(0.0, 3.0, 0.3, 0.2))
+        .with(disc(0.0, 5.0, -0.3, 0.2))
+        .with(disc(0.0, 7.0, 0.3, 0.2))
+        .with(disc(0.0, 10.0, 2.0, 0.25));
+    arrives_with_every_seed(&course);
+}
+
+#[test]
+fn it_squeezes_through_a_gap_beside_a_block() {
+    arrives_with_every_seed(&Course::corridor().with(block(3.0, 6.0, -0.4, 0.4, 1.2)));
+}
+
+#[test]
+fn it_evades_a_thing_that_appears_close_in_front() {
+    let pops_up = Obstacle {
+        frame: "robot".to_owned(),
+        ..disc(5.0, 0.8, 0.0, 0.2)
+    };
+    arrives_with_every_seed(&Course::corridor().with(pops_up));
+}
+
+#[test]
+fn it_goes_back_to_the_path_when_the_thing_has_gone() {
+    let leaves = Obstacle {
+        until_s: Some(6.0),
+        ..disc(0.0, 5.0, 0.0, 0.4)
+    };
+    let drive = Course::corridor().with(leaves).drive(60.0);
+    assert_eq!(drive.codes(), ["REACHED"]);
+    let passing = drive
+        .track
+        .iter()
+        .find(|(_, pose)| pose.translation.x >= 5.0)
+        .unwrap();
+    assert!(passing.1.translation.y.abs() < 0.1);
+}
+
+#[test]
+fn it_is_blocked_by_a_closed_corridor_and_stands_still_before_it() {
+    for seed in 0..20 {
+        let course = Course::corridor()
+            .with(block(3.0, 6.0, 0.0, 0.4, 2.0))
+            .seed(seed);
+        let drive = course.drive(20.0);
+        assert_eq!(drive.codes(), ["BLOCKED", "HALTED"], "{:?}", drive.events);
+        assert!(drive.nearest > RADIUS + 0.3);
+        // the adapter says where, so that a planner can go another way
+        let wall = drive
+            .obstacles
+            .iter()
+            .filter(|disc| (disc.x - 5.8).abs() < 0.3);
+        let (low, high) = wall.fold((9.0_f64, -9.0_f64), |(low, high), disc| {
+            (
+                low.min(disc.y - disc.radius),
+                high.max(disc.y + disc.radius),
+            )
+        });
+        assert!(low < -0.9 && high > 0.9, "told from {low} to {high}");
+        // and standing means standing
+        let (halted, end) = (drive.place(drive.at("HALTED")), drive.end());
+        assert!((halted - end).norm() < 0.005);
+        assert!(drive.paths.last().unwrap().1.poses.is_empty());
+    }
+}
+
+#[test]
+fn it_stops_before_a_wall_that_appears_close_in_front() {
+    let pops_up = Obstacle {
+        frame: "robot".to_owned(),
+        ..block(6.0, 0.8, 0.0, 0.2, 3.0)
+    };
+    for seed in 0..20 {
+        let drive = Course::corridor()
+            .with(pops_up.clone())
+            .seed(seed)
+            .drive(30.0);
+        assert!(drive.codes().contains(&"BLOCKED") && !drive.codes().contains(&"COLLISION"));
+        assert!(
+            drive.nearest > RADIUS + 0.05,
+            "{} m",
+            drive.nearest - RADIUS
+        );
+    }
+}
+
+#[test]
+fn a_new_path_after_a_block_is_followed() {
+    let mut running = Course::corridor()
+        .with(block(3.0, 6.0, 0.0, 0.4, 2.0))
+        .run();
+    running.run.run_until(Time::from_nanos(nanos(10.0)));
+    let back = Course {
+        path: vec![(1.5, 0.0), (0.0, 0.0)],
+        ..Course::corridor()
+    };
+    let mut path = back.message();
+    path.header.stamp = messages::Time::from_nanos(nanos(10.0));
+    running
+        .run
+        .inject(Time::from_nanos(nanos(10.0)), "Adapter.path", path)
+        .unwrap();
+    running.run.run_for(20.s());
+    let drive = running.drive.lock().unwrap();
+    assert_eq!(drive.codes(), ["BLOCKED", "HALTED", "REACHED"]);
+    assert!(drive.end().coords.norm() < 0.1);
+}
+
+#[test]
+fn an_empty_path_stops_it_and_it_says_so_once() {
+    let mut running = Course::corridor().run();
+    let stop = Path::stop(nanos(5.0), "map");
+    running
+        .run
+        .inject(Time::from_nanos(nanos(5.0)), "Adapter.path", stop)
+        .unwrap();
+    running.run.run_until(Time::from_nanos(nanos(10.0)));
+    let drive = running.drive.lock().unwrap();
+    assert_eq!(drive.codes(), ["HALTED"]);
+    assert!(drive.at("HALTED") < 6.5);
+    assert!((drive.place(drive.at("HALTED")) - drive.end()).norm() < 0.005);
+    // the follower then leaves the wheels to others
+    assert!(drive.twists.last().unwrap().0 < 7.0);
+}
+
+#[test]
+fn without_commands_the_wheels_stop_within_200_ms() {
+    let mut running = Course::corridor().run();
+    running.run.run_until(Time::from_nanos(nanos(5.0)));
+    running
+        .run
+        .transition("Follower", Transition::Stop)
+        .unwrap();
+    running.run.run_until(Time::from_nanos(nanos(8.0)));
+    let drive = running.drive.lock().unwrap();
+    let last = drive.twists.last().unwrap();
+    assert!(last.1.linear.x > 0.3, "it was driving");
+    let stopped = drive
+        .wheels
+        .iter()
+        .find(|(at, wheels)| *at > last.0 && wheels.left == 0.0 && wheels.right == 0.0);
+    let after = stopped.unwrap().0 - last.0;
+    println!("wheels stopped {after:.3} s after the last command");
+    assert!(after <= 0.2);
+    assert!(
+        drive
+            .wheels
+            .iter()
+            .filter(|(at, _)| *at > last.0 + 0.2)
+            .all(|(_, wheels)| wheels.left == 0.0)
+    );
+    assert!((drive.place(last.0) - drive.end()).norm() < 0.1);
+}
+
+#[test]
+fn without_odometry_it_does_not_drive() {
+    let mut running = Course::corridor().run();
+    running.run.run_until(Time::from_nanos(nanos(5.0)));
+    running.run.transition("World", Transition::Stop).unwrap();
+    running.run.run_until(Time::from_nanos(nanos(8.0)));
+    let drive = running.drive.lock().unwrap();
+    let later = drive.twists.iter().filter(|(at, _)| *at > 5.25);
+    assert!(
+        later.clone().count() > 10
+            && later
+                .clone()
+                .all(|(_, twist)| twist.linear.x == 0.0 && twist.angular.z == 0.0)
+    );
+}
+
+#[test]
+fn without_eyes_it_stops_and_with_them_it_goes_on() {
+    let mut running = Course::corridor().run();
+    running.run.run_until(Time::from_nanos(nanos(5.0)));
+    running.run.transition("Laser", Transition::Stop).unwrap();
+    running.run.run_until(Time::from_nanos(nanos(9.0)));
+    let stood = running.drive.lock().unwrap().end();
+    running.run.run_until(Time::from_nanos(nanos(10.0)));
+    assert!((running.drive.lock().unwrap().end() - stood).norm() < 1e-3);
+    running.run.transition("Laser", Transition::Start).unwrap();
+    running.run.run_until(Time::from_nanos(nanos(60.0)));
+    let drive = running.drive.lock().unwrap();
+    assert_eq!(drive.codes(), ["HALTED", "REACHED"]);
+}
+
+#[test]
+fn with_a_map_its_walls_are_no_news() {
+    let course = Course::corridor().with(disc(0.0, 5.0, 0.0, 0.3)).with_map();
+    arrives_with_every_seed(&course);
+    let drive = course.drive(20.0);
+    assert!(!drive.obstacles.is_empty());
+    for told in &drive.obstacles {
+        let off = (Point::new(told.x, told.y) - Point::new(5.0, 0.0)).norm();
+        assert!(off <= 0.4, "{told:?} is not the disc");
+    }
+}
+
+/// Two corridors side by side, joined at both ends.
+fn ring() -> Course {
+    let walls = [
+        [-1.0, -1.0, 11.0, -1.0],
+        [-1.0, 5.0, 11.0, 5.0],
+        [-1.0, -1.0, -1.0, 5.0],
+        [11.0, -1.0, 11.0, 5.0],
+    ];
+    let middle = [
+        [1.0, 1.0, 9.0, 1.0],
+        [1.0, 3.0, 9.0, 3.0],
+        [1.0, 1.0, 1.0, 3.0],
+        [9.0, 1.0, 9.0, 3.0],
+    ];
+    Course {
+        walls: [walls, middle].concat().concat(),
+        path: Vec::new(),
+        start: [0.0; 3],
+        ..Course::corridor()
+    }
+}
+
+#[test]
+fn a_planner_that_hears_of_the_block_finds_another_way() {
+    for seed in 0..5 {
+        let course = ring()
+            .with(block(4.0, 6.0, 0.0, 0.4, 2.0))
+            .with_map()
+            .seed(seed);
+        let mut running = course.mission((10.0, 0.0));
+        running.run.run_until(Time::from_nanos(nanos(90.0)));
+        let drive = running.drive.lock().unwrap();
+        assert_eq!(drive.faults, [""; 0]);
+        assert_eq!(drive.codes(), ["BLOCKED", "REACHED"], "{:?}", drive.events);
+        assert!((drive.end() - Point::new(10.0, 0.0)).norm() < 0.1);
+        assert!(drive.nearest > RADIUS + 0.03);
+        assert!(
+            drive.track.iter().any(|(_, pose)| pose.translation.y > 3.3),
+            "through the other corridor"
+        );
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_drive() {
+    let course = Course::corridor().with(disc(0.0, 5.0, 0.0, 0.3));
+    let (first, second) = (course.drive(20.0), course.drive(20.0));
+    assert!(
+        first.track == second.track && first.twists == second.twists && first.paths == second.paths
+    );
+    assert!(first.track != course.seed(2).drive(20.0).track);
+}
+
+#[test]
+fn nothing_moves_before_the_path_comes() {
+    let drive = Course::corridor().drive(GO - 0.01);
+    assert!(drive.twists.is_empty() && drive.wheels.iter().all(|(_, wheels)| wheels.left == 0.0));
+}

@@ -1,0 +1,360 @@
+//! A course: walls, obstacles and a path drawn by hand; the robot's reactive layer drives it in simulated time.
+
+pub mod mission;
+
+use std::sync::{Arc, Mutex};
+
+use adapter::TrajectoryAdapter;
+use component::{
+    Activity, Component, Event, Interface, Policy, Run, Simulation, Span, System, Time, Wire,
+};
+use datum::{Datum, Message, Sample};
+use follower::TrajectoryFollower;
+use geometry::{Grid, Layout, Point, Polyline, Pose, Scene, message};
+use laser::LaserDriver;
+use messages::{OccupancyGrid, Path, PoseStamped, Twist, WheelSpeeds};
+use rover::RoverDriver;
+use world::{Obstacle, World};
+
+/// Where the robot drives.
+#[derive(Clone, Default)]
+pub struct Course {
+    /// A file of walls; none without.
+    pub floor_plan: String,
+    /// x1, y1, x2, y2 of each wall more, m.
+    pub walls: Vec<f64>,
+    /// What stands in the way, and when.
+    pub obstacles: Vec<Obstacle>,
+    /// x m, y m, yaw rad.
+    pub start: [f64; 3],
+    /// Corners of the path, m.
+    pub path: Vec<(f64, f64)>,
+    /// The map, if the adapter has one.
+    pub map: Option<OccupancyGrid>,
+    /// Of laser and world.
+    pub seed: u64,
+}
+
+/// What happened.
+#[derive(Clone, Default)]
+pub struct Drive {
+    /// s and true pose, every 20 ms.
+    pub track: Vec<(f64, Pose)>,
+    /// s, code and detail.
+    pub events: Vec<(f64, String, String)>,
+    /// s and path, as the adapter told them.
+    pub paths: Vec<(f64, Path)>,
+    /// s and command.
+    pub twists: Vec<(f64, Twist)>,
+    /// s and command.
+    pub wheels: Vec<(f64, WheelSpeeds)>,
+    /// What the adapter told last about obstacles.
+    pub obstacles: Vec<messages::Disc>,
+    /// m, the smallest distance between the robot's middle and anything.
+    pub nearest: f64,
+    /// Faults of components.
+    pub faults: Vec<String>,
+    scene: Scene,
+}
+
+/// A running course and what was seen of it.
+pub struct Running {
+    pub run: Simulation,
+    pub drive: Arc<Mutex<Drive>>,
+}
+
+/// s, when the path is given.
+pub const GO: f64 = 0.3;
+
+impl Course {
+    /// A corridor two metres wide: ten metres ahead, then five to the left.
+    pub fn corridor() -> Self {
+        let corners = [
+            [-1.0, 1.0, 9.0, 1.0],
+            [-1.0, -1.0, 11.0, -1.0],
+            [-1.0, -1.0, -1.0, 1.0],
+            [9.0, 1.0, 9.0, 6.0],
+            [11.0, -1.0, 11.0, 6.0],
+            [9.0, 6.0, 11.0, 6.0],
+        ];
+        Self {
+            walls: corners.concat(),
+            start: [0.0, 0.0, 0.3],
+            path: vec![(0.0, 0.0), (10.0, 0.0), (10.0, 5.0)],
+            seed: 1,
+            ..Self::default()
+        }
+    }
+
+    /// The office of the demo, its map known; the robot stands at the dock.
+    pub fn office() -> Self {
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../specs/navigation/maps/office.geojson");
+        let plan = map::load(&map::Disk, file, &map::Settings::default()).unwrap();
+        Self {
+            floor_plan: file.to_owned(),
+            start: [1.4, 4.7, 0.0],
+            map: Some(message::occupancy_grid(&plan.grid, 0, "map")),
+            seed: 1,
+            ..Self::default()
+        }
+    }
+
+    /// With a thing in the way.
+    pub fn with(mut self, obstacle: Obstacle) -> Self {
+        self.obstacles.push(obstacle);
+        self
+    }
+
+    /// With another seed.
+    pub fn seed(self, seed: u64) -> Self {
+        Self { seed, ..self }
+    }
+
+    /// The path as a message, stamped when it is given.
+    pub fn message(&self) -> Path {
+        let line = Polyline::new(self.path.iter().map(|(x, y)| Point::new(*x, *y)));
+        message::path(&line.resampled(0.1), nanos(GO), "map")
+    }
+
+    /// The system, started; the path waits for its time.
+    pub fn run(&self) -> Running {
+        let (system, drive) = self.system();
+        let mut run = system.simulate();
+        if let Some(map) = &self.map {
+            run.inject(Time::ZERO, "Adapter.map", map.clone()).unwrap();
+        }
+        if !self.path.is_empty() {
+            run.inject(Time::from_nanos(nanos(GO)), "Adapter.path", self.message())
+                .unwrap();
+        }
+        Running { run, drive }
+    }
+
+    /// The system with a planner and a mission to a goal.
+    pub fn mission(&self, goal: (f64, f64)) -> Running {
+        let (mut system, drive) = self.system();
+        let map = self.map.clone().unwrap();
+        let goal = message::pose_stamped(
+            &geometry::heading(Point::new(goal.0, goal.1), 0.0),
+            0,
+            "map",
+        );
+        add(&mut system, "Planner", 100, planner::TrajectoryPlanner::new);
+        let make = |interface: &mut Interface| {
+            Box::new(mission::Mission::new(interface, map.clone(), goal)) as Box<dyn Component>
+        };
+        system
+            .add("Mission", Activity::periodic(50.ms()), make)
+            .unwrap();
+        for (from, to) in [
+            ("Adapter.obstacles", "Planner.obstacles"),
+            ("Adapter.event", "Mission.event"),
+            ("Rover.odom", "Mission.odom"),
+            ("Mission.path", "Adapter.path"),
+        ] {
+            system.connect(from, to, Policy::circular(8)).unwrap();
+        }
+        system
+            .wire("Mission.planner", "Planner.planning", Wire::default())
+            .unwrap();
+        let mut run = system.simulate();
+        run.inject(Time::ZERO, "Adapter.map", map).unwrap();
+        Running { run, drive }
+    }
+
+    fn system(&self) -> (System, Arc<Mutex<Drive>>) {
+        let mut system = System::new();
+        add(&mut system, "World", 20, World::new);
+        add(&mut system, "Laser", 100, LaserDriver::new);
+        add(&mut system, "Rover", 20, RoverDriver::new);
+        add(&mut system, "Adapter", 100, TrajectoryAdapter::new);
+        add(&mut system, "Follower", 50, TrajectoryFollower::new);
+        for (component, property, value) in [
+            ("World", "floor_plan", Datum::of(&self.floor_plan).unwrap()),
+            ("World", "walls", Datum::of(&self.walls).unwrap()),
+            ("World", "obstacles", obstacles(&self.obstacles)),
+            ("World", "start", Datum::of(&self.start).unwrap()),
+            ("World", "seed", Datum::of(&self.seed).unwrap()),
+            ("Laser", "seed", Datum::of(&self.seed).unwrap()),
+            ("Laser", "dropout", Datum::of(&0.01).unwrap()),
+            ("Rover", "start", Datum::of(&self.start).unwrap()),
+        ] {
+            let id = system.id(component).unwrap();
+            system.set_property(id, property, &value).unwrap();
+        }
+        for (from, to, policy) in [
+            ("World.scene", "Laser.scene", Policy::data()),
+            ("World.truth", "Laser.truth", Policy::data()),
+            ("World.encoders", "Rover.encoders", Policy::data()),
+            ("Rover.wheels", "World.wheels", Policy::data()),
+            ("Rover.odom", "Adapter.odom", Policy::circular(16)),
+            ("Rover.odom", "Follower.odom", Policy::data()),
+            ("Laser.scan", "Adapter.scan", Policy::data()),
+            ("Adapter.adapted", "Follower.path", Policy::circular(2)),
+            ("Follower.twist", "Rover.twist", Policy::data()),
+        ] {
+            system.connect(from, to, policy).unwrap();
+        }
+        let drive = Arc::new(Mutex::new(Drive {
+            nearest: f64::INFINITY,
+            ..Drive::default()
+        }));
+        let seen = Arc::clone(&drive);
+        system.observe(move |at: Time, event: &Event<'_>| {
+            seen.lock().unwrap().see(at.seconds(), event)
+        });
+        (system, drive)
+    }
+
+    /// The map of the walls, cells of 5 cm; obstacles are not on it.
+    pub fn with_map(mut self) -> Self {
+        let layout = Layout::new(
+            0.05,
+            280,
+            180,
+            geometry::heading(Point::new(-1.5, -2.0), 0.0),
+        )
+        .unwrap();
+        let mut grid = Grid::new(layout, geometry::FREE);
+        let (walls, _) = self.walls.as_chunks::<4>();
+        for [x1, y1, x2, y2] in walls {
+            grid.stroke(
+                &[Point::new(*x1, *y1), Point::new(*x2, *y2)],
+                0.0,
+                geometry::OCCUPIED,
+            );
+        }
+        self.map = Some(message::occupancy_grid(&grid, 0, "map"));
+        self
+    }
+
+    /// The whole drive: until a second after the robot is there, at most `seconds`.
+    pub fn drive(&self, seconds: f64) -> Drive {
+        let mut running = self.run();
+        let end = Time::from_nanos(nanos(seconds));
+        let reached = |_, event: &Event<'_>| match event {
+            Event::Published {
+                component: "Follower",
+                port: "event",
+                sample,
+                ..
+            } => of::<messages::Event>(*sample).code == messages::Event::REACHED,
+            _ => false,
+        };
+        if running.run.run_until_event(end, &mut { reached }) {
+            running.run.run_for(1.s());
+        }
+        let drive = running.drive.lock().unwrap();
+        drive.clone()
+    }
+}
+
+impl Drive {
+    fn see(&mut self, at: f64, event: &Event<'_>) {
+        match event {
+            Event::Published {
+                component,
+                port,
+                sample,
+                ..
+            } => self.hear(at, component, port, *sample),
+            Event::Fault { component, fault } => self.faults.push(format!("{component}: {fault}")),
+            _ => {}
+        }
+    }
+
+    fn hear(&mut self, at: f64, component: &str, port: &str, sample: &dyn Sample) {
+        match (component, port) {
+            ("World", "truth") => {
+                let pose = message::pose(&of::<PoseStamped>(sample).pose);
+                let clearance = self
+                    .scene
+                    .clearance_within(pose.translation.vector.into(), 5.0);
+                self.nearest = self.nearest.min(clearance);
+                self.track.push((at, pose));
+            }
+            ("World", "scene") => self.scene = message::scene(&of(sample)),
+            ("Adapter", "adapted") => self.paths.push((at, of(sample))),
+            ("Adapter", "obstacles") => self.obstacles = of::<messages::Obstacles>(sample).discs,
+            ("Follower", "twist") => self.twists.push((at, of(sample))),
+            ("Rover", "wheels") => self.wheels.push((at, of(sample))),
+            (_, "event") => {
+                let event: messages::Event = of(sample);
+                self.events.push((at, event.code, event.detail));
+            }
+            _ => {}
+        }
+    }
+
+    /// The events' codes, in order.
+    pub fn codes(&self) -> Vec<&str> {
+        self.events
+            .iter()
+            .map(|(_, code, _)| code.as_str())
+            .collect()
+    }
+
+    /// Where the robot ended.
+    pub fn end(&self) -> Point {
+        let (_, pose) = self.track.last().unwrap();
+        pose.translation.vector.into()
+    }
+
+    /// When an event came.
+    pub fn at(&self, code: &str) -> f64 {
+        self.events.iter().find(|event| event.1 == code).unwrap().0
+    }
+
+    /// Where the robot was at a time.
+    pub fn place(&self, seconds: f64) -> Point {
+        let after = self.track.partition_point(|(at, _)| *at < seconds);
+        self.track[after].1.translation.vector.into()
+    }
+}
+
+/// A disc that appears at some time and stays.
+pub fn disc(at: f64, x: f64, y: f64, radius: f64) -> Obstacle {
+    Obstacle {
+        at_s: at,
+        disc: Some([x, y, radius]),
+        ..Obstacle::default()
+    }
+}
+
+/// A block that appears at some time and stays.
+pub fn block(at: f64, x: f64, y: f64, length: f64, width: f64) -> Obstacle {
+    Obstacle {
+        at_s: at,
+        block: Some([x, y, length, width, 0.0]),
+        ..Obstacle::default()
+    }
+}
+
+/// s to ns.
+pub fn nanos(seconds: f64) -> i64 {
+    (seconds * 1e9).round() as i64
+}
+
+fn obstacles(all: &[Obstacle]) -> Datum {
+    Datum::List(
+        all.iter()
+            .map(|obstacle| Datum::of(obstacle).unwrap())
+            .collect(),
+    )
+}
+
+fn of<T: Message>(sample: &dyn Sample) -> T {
+    sample.downcast_ref::<T>().unwrap().clone()
+}
+
+fn add<C: Component + 'static>(
+    system: &mut System,
+    name: &str,
+    period: u64,
+    new: fn(&mut Interface) -> C,
+) {
+    let boxed = |interface: &mut Interface| Box::new(new(interface)) as Box<dyn Component>;
+    system
+        .add(name, Activity::periodic(period.ms()), boxed)
+        .unwrap();
+}

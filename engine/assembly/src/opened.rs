@@ -1,0 +1,160 @@
+//! A composite with everything it names: read, checked in every profile, and planned.
+
+use std::collections::BTreeMap;
+
+use source::{Diagnostic, Report, Severity, Sources, Span};
+
+use crate::check;
+use crate::context::Context;
+use crate::family::Family;
+use crate::finding::Findings;
+use crate::model::Composite;
+use crate::nearest::nearest;
+use crate::plan::{self, Parts, Plan};
+use crate::scope::Notes;
+use crate::types::Types;
+
+/// A composite that was opened: its texts, what was found, and a plan for every profile in which
+/// no error was found.
+pub struct Opened {
+    /// All texts that were read; the findings point into them.
+    pub sources: Sources,
+    /// Everything that was found, by place.
+    pub report: Report,
+    /// The model of the outermost composite, as far as it could be read.
+    pub composite: Option<Composite>,
+    /// The profiles in order of their names; none where the composite has none.
+    pub profiles: Vec<String>,
+    plans: Vec<(Option<String>, Plan)>,
+}
+
+impl Opened {
+    /// The plan for a profile; for none where the composite has none. `None` where an error stands
+    /// in the way, or where there is no such profile.
+    pub fn plan(&self, profile: Option<&str>) -> Option<&Plan> {
+        let found = self.plans.iter().find(|(name, _)| name.as_deref() == profile);
+        found.map(|(_, plan)| plan)
+    }
+}
+
+/// Opens a composite: text in, a plan for every profile out, and every finding of all of them.
+pub fn open(path: &str, context: &Context<'_>) -> Opened {
+    let mut sources = Sources::new();
+    let mut report = Report::new();
+    let family = Family::read(path, context, &mut sources, &mut report);
+    let types = types(&family, context, &mut report);
+    let profiles = profiles(&family, &mut report);
+    let broken = report.has_errors();
+
+    let names: Vec<Option<&str>> = match profiles.is_empty() {
+        true => vec![None],
+        false => profiles.iter().map(|name| Some(name.as_str())).collect(),
+    };
+    let mut plans = Vec::new();
+    let mut found = Vec::new();
+    for profile in names {
+        let mut notes = Notes::default();
+        let faces = check::check(&family, &types, context.catalogue, profile, &mut notes.report);
+        let parts = Parts {
+            family: &family,
+            types: &types,
+            faces: &faces,
+            context,
+            sources: &sources,
+            profile,
+        };
+        let plan = plan::flatten(&parts, &mut notes);
+        if let Some(plan) = plan.filter(|_| !broken && !notes.report.has_errors()) {
+            plans.push((profile.map(str::to_owned), plan));
+        }
+        found.push((profile, notes.report));
+    }
+    report.extend(merge(found));
+    let composite = family.member(&family.root).map(|member| member.composite.clone());
+    Opened { sources, report: report.finish(), composite, profiles, plans }
+}
+
+/// The types each composite can name.
+fn types<'f>(
+    family: &'f Family,
+    context: &Context<'f>,
+    report: &mut Report,
+) -> BTreeMap<&'f str, Types<'f>> {
+    let mut found = Report::new();
+    let types = family.members().map(|(path, member)| {
+        let files = family.types(member);
+        (path, Types::new(files, context.catalogue, &mut found))
+    });
+    let types = types.collect();
+    // two composites may name the same file
+    report.extend(found.finish());
+    types
+}
+
+/// Every profile in which some component takes part. Whatever else names a profile names one of
+/// these.
+fn profiles(family: &Family, report: &mut Report) -> Vec<String> {
+    let components = family.composites().flat_map(|composite| &composite.components);
+    let mut known: BTreeMap<&str, Span> = BTreeMap::new();
+    for profile in components.flat_map(|component| &component.profiles) {
+        known.entry(&profile.value).or_insert(profile.span);
+    }
+    for composite in family.composites() {
+        let wires = composite.wires.iter().map(|it| &it.profiles);
+        let connections = composite.connections.iter().map(|it| &it.profiles);
+        let promotions = composite.promotions.iter().map(|it| &it.profiles);
+        for profile in wires.chain(connections).chain(promotions).flatten() {
+            if !known.contains_key(profile.value.as_str()) {
+                report.found(check::NameError::Unknown {
+                    what: "profile",
+                    name: profile.value.clone(),
+                    at: profile.span,
+                    nearest: nearest(profile, known.iter().map(|(name, at)| (*name, Some(*at)))),
+                });
+            }
+        }
+    }
+    known.into_keys().map(str::to_owned).collect()
+}
+
+/// The findings of all profiles, each once; one that some profiles do not have says which do.
+fn merge(reports: Vec<(Option<&str>, Report)>) -> Report {
+    let profiles = reports.len();
+    let mut merged: Vec<(Diagnostic, Vec<&str>)> = Vec::new();
+    let mut places: BTreeMap<(Option<Span>, &str, String), Vec<usize>> = BTreeMap::new();
+    for (profile, report) in reports {
+        for finding in report.finish().diagnostics {
+            let name = profile.unwrap_or("");
+            let place = finding.primary.as_ref().map(|label| label.span);
+            let known = places.entry((place, finding.code, finding.message.clone())).or_default();
+            let same = |index: &&usize| merged.get(**index).is_some_and(|it| it.0 == finding);
+            match known.iter().find(same).copied().and_then(|index| merged.get_mut(index)) {
+                Some((_, names)) => names.push(name),
+                None => {
+                    known.push(merged.len());
+                    merged.push((finding, vec![name]));
+                }
+            }
+        }
+    }
+    let findings = merged.into_iter().map(|(finding, mut names)| {
+        names.dedup();
+        match names.len() < profiles {
+            true => finding.note(format!("in profile `{}`", names.join("`, `"))),
+            false => finding,
+        }
+    });
+    Report { diagnostics: findings.collect() }
+}
+
+/// Counts of a report, as people say them.
+pub fn summary(report: &Report) -> String {
+    let count = |severity, one: &str| match report.count(severity) {
+        0 => format!("no {one}s"),
+        1 => format!("1 {one}"),
+        more => format!("{more} {one}s"),
+    };
+    let (errors, warnings) =
+        (count(Severity::Error, "error"), count(Severity::Warning, "warning"));
+    format!("{errors}, {warnings}")
+}

@@ -1,0 +1,125 @@
+//! A specification as a component: the binding as the coordinator wants it.
+
+use std::sync::Arc;
+
+use component::{Component, Interface};
+use coordinator::{Coordinator, Interfaces};
+use source::Loader;
+
+use super::Make;
+use crate::Value;
+use crate::binding::{Action, Argument, Binding, Effect, Monitored, PublishWhen, Receive};
+use crate::plan::{self, Asm};
+
+/// Opens the specification, and makes the component that runs it.
+pub(super) fn make(
+    component: &plan::Component,
+    asm: &Asm,
+    loader: &dyn Loader,
+    seed: u64,
+) -> Result<Make, String> {
+    let specification = asm_lang::open(&asm.path, loader).map_err(|failure| failure.to_string())?;
+    let specification = Arc::new(specification);
+    let binding = component.binding.as_ref().map(binding).unwrap_or_default();
+    let interfaces = interfaces(component);
+    Ok(Box::new(move |interface: &mut Interface| {
+        let made = Coordinator::new(specification, &binding, &interfaces, seed, interface);
+        let made = made.map_err(|error| error.to_string())?;
+        Ok(Box::new(made) as Box<dyn Component>)
+    }))
+}
+
+fn interfaces(component: &plan::Component) -> Interfaces {
+    let ports = |ports: &[plan::Port]| {
+        ports.iter().map(|port| (port.name.clone(), port.kind.clone())).collect()
+    };
+    let references = component.references.iter();
+    Interfaces {
+        inputs: ports(&component.inputs),
+        outputs: ports(&component.outputs),
+        references: references.map(|it| (it.name.clone(), it.interface.clone())).collect(),
+    }
+}
+
+fn binding(binding: &Binding) -> coordinator::Binding {
+    coordinator::Binding {
+        monitored: binding.monitored.iter().map(monitored).collect(),
+        out: binding
+            .out
+            .iter()
+            .map(|out| coordinator::Out {
+                function: out.function.clone(),
+                effect: effect(&out.effect),
+            })
+            .collect(),
+    }
+}
+
+/// A field whose text names a literal is to the coordinator a field like any other.
+fn monitored(monitored: &Monitored) -> coordinator::Monitored {
+    coordinator::Monitored {
+        function: monitored.function.clone(),
+        port: monitored.port.clone(),
+        receive: match monitored.receive {
+            Receive::Last => coordinator::Receive::Last,
+            Receive::All => coordinator::Receive::All,
+            Receive::Edge => coordinator::Receive::Edge,
+        },
+        field: monitored.field.clone().or_else(|| monitored.map.clone()),
+        none: monitored.none.as_ref().map(Value::datum),
+        stale_ms: monitored.stale_ms,
+        on_stale: monitored.on_stale.as_ref().map(Value::datum),
+    }
+}
+
+fn effect(effect: &Effect) -> coordinator::Effect {
+    match effect {
+        Effect::Publish { port, field, when } => coordinator::Effect::Publish {
+            port: port.clone(),
+            field: field.clone(),
+            when: match when {
+                PublishWhen::OnUpdate => coordinator::PublishWhen::OnUpdate,
+                PublishWhen::OnChange => coordinator::PublishWhen::OnChange,
+                PublishWhen::EveryStep => coordinator::PublishWhen::EveryStep,
+            },
+        },
+        Effect::Literals(cases) => {
+            let cases = cases.iter().map(|case| coordinator::Case {
+                literal: case.literal.clone(),
+                actions: case.actions.iter().map(action).collect(),
+            });
+            coordinator::Effect::Literals(cases.collect())
+        }
+    }
+}
+
+fn action(action: &Action) -> coordinator::Action {
+    match action {
+        Action::Publish { port, value } => {
+            coordinator::Action::Publish { port: port.clone(), value: argument(value) }
+        }
+        Action::Call(call) => coordinator::Action::Call(coordinator::Call {
+            reference: call.reference.clone(),
+            operation: call.operation.clone(),
+            with: argument(&call.with),
+            keep: call.keep.clone(),
+            event: call.event.clone(),
+            ok: call.ok.clone(),
+            failed: call.failed.clone(),
+            timeout: call.timeout.clone(),
+        }),
+    }
+}
+
+fn argument(written: &Argument) -> coordinator::Argument {
+    match written {
+        Argument::Default => coordinator::Argument::Default,
+        Argument::Kept { name, path } => {
+            coordinator::Argument::Kept { name: name.clone(), path: path.clone() }
+        }
+        Argument::Record(fields) => coordinator::Argument::Record(
+            fields.iter().map(|(name, value)| (name.clone(), argument(value))).collect(),
+        ),
+        Argument::Value(value) => coordinator::Argument::Value(value.datum()),
+    }
+}

@@ -1,0 +1,240 @@
+//! A plan becomes a system: components are made, given their properties, joined and wired.
+
+mod coordinator;
+mod workshop;
+
+use std::time::Duration;
+
+use component::declaration::Declaration;
+use component::{
+    Activity, BuildError, Component, ComponentId, Interface, Kind, OnStale, Overrun, Policy,
+    PropertyError, System, Wire,
+};
+
+use crate::model;
+use crate::plan::{self, Plan, Terminal};
+
+pub use workshop::{Make, Standard, Workshop};
+
+/// Why a plan cannot be started.
+#[derive(Debug, thiserror::Error)]
+pub enum StartError {
+    /// Something that must come from the environment is not there.
+    #[error("these environment variables are not set: {}", variables.join(", "))]
+    Missing {
+        /// The variables.
+        variables: Vec<String>,
+    },
+    /// A component could not be made.
+    #[error("`{component}` cannot be made: {reason}")]
+    NotMade {
+        /// The component.
+        component: String,
+        /// Why.
+        reason: String,
+    },
+    /// A reference has several services.
+    #[error("`{reference}` has several services, and this build can only reach one")]
+    FanOut {
+        /// The reference.
+        reference: String,
+    },
+    /// A property does not take its value.
+    #[error("`{component}`: {source}")]
+    Property {
+        /// The component.
+        component: String,
+        /// Why.
+        source: PropertyError,
+    },
+    /// The system does not go together.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+}
+
+/// How many messages wait for a subscriber between two of its cycles; the oldest go first.
+pub const SUBSCRIPTION_SIZE: usize = 64;
+
+/// Builds the system of a plan, all of it in this process: `simulate` it, or run it live. The order
+/// of components is that of the files.
+///
+/// # Errors
+/// The first thing that stands in the way.
+pub fn start(plan: &Plan, workshop: &mut dyn Workshop) -> Result<System, StartError> {
+    if !plan.missing.is_empty() {
+        return Err(StartError::Missing { variables: plan.missing.clone() });
+    }
+    let mut building = Building { plan, system: System::new() };
+    for component in &plan.components {
+        building.component(component, workshop)?;
+    }
+    for component in &plan.components {
+        building.topics(component)?;
+    }
+    for connection in &plan.connections {
+        building.connection(connection)?;
+    }
+    for wire in &plan.wires {
+        building.wire(wire)?;
+    }
+    Ok(building.system)
+}
+
+struct Building<'p> {
+    plan: &'p Plan,
+    system: System,
+}
+
+impl Building<'_> {
+    fn component(
+        &mut self,
+        component: &plan::Component,
+        workshop: &mut dyn Workshop,
+    ) -> Result<(), StartError> {
+        let not_made = |reason| StartError::NotMade { component: component.name.clone(), reason };
+        let make = workshop.make(component, self.plan).map_err(not_made)?;
+        let mut failed = None;
+        let id = self.system.add(&component.name, self.activity(component), |interface| {
+            make(interface).unwrap_or_else(|reason| {
+                failed = Some(reason);
+                Box::new(Nothing)
+            })
+        })?;
+        if let Some(reason) = failed {
+            return Err(not_made(reason));
+        }
+        for (name, value) in &component.properties.0 {
+            let set = self.system.set_property(id, name, &value.datum());
+            set.map_err(|source| StartError::Property {
+                component: component.name.clone(),
+                source,
+            })?;
+        }
+        Ok(())
+    }
+
+    fn activity(&self, component: &plan::Component) -> Activity {
+        let pace = &component.pace;
+        let period_ms = match pace.period_ms {
+            0 => self.polls(component).unwrap_or(0),
+            period_ms => period_ms,
+        };
+        Activity::periodic(Duration::from_millis(period_ms))
+            .delay(Duration::from_millis(pace.delay_ms))
+            .run_on_startup(pace.run_on_startup && component.lifecycle.autostart)
+            .may_interrupt(pace.may_interrupt_if_running)
+            .overrun(match pace.overrun {
+                model::Overrun::Skip => Overrun::Skip,
+                model::Overrun::CatchUp => Overrun::CatchUp,
+                model::Overrun::Fail => Overrun::Fail,
+            })
+    }
+
+    /// How often a component looks that has no period of its own but polls a connection.
+    fn polls(&self, component: &plan::Component) -> Option<u64> {
+        let into = |to: &Terminal| match to {
+            Terminal::Port(end) => end.component == component.name,
+            Terminal::Topic(_) => false,
+        };
+        let connections = self.plan.connections.iter().filter(|connection| {
+            connection.policy.delivery == model::Delivery::Poll && into(&connection.to)
+        });
+        connections.filter_map(|connection| connection.policy.poll_ms).min()
+    }
+
+    /// Joins the ports that are on a topic by themselves.
+    fn topics(&mut self, component: &plan::Component) -> Result<(), StartError> {
+        for port in &component.outputs {
+            if let Some(topic) = &port.topic
+                && self.has(&component.name, |declared| declared.output(&port.name).is_some())
+            {
+                self.system.publish(&format!("{}.{}", component.name, port.name), topic)?;
+            }
+        }
+        for port in &component.inputs {
+            if let Some(topic) = &port.topic
+                && self.has(&component.name, |declared| declared.input(&port.name).is_some())
+            {
+                let end = format!("{}.{}", component.name, port.name);
+                self.system.subscribe(topic, &end, Policy::circular(SUBSCRIPTION_SIZE))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a component really has something; what it does not use it need not declare.
+    fn has(&self, component: &str, what: impl Fn(&Declaration) -> bool) -> bool {
+        let id: Option<ComponentId> = self.system.id(component);
+        id.and_then(|id| self.system.declaration(id)).is_some_and(what)
+    }
+
+    fn connection(&mut self, connection: &plan::Connection) -> Result<(), StartError> {
+        let policy = policy(&connection.policy);
+        match (&connection.from, &connection.to) {
+            (Terminal::Port(from), Terminal::Port(to)) => {
+                self.system.connect(&from.to_string(), &to.to_string(), policy)?;
+            }
+            (Terminal::Port(from), Terminal::Topic(topic)) => {
+                self.system.publish(&from.to_string(), topic)?;
+            }
+            (Terminal::Topic(topic), Terminal::Port(to)) => {
+                self.system.subscribe(topic, &to.to_string(), policy)?;
+            }
+            // the checker refuses these
+            (Terminal::Topic(_), Terminal::Topic(_)) => {}
+        }
+        Ok(())
+    }
+
+    fn wire(&mut self, wire: &plan::Wire) -> Result<(), StartError> {
+        let reference = &wire.reference;
+        if !self.has(&reference.component, |declared| declared.reference(&reference.name).is_some())
+        {
+            return Ok(());
+        }
+        let [service] = wire.services.as_slice() else {
+            return Err(StartError::FanOut { reference: reference.to_string() });
+        };
+        let how = Wire {
+            timeout: Duration::from_millis(wire.timeout_ms),
+            retries: u32::try_from(wire.retry_attempts).unwrap_or(u32::MAX),
+            cancel_on_timeout: wire.cancel == model::Cancel::OnTimeout,
+            one_way: wire.oneway,
+        };
+        self.system.wire(&reference.to_string(), &service.to_string(), how)?;
+        Ok(())
+    }
+}
+
+fn policy(policy: &plan::Policy) -> Policy {
+    let size = usize::try_from(policy.size).unwrap_or(usize::MAX);
+    Policy {
+        kind: match policy.kind {
+            model::Flow::Data => Kind::Data,
+            model::Flow::Buffer => Kind::Buffer(size),
+            model::Flow::Circular => Kind::Circular(size),
+        },
+        max_age: policy.max_age_ms.map(Duration::from_millis),
+        on_stale: match policy.on_stale {
+            model::OnStale::Hold => OnStale::Keep,
+            model::OnStale::Zero => OnStale::Zero,
+            model::OnStale::NoData => OnStale::Forget,
+        },
+        mandatory: policy.mandatory,
+        trigger: policy.delivery == model::Delivery::Event,
+    }
+}
+
+/// Stands in for a component that could not be made, until that is reported.
+struct Nothing;
+
+impl Component for Nothing {
+    fn update(&mut self, _: &mut component::Cycle<'_>) -> Result<(), component::Fault> {
+        Ok(())
+    }
+}
+
+/// Makes a component of this build.
+fn of_build(constructor: crate::Constructor) -> Make {
+    Box::new(move |interface: &mut Interface| Ok(constructor(interface)))
+}

@@ -1,0 +1,56 @@
+//! Where components come from.
+
+use component::{Component, Interface};
+use source::Loader;
+
+use super::{coordinator, of_build};
+use crate::catalogue::Catalogue;
+use crate::plan::{self, Implementation, Plan};
+
+/// Makes a component: declares it on the interface, or says why that cannot be.
+pub type Make = Box<dyn FnOnce(&mut Interface) -> Result<Box<dyn Component>, String>>;
+
+/// Makes the components of a plan.
+pub trait Workshop {
+    /// What makes a component.
+    ///
+    /// # Errors
+    /// Why it cannot be made here.
+    fn make(&mut self, component: &plan::Component, plan: &Plan) -> Result<Make, String>;
+}
+
+/// The usual workshop: components of the build from the catalogue, specifications run by the
+/// coordinator, built-ins by whoever knows them.
+pub struct Standard<'a> {
+    /// The components of the build.
+    pub catalogue: &'a dyn Catalogue,
+    /// Where specifications come from.
+    pub loader: &'a dyn Loader,
+    /// The seed of all choices; two coordinators choose differently all the same.
+    pub seed: u64,
+    /// Makes the built-ins.
+    pub builtins: &'a mut dyn FnMut(&plan::Component, &Plan) -> Option<Make>,
+}
+
+impl Workshop for Standard<'_> {
+    fn make(&mut self, component: &plan::Component, plan: &Plan) -> Result<Make, String> {
+        match &component.implementation {
+            Implementation::Rust(name) => {
+                let constructor = self.catalogue.constructor(name);
+                constructor.map(of_build).ok_or(format!("`{name}` is not in this build"))
+            }
+            Implementation::Asm(asm) => {
+                let position = plan.components.iter().position(|it| it.name == component.name);
+                let seed = self.seed.wrapping_add(position.unwrap_or(0) as u64);
+                coordinator::make(component, asm, self.loader, seed)
+            }
+            Implementation::Builtin(settings) => (self.builtins)(component, plan)
+                .ok_or(format!("the built-in `{}` is not in this build", settings.kind)),
+            Implementation::Process(_) => Err("other programs cannot be started yet".to_owned()),
+            Implementation::Ros(_) => Err("ROS nodes cannot be started yet".to_owned()),
+            Implementation::Orocos(_) => {
+                Err("components of Orocos cannot be joined yet".to_owned())
+            }
+        }
+    }
+}

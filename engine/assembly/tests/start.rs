@@ -1,0 +1,339 @@
+//! From a composite to a running system, in simulated time.
+#![allow(missing_docs, reason = "tests")]
+
+mod support;
+
+use asm_lang::Files;
+use assembly::{
+    AsmFiles, Constructor, Context, Opened, Standard, StartError, Tables, binding, plan,
+};
+use component::declaration::OperationDeclaration;
+use component::{
+    Component, Cycle, Fault, In, Interface, Log, Operation, Out, Property, Provided, Run, Span,
+    System,
+};
+use datum::{Message, Schema};
+use support::Variables;
+
+datum::message! {
+    /// Something happened.
+    pub struct Event = "test/Event" {
+        /// What.
+        pub code: String,
+        /// Where, why.
+        pub detail: String,
+    }
+
+    /// A number.
+    #[derive(Copy)]
+    pub struct Number = "test/Number" {
+        /// The number.
+        pub n: i64,
+    }
+}
+
+struct Double;
+
+impl Operation for Double {
+    type Request = Number;
+    type Response = Number;
+    const INTERFACE: &'static str = "test/Arithmetic";
+    const NAME: &'static str = "double";
+}
+
+/// Publishes GO in its third cycle.
+struct Starter {
+    event: Out<Event>,
+    code: Property<String>,
+    cycles: u32,
+}
+
+impl Component for Starter {
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        self.cycles += 1;
+        if self.cycles == 3 {
+            let code = cycle.property(self.code).clone();
+            cycle.write(self.event, Event { code, detail: String::new() });
+        }
+        Ok(())
+    }
+}
+
+/// Doubles.
+struct Doubler {
+    double: Provided<Double>,
+}
+
+impl Component for Doubler {
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        for request in cycle.requests(self.double) {
+            let n = request.argument.n * 2;
+            cycle.reply(self.double, request.id, Ok(Number { n }));
+        }
+        Ok(())
+    }
+}
+
+/// Passes numbers on.
+struct Echo {
+    input: In<Number>,
+    output: Out<Number>,
+}
+
+impl Component for Echo {
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        for number in cycle.all(self.input).to_vec() {
+            cycle.write(self.output, number);
+        }
+        Ok(())
+    }
+}
+
+const COMPONENTS: &[(&str, Constructor)] = &[
+    ("test::Starter", |interface: &mut Interface| {
+        Box::new(Starter {
+            event: interface.output("event", "GO"),
+            code: interface.property("code", "GO".to_owned(), "what is said"),
+            cycles: 0,
+        })
+    }),
+    ("test::Doubler", |interface: &mut Interface| {
+        Box::new(Doubler { double: interface.serve("sums", "doubles") })
+    }),
+    ("test::Echo", |interface: &mut Interface| {
+        let input = interface.input("number", "in");
+        Box::new(Echo { input, output: interface.output("number", "out") })
+    }),
+];
+
+fn double() -> Vec<OperationDeclaration> {
+    vec![OperationDeclaration {
+        name: Double::NAME.to_owned(),
+        request: Number::schema().clone(),
+        response: Number::schema().clone(),
+    }]
+}
+
+const BUILD: Tables = Tables {
+    components: COMPONENTS,
+    messages: &[
+        (Event::NAME, Event::schema as fn() -> &'static Schema),
+        (Number::NAME, Number::schema as fn() -> &'static Schema),
+    ],
+    interfaces: &[(Double::INTERFACE, double)],
+    builtins: &[],
+};
+
+const SPECIFICATION: &str = "asm brain
+import StandardLibrary
+signature:
+	enum domain Action = {NOACT | ASK | TELL}
+	enum domain Ev = {NOEV | GO | ANSWER | FAILED}
+	monitored ev: Ev
+	out command: Action
+definitions:
+	main rule r_Main =
+		par
+			if ev = GO then command := ASK endif
+			if ev = ANSWER then command := TELL endif
+		endpar
+default init s0:
+	function command = NOACT
+";
+
+const COMPOSITE: &str = r#"
+schema = "composite/1"
+[composite]
+name = "test"
+
+[properties]
+n = { type = "i64", default = 21, min = 0, max = 100 }
+
+[components.Starter]
+implementation = { rust = "test::Starter" }
+task = { period_ms = 10 }
+publish = { event = "test/Event" }
+properties = { code = "GO" }
+
+[components.Brain]
+implementation = { asm = "brain.asm", main = "r_Main" }
+task = { period_ms = 10 }
+subscribe = { event = "test/Event" }
+publish = { answer = "test/Number" }
+references = { sums = "test/Arithmetic" }
+bind.monitored = { ev = { topic = "event", receive = "all", map = "code", none = "NOEV" } }
+
+[components.Brain.bind.out.command]
+ASK = { call = "sums.double", with = { n = "${properties.n}" }, keep = "twice", ok = "ANSWER", failed = "FAILED", event = "ev" }
+TELL = { publish = "answer", value = "@twice" }
+
+[components.Nested]
+implementation = { composite = "nested.toml" }
+
+[[wires]]
+reference = "Brain.sums"
+service = "Nested.sums"
+timeout_ms = 100
+
+[[connections]]
+from = "topic:answer"
+to = "Nested.number"
+policy = { type = "buffer", size = 4 }
+"#;
+
+const NESTED: &str = r#"
+schema = "composite/1"
+[composite]
+name = "nested"
+
+[components.Doubler]
+implementation = { rust = "test::Doubler" }
+
+[components.Echo]
+implementation = { rust = "test::Echo" }
+ports.in = { number = "test/Number" }
+publish = { number = "test/Number" }
+rename = { number = "echo" }
+
+[[promote]]
+service = "Doubler.sums"
+as = "sums"
+
+[[promote]]
+port = "Echo.number"
+as = "number"
+"#;
+
+fn files(composite: &str) -> Files {
+    let mut files = Files::new();
+    files.add("main.toml", composite);
+    files.add("nested.toml", NESTED);
+    files.add("brain.asm", SPECIFICATION);
+    files
+}
+
+fn open(files: &Files, settings: &[(String, String)]) -> Opened {
+    let specifications = AsmFiles::new(files);
+    let context = Context {
+        loader: files,
+        environment: &Variables,
+        catalogue: &BUILD,
+        specifications: &specifications,
+        settings,
+    };
+    let opened = assembly::open("main.toml", &context);
+    assert!(
+        !opened.report.has_errors(),
+        "{}",
+        support::render::report(&opened.sources, &opened.report)
+    );
+    opened
+}
+
+fn start(files: &Files, plan: &plan::Plan) -> Result<System, StartError> {
+    let mut workshop =
+        Standard { catalogue: &BUILD, loader: files, seed: 1, builtins: &mut |_, _| None };
+    assembly::start(plan, &mut workshop)
+}
+
+/// What the innermost component says in the end.
+fn echoes(composite: &str, settings: &[(String, String)]) -> Vec<i64> {
+    let files = files(composite);
+    let opened = open(&files, settings);
+    assert_eq!(opened.report.diagnostics, [], "no warnings either");
+    let mut system = start(&files, opened.plan(None).expect("a plan")).expect("a system");
+    let log = Log::new();
+    system.observe(log.clone());
+    system.simulate().run_for(1.s());
+    log.samples::<Number>("Nested/Echo.number").into_iter().map(|(_, number)| number.n).collect()
+}
+
+#[test]
+fn it_runs_from_an_event_over_a_call_to_a_message_in_a_nested_composite() {
+    assert_eq!(echoes(COMPOSITE, &[]), [42]);
+}
+
+#[test]
+fn it_takes_properties_from_outside() {
+    assert_eq!(echoes(COMPOSITE, &[("n".to_owned(), "50".to_owned())]), [100]);
+}
+
+#[test]
+fn it_puts_properties_into_components() {
+    let composite = COMPOSITE.replace("code = \"GO\"", "code = \"NOEV\"");
+    assert_eq!(echoes(&composite, &[]), [0; 0]);
+}
+
+#[test]
+fn it_runs_the_same_way_each_time() {
+    let run = || {
+        let files = files(COMPOSITE);
+        let opened = open(&files, &[]);
+        let mut system = start(&files, opened.plan(None).expect("a plan")).expect("a system");
+        let log = Log::new();
+        system.observe(log.clone());
+        system.simulate().run_for(200.ms());
+        log.lines()
+    };
+    assert_eq!(run(), run());
+}
+
+#[test]
+fn it_refuses_to_start_without_its_variables() {
+    let composite = COMPOSITE.replace("code = \"GO\"", "code = \"${ROBOT_CODE}\"");
+    let files = files(&composite);
+    let opened = open(&files, &[]);
+    let error = start(&files, opened.plan(None).expect("a plan")).map(|_| ()).unwrap_err();
+    assert_eq!(error.to_string(), "these environment variables are not set: ROBOT_CODE");
+}
+
+#[test]
+fn it_refuses_to_start_what_is_not_in_the_build() {
+    let composite = COMPOSITE.replace("rust = \"test::Starter\"", "process = \"starter\"");
+    let files = files(&composite);
+    let opened = open(&files, &[]);
+    let error = start(&files, opened.plan(None).expect("a plan")).map(|_| ()).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "`Starter` cannot be made: other programs cannot be started yet"
+    );
+}
+
+#[test]
+fn it_puts_the_binding_into_the_plan_without_places_and_substitutions() {
+    let files = files(COMPOSITE);
+    let opened = open(&files, &[]);
+    let plan = opened.plan(None).expect("a plan");
+    let brain = plan.component("Brain").expect("the brain");
+    let bound = brain.binding.as_ref().expect("a binding");
+    let binding::Effect::Literals(cases) = &bound.out[0].effect else {
+        panic!("literals");
+    };
+    let binding::Action::Call(call) = &cases[0].actions[0] else {
+        panic!("a call");
+    };
+    let n = binding::Argument::Value(assembly::Value::Integer(21));
+    assert_eq!(call.with, binding::Argument::Record(vec![("n".to_owned(), n)]));
+    assert_eq!(plan.start_order, ["Nested/Doubler", "Starter", "Brain", "Nested/Echo"]);
+}
+
+#[test]
+fn it_keeps_secrets_out_of_everything_that_is_shown() {
+    let broker = "[brokers.main]\nurl = \"amqp://${ROBOT_USER}:${ROBOT_PASSWORD_FILE}@h:5672\"\n";
+    let secret = "s = { type = \"secret\", default = \"geheim\" }\n";
+    let composite = format!("{broker}{COMPOSITE}").replace("[brokers", "\n[brokers");
+    let composite = composite.replacen("schema = \"composite/1\"\n", "", 1);
+    let composite = format!("schema = \"composite/1\"\n{composite}")
+        .replace("[properties]\n", &format!("[properties]\n{secret}"))
+        .replace("code = \"GO\"", "code = \"${properties.s}\"");
+    let files = files(&composite);
+    let opened = open(&files, &[]);
+    let plan = opened.plan(None).expect("a plan");
+    let shown = format!("{plan:?}{}", plan.to_toml().expect("TOML"));
+    let json = serde_json::to_string(plan).expect("JSON");
+    assert!(!shown.contains("geheim") && !json.contains("geheim"), "{shown}");
+    let url = plan.brokers[0].url.as_ref().expect("an address");
+    assert_eq!(url.reveal(), "amqp://robot:geheim@h:5672");
+    assert_eq!(url.shown(), "amqp://robot:***@h:5672");
+    assert!(start(&files, plan).is_ok());
+}

@@ -1,0 +1,40 @@
+//! Files of one folder, by paths relative to it.
+
+use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
+
+use source::{LoadError, Loader};
+
+/// Files of one folder.
+pub struct Files {
+    folder: PathBuf,
+}
+
+impl Files {
+    pub fn new(folder: &str) -> Self {
+        Self { folder: PathBuf::from(folder) }
+    }
+}
+
+impl Loader for Files {
+    fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
+        let text = std::fs::read_to_string(self.folder.join(path));
+        text.map(Arc::from)
+            .map_err(|error| LoadError { path: path.to_owned(), reason: error.kind().to_string() })
+    }
+
+    fn resolve(&self, from: &str, import: &str) -> Option<String> {
+        let path = Path::new(from).parent()?.join(import);
+        let mut plain = PathBuf::new();
+        for part in path.components() {
+            match part {
+                Component::ParentDir => {
+                    plain.pop();
+                }
+                Component::CurDir => {}
+                part => plain.push(part),
+            }
+        }
+        self.folder.join(&plain).is_file().then(|| plain.to_string_lossy().into_owned())
+    }
+}

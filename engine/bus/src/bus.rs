@@ -1,0 +1,92 @@
+//! The seam: what a bus does, whichever carries it.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use crate::{Bell, Pattern, Payload, Pending, Queue, Serving, Subscription};
+
+/// A bus: topics and addresses shared by processes.
+///
+/// Between one publisher and one subscription messages keep their order; a subscription sees what was published after
+/// it began. Publishing never waits for a subscriber.
+pub trait Bus: Send + Sync {
+    /// A publisher of one topic. Types are compared where messages are read; a topic should have one.
+    fn publisher(
+        &self,
+        topic: &str,
+        origin: &Origin,
+        type_name: &str,
+    ) -> Result<Box<dyn Publisher>, BusError>;
+
+    /// All messages of the topics that match a pattern, from now on. The bell is rung for each.
+    fn subscribe(
+        &self,
+        pattern: &Pattern,
+        queue: Queue,
+        bell: Arc<Bell>,
+    ) -> Result<Subscription, BusError>;
+
+    /// Serves requests at an address; one server at a time. At most `size` requests wait.
+    fn serve(&self, address: &str, size: usize, bell: Arc<Bell>) -> Result<Serving, BusError>;
+
+    /// Sends a request to an address. It ends with an answer, or with a [`CallFailure`](crate::CallFailure): at once
+    /// if nobody serves there, else at the deadline.
+    fn call(
+        &self,
+        address: &str,
+        origin: &Origin,
+        argument: Payload,
+        timeout: Duration,
+        bell: Arc<Bell>,
+    ) -> Result<Pending, BusError>;
+}
+
+/// Who publishes or calls.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Origin {
+    /// The component.
+    pub source: Arc<str>,
+    /// Which life of its process: grows with every restart.
+    pub incarnation: u64,
+}
+
+impl Origin {
+    /// A component in a life of its process.
+    pub fn new(source: impl Into<Arc<str>>, incarnation: u64) -> Self {
+        Self {
+            source: source.into(),
+            incarnation,
+        }
+    }
+}
+
+/// Publishes on one topic; numbers its messages from 1.
+pub trait Publisher: Send {
+    /// Publishes a message, sent at `stamp` nanoseconds of the sender's clock. Never waits.
+    fn publish(&mut self, stamp: i64, payload: Payload) -> Result<(), BusError>;
+}
+
+/// Why a bus cannot do what is asked.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum BusError {
+    /// Somebody else serves there.
+    #[error("`{address}` is served already")]
+    Served {
+        /// The address.
+        address: String,
+    },
+    /// The transport is not there; what was published meanwhile is lost and counted.
+    #[error("no connection: {reason}")]
+    Disconnected {
+        /// Why.
+        reason: String,
+    },
+    /// A name that the transport cannot carry.
+    #[error("`{name}` cannot name a topic or an address: {reason}")]
+    BadName {
+        /// The name.
+        name: String,
+        /// Why.
+        reason: String,
+    },
+}

@@ -1,0 +1,400 @@
+//! The cases of the contract.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use datum::{Codec, Datum};
+
+use crate::{
+    Bell, Bus, BusError, CallFailure, Envelope, Origin, Overflow, Pattern, Payload, Pending,
+    Publisher, Queue, Refusal, Serving, Subscription,
+};
+
+/// A case: a bus and a name of its own in; what went wrong out.
+pub(super) type Case = fn(&dyn Bus, &str) -> Result<(), String>;
+
+pub(super) const CASES: &[(&str, Case)] = &[
+    ("delivers what is published", delivers),
+    ("keeps the order of a publisher", keeps_order),
+    ("numbers messages without gaps", numbers),
+    ("carries what is known of a message", carries_facts),
+    ("carries data exactly", carries_exactly),
+    ("gives every subscriber every message", fans_out),
+    ("joins all publishers of a topic", joins_publishers),
+    ("matches patterns", matches_patterns),
+    ("keeps the latest", keeps_latest),
+    ("drops the oldest and counts", drops_oldest),
+    ("drops the newest and counts", drops_newest),
+    ("has no past", has_no_past),
+    ("forgets who leaves", forgets),
+    ("is not stalled by one who does not read", never_stalls),
+    ("answers a request", answers),
+    ("passes a refusal on", refuses),
+    ("ends a call at its deadline", times_out),
+    ("knows when nobody serves", unavailable),
+    ("tells callers when a server leaves", server_leaves),
+    (
+        "tells the caller when a request is dropped",
+        request_dropped,
+    ),
+    ("has one server at an address", one_server),
+    ("bounds the requests that wait", bounds_requests),
+    ("drops requests that nobody waits for", drops_expired),
+];
+
+/// Long enough for a message to cross any bus.
+const CROSSING: Duration = Duration::from_secs(5);
+/// Long enough to believe that nothing comes.
+const SILENCE: Duration = Duration::from_millis(200);
+const EVERY: Queue = Queue::All {
+    size: 1000,
+    overflow: Overflow::DropOldest,
+};
+
+/// A name of its own below another.
+fn below(name: &str, word: &str) -> String {
+    format!("{name}.{word}")
+}
+
+fn origin() -> Origin {
+    Origin::new("contract", 7)
+}
+
+fn publisher(bus: &dyn Bus, topic: &str) -> Result<Box<dyn Publisher>, String> {
+    bus.publisher(topic, &origin(), "test/Number").map_err(said)
+}
+
+fn subscribe(bus: &dyn Bus, pattern: &str, queue: Queue) -> Result<Subscription, String> {
+    bus.subscribe(&Pattern::new(pattern), queue, Arc::new(Bell::new()))
+        .map_err(said)
+}
+
+fn said(error: BusError) -> String {
+    error.to_string()
+}
+
+fn send(
+    publisher: &mut dyn Publisher,
+    numbers: impl IntoIterator<Item = i64>,
+) -> Result<(), String> {
+    numbers.into_iter().try_for_each(|n| {
+        publisher
+            .publish(n, Payload::of(Datum::Int(n)))
+            .map_err(said)
+    })
+}
+
+fn next(subscription: &Subscription) -> Result<Envelope, String> {
+    let next = subscription.next_within(CROSSING);
+    next.ok_or_else(|| "a message did not come".to_owned())
+}
+
+/// So many messages, and then silence.
+fn receive(subscription: &Subscription, count: usize) -> Result<Vec<i64>, String> {
+    let mut numbers = Vec::new();
+    for _ in 0..count {
+        let datum = next(subscription)?.payload.to_datum();
+        let datum = datum.map_err(|error| error.to_string())?;
+        numbers.push(datum.as_int().ok_or("another payload than the one sent")?);
+    }
+    silent(subscription)?;
+    Ok(numbers)
+}
+
+fn silent(subscription: &Subscription) -> Result<(), String> {
+    match subscription.next_within(SILENCE) {
+        None => Ok(()),
+        Some(envelope) => Err(format!("a message too many: {envelope:?}")),
+    }
+}
+
+fn expect<T: PartialEq + std::fmt::Debug>(found: T, wanted: T) -> Result<(), String> {
+    if found == wanted {
+        return Ok(());
+    }
+    Err(format!("{found:?} instead of {wanted:?}"))
+}
+
+fn delivers(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let subscription = subscribe(bus, name, EVERY)?;
+    send(&mut *publisher(bus, name)?, [1])?;
+    expect(receive(&subscription, 1)?, vec![1])
+}
+
+fn keeps_order(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let subscription = subscribe(bus, name, EVERY)?;
+    send(&mut *publisher(bus, name)?, 0..500)?;
+    expect(receive(&subscription, 500)?, (0..500).collect())
+}
+
+fn numbers(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let subscription = subscribe(bus, name, EVERY)?;
+    send(&mut *publisher(bus, name)?, 0..20)?;
+    for wanted in 1..=20 {
+        expect(next(&subscription)?.sequence, wanted)?;
+    }
+    Ok(())
+}
+
+fn carries_facts(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let subscription = subscribe(bus, name, EVERY)?;
+    send(&mut *publisher(bus, name)?, [42])?;
+    let envelope = next(&subscription)?;
+    expect(&*envelope.topic, name)?;
+    expect(&*envelope.source, "contract")?;
+    expect(envelope.incarnation, 7)?;
+    expect(envelope.stamp, 42)?;
+    expect(&*envelope.type_name, "test/Number")
+}
+
+fn carries_exactly(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let subscription = subscribe(bus, name, EVERY)?;
+    let sent = Datum::record([
+        ("tenth", Datum::Float(0.1)),
+        ("tiny", Datum::Float(5e-324)),
+        ("never", Datum::Float(f64::INFINITY)),
+        ("words", Datum::text("grün")),
+        ("bytes", Datum::Bytes(Arc::from([0, 255]))),
+        ("many", Datum::List((0..1000).map(Datum::Int).collect())),
+    ]);
+    let bytes = Codec::Cbor
+        .encode(&sent)
+        .map_err(|error| error.to_string())?;
+    let payloads = [
+        Payload::of(sent.clone()),
+        Payload::Bytes {
+            codec: Codec::Cbor,
+            bytes: bytes.into(),
+        },
+    ];
+    let mut publisher = publisher(bus, name)?;
+    for payload in payloads {
+        publisher.publish(0, payload).map_err(said)?;
+        let came = next(&subscription)?.payload.to_datum();
+        expect(came.map_err(|error| error.to_string())?, sent.clone())?;
+    }
+    Ok(())
+}
+
+fn fans_out(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let one = subscribe(bus, name, EVERY)?;
+    let other = subscribe(bus, name, EVERY)?;
+    send(&mut *publisher(bus, name)?, 0..10)?;
+    expect(receive(&one, 10)?, (0..10).collect())?;
+    expect(receive(&other, 10)?, (0..10).collect())
+}
+
+fn joins_publishers(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let subscription = subscribe(bus, name, EVERY)?;
+    let (mut one, mut other) = (publisher(bus, name)?, publisher(bus, name)?);
+    send(&mut *one, [1])?;
+    send(&mut *other, [2])?;
+    let mut both = receive(&subscription, 2)?;
+    both.sort_unstable();
+    expect(both, vec![1, 2])
+}
+
+fn matches_patterns(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let all = subscribe(bus, &below(name, "#"), EVERY)?;
+    let one = subscribe(bus, &below(name, "*"), EVERY)?;
+    let odom = subscribe(bus, &below(name, "*.odom"), EVERY)?;
+    for (n, word) in [(1, "a"), (2, "a.odom"), (3, "b.odom"), (4, "b.odom.raw")] {
+        send(&mut *publisher(bus, &below(name, word))?, [n])?;
+    }
+    let sorted = |subscription, count| {
+        let mut numbers = receive(subscription, count)?;
+        numbers.sort_unstable();
+        Ok::<_, String>(numbers)
+    };
+    expect(sorted(&all, 4)?, vec![1, 2, 3, 4])?;
+    expect(sorted(&one, 1)?, vec![1])?;
+    expect(sorted(&odom, 2)?, vec![2, 3])
+}
+
+/// Sends to a subscription that is not read, and waits until all has arrived at another that is.
+fn fill(bus: &dyn Bus, name: &str, queue: Queue, count: i64) -> Result<Subscription, String> {
+    let subscription = subscribe(bus, name, queue)?;
+    let witness = subscribe(bus, name, EVERY)?;
+    send(&mut *publisher(bus, name)?, 0..count)?;
+    for _ in 0..count {
+        next(&witness)?;
+    }
+    std::thread::sleep(SILENCE);
+    Ok(subscription)
+}
+
+fn keeps_latest(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let subscription = fill(bus, name, Queue::Latest, 10)?;
+    expect(receive(&subscription, 1)?, vec![9])?;
+    expect(subscription.dropped(), 0)
+}
+
+fn drops_oldest(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let queue = Queue::All {
+        size: 3,
+        overflow: Overflow::DropOldest,
+    };
+    let subscription = fill(bus, name, queue, 10)?;
+    expect(receive(&subscription, 3)?, vec![7, 8, 9])?;
+    expect(subscription.dropped(), 7)
+}
+
+fn drops_newest(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let queue = Queue::All {
+        size: 3,
+        overflow: Overflow::DropNewest,
+    };
+    let subscription = fill(bus, name, queue, 10)?;
+    expect(receive(&subscription, 3)?, vec![0, 1, 2])?;
+    expect(subscription.dropped(), 7)
+}
+
+fn has_no_past(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let mut publisher = publisher(bus, name)?;
+    send(&mut *publisher, [1])?;
+    std::thread::sleep(SILENCE);
+    let subscription = subscribe(bus, name, EVERY)?;
+    send(&mut *publisher, [2])?;
+    expect(receive(&subscription, 1)?, vec![2])
+}
+
+fn forgets(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let (stays, leaves) = (subscribe(bus, name, EVERY)?, subscribe(bus, name, EVERY)?);
+    let mut publisher = publisher(bus, name)?;
+    send(&mut *publisher, [1])?;
+    expect(receive(&leaves, 1)?, vec![1])?;
+    drop(leaves);
+    send(&mut *publisher, [2])?;
+    expect(receive(&stays, 2)?, vec![1, 2])
+}
+
+fn never_stalls(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let small = Queue::All {
+        size: 1,
+        overflow: Overflow::DropNewest,
+    };
+    let _never_read = subscribe(bus, name, small)?;
+    keeps_order(bus, name)
+}
+
+fn serve(bus: &dyn Bus, address: &str, size: usize) -> Result<Serving, String> {
+    (bus.serve(address, size, Arc::new(Bell::new()))).map_err(said)
+}
+
+fn call(bus: &dyn Bus, address: &str, n: i64, timeout: Duration) -> Result<Pending, String> {
+    let argument = Payload::of(Datum::Int(n));
+    bus.call(address, &origin(), argument, timeout, Arc::new(Bell::new()))
+        .map_err(said)
+}
+
+/// The end of a call, as something to compare.
+fn end(pending: Pending) -> Result<Option<i64>, CallFailure> {
+    let payload = pending.wait()?;
+    Ok(payload.to_datum().ok().and_then(|datum| datum.as_int()))
+}
+
+fn next_call(serving: &Serving) -> Result<crate::Call, String> {
+    let next = serving.next_within(CROSSING);
+    next.ok_or_else(|| "a request did not come".to_owned())
+}
+
+fn answers(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let serving = serve(bus, name, 8)?;
+    let (one, other) = (call(bus, name, 1, CROSSING)?, call(bus, name, 2, CROSSING)?);
+    for _ in 0..2 {
+        let call = next_call(&serving)?;
+        expect(&*call.origin.source, "contract")?;
+        let asked = call
+            .argument
+            .to_datum()
+            .ok()
+            .and_then(|datum| datum.as_int());
+        call.reply(Ok(Payload::of(Datum::Int(asked.unwrap_or(0) * 10))));
+    }
+    // Each gets its own answer, whichever is read first.
+    expect(end(other), Ok(Some(20)))?;
+    expect(end(one), Ok(Some(10)))
+}
+
+fn refuses(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let serving = serve(bus, name, 8)?;
+    let pending = call(bus, name, 1, CROSSING)?;
+    let refusal = Refusal {
+        code: "NO_PATH".to_owned(),
+        detail: "walls all around".to_owned(),
+    };
+    next_call(&serving)?.reply(Err(refusal.clone()));
+    expect(end(pending), Err(CallFailure::Refused(refusal)))
+}
+
+fn times_out(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let serving = serve(bus, name, 8)?;
+    let begun = Instant::now();
+    let pending = call(bus, name, 1, SILENCE)?;
+    let unanswered = next_call(&serving)?;
+    expect(end(pending), Err(CallFailure::Timeout))?;
+    let waited = begun.elapsed();
+    unanswered.reply(Ok(Payload::of(Datum::Null)));
+    if waited < SILENCE || waited > SILENCE + CROSSING {
+        return Err(format!("the deadline of {SILENCE:?} came after {waited:?}"));
+    }
+    Ok(())
+}
+
+fn unavailable(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let pending = call(bus, name, 1, 2 * CROSSING)?;
+    let begun = Instant::now();
+    expect(end(pending), Err(CallFailure::Unavailable))?;
+    if begun.elapsed() > CROSSING {
+        return Err("it took as long as a deadline".to_owned());
+    }
+    Ok(())
+}
+
+fn server_leaves(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let serving = serve(bus, name, 8)?;
+    let pending = call(bus, name, 1, CROSSING)?;
+    std::thread::sleep(SILENCE);
+    drop(serving);
+    expect(end(pending), Err(CallFailure::Unavailable))?;
+    // The address is free again.
+    serve(bus, name, 8).map(drop)
+}
+
+fn request_dropped(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let serving = serve(bus, name, 8)?;
+    let pending = call(bus, name, 1, 2 * CROSSING)?;
+    drop(next_call(&serving)?);
+    expect(end(pending), Err(CallFailure::Unavailable))
+}
+
+fn one_server(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let _first = serve(bus, name, 8)?;
+    let second = bus.serve(name, 8, Arc::new(Bell::new()));
+    let address = name.to_owned();
+    expect(second.err(), Some(BusError::Served { address }))
+}
+
+fn bounds_requests(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let serving = serve(bus, name, 2)?;
+    let calls: Result<Vec<_>, _> = (0..3).map(|n| call(bus, name, n, CROSSING)).collect();
+    let mut calls = calls?;
+    std::thread::sleep(SILENCE);
+    let third = calls.pop().ok_or("no third call")?;
+    expect(end(third), Err(CallFailure::Unavailable))?;
+    for pending in calls {
+        next_call(&serving)?.reply(Ok(Payload::of(Datum::Int(1))));
+        expect(end(pending), Ok(Some(1)))?;
+    }
+    Ok(())
+}
+
+fn drops_expired(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let serving = serve(bus, name, 8)?;
+    let pending = call(bus, name, 1, SILENCE)?;
+    expect(end(pending), Err(CallFailure::Timeout))?;
+    match serving.next_within(SILENCE) {
+        None => Ok(()),
+        Some(call) => Err(format!("an expired request was handed out: {call:?}")),
+    }
+}

@@ -1,0 +1,84 @@
+//! Envelopes: a payload and what is known about it.
+
+use std::fmt;
+use std::sync::Arc;
+
+use datum::{Codec, Datum, DatumError, Message, Sample};
+
+/// A message on a topic.
+#[derive(Debug, Clone)]
+pub struct Envelope {
+    /// The topic it was published on: words with dots between, `rover1.odom`.
+    pub topic: Arc<str>,
+    /// The component that published it.
+    pub source: Arc<str>,
+    /// Which life of the source's process: grows with every restart.
+    pub incarnation: u64,
+    /// Its number among all messages of this publisher, from 1, without gaps: a gap is a loss.
+    pub sequence: u64,
+    /// When it was sent: nanoseconds of the sender's clock.
+    pub stamp: i64,
+    /// The payload's message type, `geometry_msgs/Twist`; empty if unknown.
+    pub type_name: Arc<str>,
+    /// What it says.
+    pub payload: Payload,
+}
+
+/// A message's content: the sample itself while it stays in the process, bytes when it comes from outside.
+#[derive(Clone)]
+pub enum Payload {
+    /// The sample, shared. It is encoded only when a transport needs bytes.
+    Sample(Arc<dyn Sample>),
+    /// Encoded.
+    Bytes {
+        /// How.
+        codec: Codec,
+        /// The bytes.
+        bytes: Arc<[u8]>,
+    },
+}
+
+impl Payload {
+    /// The payload of a message.
+    pub fn of<T: Message>(message: T) -> Self {
+        Self::Sample(Arc::new(message))
+    }
+
+    /// The content as data.
+    pub fn to_datum(&self) -> Result<Datum, DatumError> {
+        match self {
+            Self::Sample(sample) => sample.to_datum(),
+            Self::Bytes { codec, bytes } => codec.decode(bytes),
+        }
+    }
+
+    /// The content as a message.
+    pub fn read<T: Message>(&self) -> Result<T, DatumError> {
+        self.to_sample()?.read()
+    }
+
+    /// The content as a sample: itself, or a datum.
+    pub fn to_sample(&self) -> Result<Arc<dyn Sample>, DatumError> {
+        match self {
+            Self::Sample(sample) => Ok(Arc::clone(sample)),
+            Self::Bytes { codec, bytes } => Ok(Arc::new(codec.decode(bytes)?)),
+        }
+    }
+
+    /// The content in bytes of a codec.
+    pub fn encode(&self, wanted: Codec) -> Result<Arc<[u8]>, DatumError> {
+        match self {
+            Self::Bytes { codec, bytes } if *codec == wanted => Ok(Arc::clone(bytes)),
+            Self::Sample(_) | Self::Bytes { .. } => Ok(wanted.encode(&self.to_datum()?)?.into()),
+        }
+    }
+}
+
+impl fmt::Debug for Payload {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.to_datum() {
+            Ok(datum) => write!(f, "{datum}"),
+            Err(error) => write!(f, "({error})"),
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! The bus inside one process: payloads are shared, nothing is encoded; publishing looks at the routes only when they
+//! have changed.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use crate::request::Desk;
+use crate::{
+    Bell, Bus, BusError, CallFailure, Envelope, Inlet, Origin, Pattern, Payload, Pending,
+    Publisher, Queue, Serving, Subscription,
+};
+
+/// A bus inside one process. Clones are the same bus.
+#[derive(Clone, Default)]
+pub struct Local {
+    shared: Arc<Shared>,
+}
+
+#[derive(Default)]
+struct Shared {
+    routes: Mutex<Vec<Route>>,
+    /// Grows with every change of the routes, so that publishers look at them only then.
+    generation: AtomicU64,
+    desks: Mutex<BTreeMap<String, Arc<Desk>>>,
+}
+
+struct Route {
+    pattern: Pattern,
+    inlet: Inlet,
+}
+
+impl Local {
+    /// A bus without topics.
+    pub fn new() -> Self {
+        Self::default()
+    }
+}
+
+impl Shared {
+    fn routes(&self) -> MutexGuard<'_, Vec<Route>> {
+        self.routes.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn desks(&self) -> MutexGuard<'_, BTreeMap<String, Arc<Desk>>> {
+        self.desks.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn change_routes(&self, change: impl FnOnce(&mut Vec<Route>)) {
+        change(&mut self.routes());
+        self.generation.fetch_add(1, Ordering::Release);
+    }
+}
+
+impl Bus for Local {
+    fn publisher(
+        &self,
+        topic: &str,
+        origin: &Origin,
+        type_name: &str,
+    ) -> Result<Box<dyn Publisher>, BusError> {
+        Ok(Box::new(LocalPublisher {
+            shared: Arc::clone(&self.shared),
+            topic: topic.into(),
+            origin: origin.clone(),
+            type_name: type_name.into(),
+            sequence: 0,
+            generation: u64::MAX,
+            inlets: Vec::new(),
+        }))
+    }
+
+    fn subscribe(
+        &self,
+        pattern: &Pattern,
+        queue: Queue,
+        bell: Arc<Bell>,
+    ) -> Result<Subscription, BusError> {
+        let inlet = Inlet::new(queue, bell);
+        let route = Route {
+            pattern: pattern.clone(),
+            inlet: inlet.clone(),
+        };
+        self.shared.change_routes(|routes| routes.push(route));
+        let (shared, own) = (Arc::clone(&self.shared), inlet.clone());
+        Ok(inlet.subscription(move || {
+            shared.change_routes(|routes| routes.retain(|route| !route.inlet.is_same(&own)));
+        }))
+    }
+
+    fn serve(&self, address: &str, size: usize, bell: Arc<Bell>) -> Result<Serving, BusError> {
+        let mut desks = self.shared.desks();
+        if desks.contains_key(address) {
+            return Err(BusError::Served {
+                address: address.to_owned(),
+            });
+        }
+        let desk = Desk::new(size, bell);
+        desks.insert(address.to_owned(), Arc::clone(&desk));
+        let (shared, address) = (Arc::clone(&self.shared), address.to_owned());
+        Ok(Serving::new(desk, move || {
+            shared.desks().remove(&address);
+        }))
+    }
+
+    fn call(
+        &self,
+        address: &str,
+        origin: &Origin,
+        argument: Payload,
+        timeout: Duration,
+        bell: Arc<Bell>,
+    ) -> Result<Pending, BusError> {
+        let desk = self.shared.desks().get(address).cloned();
+        let (pending, call) = Pending::new(origin.clone(), argument, timeout, bell);
+        match desk {
+            Some(desk) => desk.put(call),
+            None => call.end(Err(CallFailure::Unavailable)),
+        }
+        Ok(pending)
+    }
+}
+
+struct LocalPublisher {
+    shared: Arc<Shared>,
+    topic: Arc<str>,
+    origin: Origin,
+    type_name: Arc<str>,
+    /// Number of the last message.
+    sequence: u64,
+    /// The routes that `inlets` was made from.
+    generation: u64,
+    /// The subscriptions that match.
+    inlets: Vec<Inlet>,
+}
+
+impl Publisher for LocalPublisher {
+    fn publish(&mut self, stamp: i64, payload: Payload) -> Result<(), BusError> {
+        let generation = self.shared.generation.load(Ordering::Acquire);
+        if generation != self.generation {
+            let routes = self.shared.routes();
+            let matching = routes
+                .iter()
+                .filter(|route| route.pattern.matches(&self.topic));
+            self.inlets = matching.map(|route| route.inlet.clone()).collect();
+            self.generation = generation;
+        }
+        self.sequence += 1;
+        for inlet in &self.inlets {
+            inlet.push(Envelope {
+                topic: Arc::clone(&self.topic),
+                source: Arc::clone(&self.origin.source),
+                incarnation: self.origin.incarnation,
+                sequence: self.sequence,
+                stamp,
+                type_name: Arc::clone(&self.type_name),
+                payload: payload.clone(),
+            });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,78 @@
+//! Patterns of topics, as AMQP's topic exchanges have them: `*` is one word, `#` any number of words.
+
+use std::fmt;
+
+/// A pattern that topics match. Words have dots between: `rover1.#`, `*.estop`.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Pattern(String);
+
+impl Pattern {
+    /// A pattern from its text. Every text is one; a topic's name is the pattern of itself.
+    pub fn new(text: impl Into<String>) -> Self {
+        Self(text.into())
+    }
+
+    /// The pattern of all topics.
+    pub fn all() -> Self {
+        Self::new("#")
+    }
+
+    /// Whether a topic matches.
+    pub fn matches(&self, topic: &str) -> bool {
+        let pattern: Vec<_> = self.0.split('.').collect();
+        let words: Vec<_> = topic.split('.').collect();
+        matches(&pattern, &words)
+    }
+
+    /// The pattern's text.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+fn matches(pattern: &[&str], words: &[&str]) -> bool {
+    match (pattern, words) {
+        ([], []) => true,
+        (["#", rest @ ..], _) => (0..=words.len()).any(|taken| matches(rest, &words[taken..])),
+        (["*", rest @ ..], [_, words @ ..]) => matches(rest, words),
+        ([word, rest @ ..], [other, words @ ..]) => word == other && matches(rest, words),
+        ([], [_, ..]) | ([_, ..], []) => false,
+    }
+}
+
+impl fmt::Display for Pattern {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_star_is_one_word_and_a_hash_any_number() {
+        for (pattern, topic, expected) in [
+            ("odom", "odom", true),
+            ("odom", "odometry", false),
+            ("rover1.*", "rover1.odom", true),
+            ("rover1.*", "rover1", false),
+            ("rover1.*", "rover1.left.scan", false),
+            ("*.estop", "rover1.estop", true),
+            ("rover1.#", "rover1", true),
+            ("rover1.#", "rover1.left.scan", true),
+            ("#", "", true),
+            ("#", "any.thing", true),
+            ("#.scan", "rover1.left.scan", true),
+            ("#.left.#", "rover1.left.scan", true),
+            ("#.left.#", "rover1.right.scan", false),
+            ("*.*", "rover1", false),
+        ] {
+            assert_eq!(
+                Pattern::new(pattern).matches(topic),
+                expected,
+                "{pattern} on {topic}"
+            );
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! Subscriptions: a bounded queue with a declared overflow policy and a count of what it dropped.
+
+use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use crossbeam_queue::ArrayQueue;
+
+use crate::bell::later;
+use crate::{Bell, Envelope};
+
+/// What a subscription keeps for its reader.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Queue {
+    /// The newest message, for what is a state. What it replaces was out of date, and is not counted (TCA
+    /// `receiveLast`).
+    Latest,
+    /// Every message, so many, for what is a sequence (TCA `receiveAll`).
+    All {
+        /// How many at the most.
+        size: usize,
+        /// What happens to one more; it is counted in any case.
+        overflow: Overflow,
+    },
+}
+
+/// What happens to a message too many.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Overflow {
+    /// The oldest is dropped in its favour.
+    DropOldest,
+    /// It is dropped itself.
+    DropNewest,
+}
+
+/// The filling end of a subscription's queue, for back ends.
+#[derive(Clone)]
+pub struct Inlet {
+    kept: Arc<Kept>,
+}
+
+struct Kept {
+    queue: ArrayQueue<Envelope>,
+    policy: Queue,
+    dropped: AtomicU64,
+    bell: Arc<Bell>,
+}
+
+impl Inlet {
+    /// A queue and its two ends. The bell is rung for every message.
+    pub fn new(policy: Queue, bell: Arc<Bell>) -> Self {
+        let size = match policy {
+            Queue::Latest => 1,
+            Queue::All { size, .. } => size.max(1),
+        };
+        Self {
+            kept: Arc::new(Kept {
+                queue: ArrayQueue::new(size),
+                policy,
+                dropped: AtomicU64::new(0),
+                bell,
+            }),
+        }
+    }
+
+    /// Puts a message in; never waits.
+    pub fn push(&self, envelope: Envelope) {
+        let kept = &self.kept;
+        let dropped = match kept.policy {
+            Queue::Latest => {
+                kept.queue.force_push(envelope);
+                false
+            }
+            Queue::All {
+                overflow: Overflow::DropOldest,
+                ..
+            } => kept.queue.force_push(envelope).is_some(),
+            Queue::All {
+                overflow: Overflow::DropNewest,
+                ..
+            } => kept.queue.push(envelope).is_err(),
+        };
+        if dropped {
+            kept.dropped.fetch_add(1, Ordering::Relaxed);
+        }
+        kept.bell.ring();
+    }
+
+    /// The reading end. `leave` is called when it is dropped.
+    pub fn subscription(&self, leave: impl FnOnce() + Send + 'static) -> Subscription {
+        Subscription {
+            kept: Arc::clone(&self.kept),
+            leave: Some(Box::new(leave)),
+        }
+    }
+
+    /// Whether both are ends of one queue.
+    pub fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.kept, &other.kept)
+    }
+}
+
+/// The reading end of a subscription. Dropping it unsubscribes.
+pub struct Subscription {
+    kept: Arc<Kept>,
+    leave: Option<Box<dyn FnOnce() + Send>>,
+}
+
+impl Subscription {
+    /// The next message, if one is there.
+    pub fn try_next(&self) -> Option<Envelope> {
+        self.kept.queue.pop()
+    }
+
+    /// The next message, waiting for it at the longest so long.
+    pub fn next_within(&self, at_most: Duration) -> Option<Envelope> {
+        let until = later(at_most);
+        loop {
+            if let Some(envelope) = self.try_next() {
+                return Some(envelope);
+            }
+            let left = until.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return None;
+            }
+            self.kept.bell.wait(left);
+        }
+    }
+
+    /// How many messages were dropped because the queue was full.
+    pub fn dropped(&self) -> u64 {
+        self.kept.dropped.load(Ordering::Relaxed)
+    }
+}
+
+impl Drop for Subscription {
+    fn drop(&mut self) {
+        if let Some(leave) = self.leave.take() {
+            leave();
+        }
+    }
+}
+
+impl fmt::Debug for Subscription {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Subscription")
+            .field("policy", &self.kept.policy)
+            .field("waiting", &self.kept.queue.len())
+            .field("dropped", &self.dropped())
+            .finish()
+    }
+}

@@ -1,0 +1,249 @@
+//! Requests: sent to an address, answered once, or ended by the deadline.
+
+use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use crossbeam_queue::ArrayQueue;
+
+use crate::bell::later;
+use crate::{Bell, Origin, Payload};
+
+/// Why a call has no answer.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum CallFailure {
+    /// The deadline passed.
+    #[error("no answer before the deadline")]
+    Timeout,
+    /// Nobody serves there, nobody does any more, or too many requests wait.
+    #[error("nobody is there to answer")]
+    Unavailable,
+    /// The server refused.
+    #[error(transparent)]
+    Refused(#[from] Refusal),
+}
+
+/// Why a server cannot do what was asked.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{code}: {detail}")]
+pub struct Refusal {
+    /// One of the operation's fault codes.
+    pub code: String,
+    /// For people.
+    pub detail: String,
+}
+
+type Answer = Result<Payload, CallFailure>;
+
+/// Where the answer to one call is left.
+struct Slot {
+    answer: Mutex<Option<Answer>>,
+    answered: AtomicBool,
+    bell: Arc<Bell>,
+}
+
+impl Slot {
+    /// The first answer counts.
+    fn put(&self, answer: Answer) {
+        if self.answered.swap(true, Ordering::AcqRel) {
+            return;
+        }
+        *self.answer.lock().unwrap_or_else(PoisonError::into_inner) = Some(answer);
+        self.bell.ring();
+    }
+}
+
+/// A call under way, at the caller. Dropping it gives the call up.
+pub struct Pending {
+    slot: Arc<Slot>,
+    deadline: Instant,
+}
+
+impl Pending {
+    /// A call and its server's end of it, for back ends.
+    pub fn new(
+        origin: Origin,
+        argument: Payload,
+        timeout: Duration,
+        bell: Arc<Bell>,
+    ) -> (Self, Call) {
+        let slot = Arc::new(Slot {
+            answer: Mutex::new(None),
+            answered: AtomicBool::new(false),
+            bell,
+        });
+        let deadline = later(timeout);
+        let call = Call {
+            origin,
+            argument,
+            deadline,
+            slot: Arc::clone(&slot),
+        };
+        (Self { slot, deadline }, call)
+    }
+
+    /// How the call ended, if it has. Handed over once.
+    pub fn try_take(&self) -> Option<Answer> {
+        if Instant::now() >= self.deadline {
+            self.slot.put(Err(CallFailure::Timeout));
+        }
+        let mut answer = self
+            .slot
+            .answer
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        answer.take()
+    }
+
+    /// How the call ended, waiting for it: never longer than the deadline.
+    pub fn wait(self) -> Answer {
+        loop {
+            if let Some(answer) = self.try_take() {
+                return answer;
+            }
+            self.slot
+                .bell
+                .wait(self.deadline.saturating_duration_since(Instant::now()));
+        }
+    }
+}
+
+/// A request, at the server. Dropping it unanswered tells the caller that nobody is there.
+pub struct Call {
+    /// Who calls.
+    pub origin: Origin,
+    /// What is asked.
+    pub argument: Payload,
+    /// When the caller gives up.
+    pub deadline: Instant,
+    slot: Arc<Slot>,
+}
+
+impl Call {
+    /// Answers. An answer that nobody waits for any more goes nowhere.
+    pub fn reply(self, result: Result<Payload, Refusal>) {
+        self.end(result.map_err(CallFailure::Refused));
+    }
+
+    /// Ends the call, for back ends.
+    pub fn end(self, answer: Result<Payload, CallFailure>) {
+        self.slot.put(answer);
+    }
+
+    /// Whether the caller still waits.
+    pub fn is_awaited(&self) -> bool {
+        Instant::now() < self.deadline && Arc::strong_count(&self.slot) > 1
+    }
+}
+
+/// Where requests wait for their server, for back ends.
+pub(crate) struct Desk {
+    waiting: ArrayQueue<Call>,
+    open: AtomicBool,
+    bell: Arc<Bell>,
+}
+
+impl Desk {
+    pub(crate) fn new(size: usize, bell: Arc<Bell>) -> Arc<Self> {
+        Arc::new(Self {
+            waiting: ArrayQueue::new(size.max(1)),
+            open: AtomicBool::new(true),
+            bell,
+        })
+    }
+
+    /// Leaves a request; one too many finds nobody.
+    pub(crate) fn put(&self, call: Call) {
+        if !self.open.load(Ordering::Acquire) {
+            return call.end(Err(CallFailure::Unavailable));
+        }
+        match self.waiting.push(call) {
+            Ok(()) => self.bell.ring(),
+            Err(call) => call.end(Err(CallFailure::Unavailable)),
+        }
+        if !self.open.load(Ordering::Acquire) {
+            self.refuse_all();
+        }
+    }
+
+    fn refuse_all(&self) {
+        while let Some(call) = self.waiting.pop() {
+            call.end(Err(CallFailure::Unavailable));
+        }
+    }
+}
+
+/// The server's end of an address. Dropping it ends the service: whoever waits learns that nobody is there.
+pub struct Serving {
+    desk: Arc<Desk>,
+    leave: Option<Box<dyn FnOnce() + Send>>,
+}
+
+impl Serving {
+    pub(crate) fn new(desk: Arc<Desk>, leave: impl FnOnce() + Send + 'static) -> Self {
+        Self {
+            desk,
+            leave: Some(Box::new(leave)),
+        }
+    }
+
+    /// The next request that somebody still waits for, if one is there.
+    pub fn try_next(&self) -> Option<Call> {
+        std::iter::from_fn(|| self.desk.waiting.pop()).find(Call::is_awaited)
+    }
+
+    /// The next request, waiting for it at the longest so long.
+    pub fn next_within(&self, at_most: Duration) -> Option<Call> {
+        let until = later(at_most);
+        loop {
+            if let Some(call) = self.try_next() {
+                return Some(call);
+            }
+            let left = until.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return None;
+            }
+            self.desk.bell.wait(left);
+        }
+    }
+}
+
+impl Drop for Serving {
+    fn drop(&mut self) {
+        if let Some(leave) = self.leave.take() {
+            leave();
+        }
+        self.desk.open.store(false, Ordering::Release);
+        self.desk.refuse_all();
+    }
+}
+
+/// Whoever drops a request will not answer it any more.
+impl Drop for Call {
+    fn drop(&mut self) {
+        self.slot.put(Err(if Instant::now() < self.deadline {
+            CallFailure::Unavailable
+        } else {
+            CallFailure::Timeout
+        }));
+    }
+}
+
+impl fmt::Debug for Pending {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Pending")
+    }
+}
+
+impl fmt::Debug for Call {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Call from {}: {:?}", self.origin.source, self.argument)
+    }
+}
+
+impl fmt::Debug for Serving {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Serving, {} waiting", self.desk.waiting.len())
+    }
+}

@@ -1,0 +1,130 @@
+//! The local bus keeps the contract.
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use bus::{
+    Bell, Bus, BusError, Local, Origin, Overflow, Pattern, Payload, Pending, Publisher, Queue,
+    Serving, Subscription, contract,
+};
+use datum::Datum;
+
+#[test]
+fn t29_the_local_bus_keeps_the_contract() {
+    assert_eq!(contract::violations(&Local::new(), "here"), []);
+}
+
+/// A bus that forgets every third message, and reports others twice.
+struct Forgetful(Local);
+
+struct ForgetfulPublisher(Box<dyn Publisher>, u64);
+
+impl Publisher for ForgetfulPublisher {
+    fn publish(&mut self, stamp: i64, payload: Payload) -> Result<(), BusError> {
+        self.1 += 1;
+        match self.1 % 3 {
+            0 => Ok(()),
+            1 => self.0.publish(stamp, payload),
+            _ => {
+                self.0.publish(stamp, payload.clone())?;
+                self.0.publish(stamp, payload)
+            }
+        }
+    }
+}
+
+impl Bus for Forgetful {
+    fn publisher(
+        &self,
+        topic: &str,
+        origin: &Origin,
+        type_name: &str,
+    ) -> Result<Box<dyn Publisher>, BusError> {
+        let inner = self.0.publisher(topic, origin, type_name)?;
+        Ok(Box::new(ForgetfulPublisher(inner, 0)))
+    }
+
+    fn subscribe(
+        &self,
+        pattern: &Pattern,
+        queue: Queue,
+        bell: Arc<Bell>,
+    ) -> Result<Subscription, BusError> {
+        self.0.subscribe(pattern, queue, bell)
+    }
+
+    fn serve(&self, address: &str, size: usize, bell: Arc<Bell>) -> Result<Serving, BusError> {
+        self.0.serve(address, size, bell)
+    }
+
+    fn call(
+        &self,
+        address: &str,
+        origin: &Origin,
+        argument: Payload,
+        _: Duration,
+        bell: Arc<Bell>,
+    ) -> Result<Pending, BusError> {
+        self.0.call(address, origin, argument, Duration::ZERO, bell)
+    }
+}
+
+#[test]
+fn the_contract_finds_out_a_bus_that_breaks_it() {
+    let violations = contract::violations(&Forgetful(Local::new()), "here");
+    let cases: Vec<_> = violations.iter().map(|violation| violation.case).collect();
+    for case in [
+        "keeps the order of a publisher",
+        "gives every subscriber every message",
+        "drops the oldest and counts",
+        "answers a request",
+        "ends a call at its deadline",
+    ] {
+        assert!(cases.contains(&case), "{case} is not among {cases:?}");
+    }
+}
+
+#[test]
+fn one_bell_rings_for_several_subscriptions() {
+    let bus = Local::new();
+    let bell = Arc::new(Bell::new());
+    let all = Queue::All {
+        size: 8,
+        overflow: Overflow::DropOldest,
+    };
+    let a = bus
+        .subscribe(&Pattern::new("a"), all, Arc::clone(&bell))
+        .unwrap();
+    let b = bus
+        .subscribe(&Pattern::new("b"), all, Arc::clone(&bell))
+        .unwrap();
+    let publishing = std::thread::spawn(move || {
+        let origin = Origin::new("Elsewhere", 1);
+        std::thread::sleep(Duration::from_millis(50));
+        let mut publisher = bus.publisher("b", &origin, "").unwrap();
+        publisher.publish(0, Payload::of(Datum::Int(1))).unwrap();
+    });
+    assert!(bell.wait(Duration::from_secs(10)));
+    assert!(a.try_next().is_none());
+    assert!(b.try_next().is_some());
+    publishing.join().unwrap();
+}
+
+#[test]
+fn payloads_are_shared_not_copied() {
+    let bus = Local::new();
+    let subscription = bus
+        .subscribe(&Pattern::all(), Queue::Latest, Arc::new(Bell::new()))
+        .unwrap();
+    let sample: Arc<dyn datum::Sample> = Arc::new(Datum::text("a big map"));
+    let mut publisher = bus.publisher("map", &Origin::new("Maps", 1), "").unwrap();
+    publisher
+        .publish(0, Payload::Sample(Arc::clone(&sample)))
+        .unwrap();
+    let Some(Payload::Sample(came)) = subscription.try_next().map(|envelope| envelope.payload)
+    else {
+        unreachable!("a sample was published");
+    };
+    assert!(Arc::ptr_eq(&came, &sample));
+}

@@ -1,0 +1,117 @@
+//! Events as lines of text: for logs, for comparing two runs.
+
+use std::fmt;
+
+use datum::Sample;
+
+use super::Event;
+use crate::CallError;
+
+/// One line; the same run gives the same lines.
+impl fmt::Display for Event<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Cycle { component, number } => write!(f, "{component}: cycle {number}"),
+            Self::Published {
+                component,
+                port,
+                topic,
+                sequence,
+                sample,
+            } => {
+                write!(f, "{component}.{port} #{sequence}")?;
+                if let Some(topic) = topic {
+                    write!(f, " on {topic}")?;
+                }
+                write!(f, " = {}", Shown(*sample))
+            }
+            Self::Injected { place, sample } => write!(f, "{place} <- {}", Shown(*sample)),
+            Self::Called {
+                component,
+                reference,
+                operation,
+                call,
+                attempt,
+                argument,
+            } => write!(
+                f,
+                "{component}.{reference}.{operation} call {} attempt {attempt}: {}",
+                call.0,
+                Shown(*argument)
+            ),
+            Self::Answered {
+                component,
+                service,
+                operation,
+                caller,
+                result,
+            } => write!(
+                f,
+                "{component}.{service}.{operation} answers {caller}: {}",
+                Ended(result)
+            ),
+            Self::Replied {
+                component,
+                reference,
+                operation,
+                call,
+                result,
+            } => write!(
+                f,
+                "{component}.{reference}.{operation} call {} ends: {}",
+                call.0,
+                Ended(result)
+            ),
+            Self::LifeCycle {
+                component,
+                from,
+                to,
+            } => write!(f, "{component}: {from} -> {to}"),
+            Self::Fault { component, fault } => write!(f, "{component}: fault: {fault}"),
+            Self::Overrun { component, missed } => {
+                write!(f, "{component}: missed {missed} periods")
+            }
+            Self::Dropped {
+                component,
+                port,
+                to,
+                total,
+            } => write!(f, "{component}.{port} -> {to}: {total} dropped"),
+            Self::Property {
+                component,
+                property,
+                value,
+            } => write!(f, "{component}.{property} := {value}"),
+            Self::Report {
+                component,
+                kind,
+                what,
+            } => write!(f, "{component}: {kind}: {what}"),
+            Self::Lost { count } => write!(f, "{count} events lost"),
+        }
+    }
+}
+
+/// A sample as text.
+struct Shown<'a>(&'a dyn Sample);
+
+impl fmt::Display for Shown<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0.to_datum() {
+            Ok(datum) => write!(f, "{datum}"),
+            Err(error) => write!(f, "({error})"),
+        }
+    }
+}
+
+/// The end of a call as text.
+struct Ended<'a>(&'a Result<&'a dyn Sample, &'a CallError>);
+
+impl fmt::Display for Ended<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Ok(response) => write!(f, "{}", Shown(*response)),
+            Err(error) => write!(f, "{error}"),
+        }
+    }
+}

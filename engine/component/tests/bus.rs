@@ -1,0 +1,164 @@
+//! A system's topics on a bus: tools listen, other processes take part.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
+
+mod common;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use bus::{Bell, Bus, Local, Origin, Overflow, Pattern, Payload, Queue, Subscription};
+use common::{Number, Words, behaviour, counter, number};
+use component::{
+    Activity, Component, Event, Interface, Log, OnStale, Policy, Run, Span, System, Time,
+};
+use datum::{Codec, Datum};
+
+fn all(bus: &Local, pattern: &str) -> Subscription {
+    let queue = Queue::All {
+        size: 64,
+        overflow: Overflow::DropOldest,
+    };
+    bus.subscribe(&Pattern::new(pattern), queue, Arc::new(Bell::new()))
+        .unwrap()
+}
+
+/// Reports every number it reads.
+fn telling() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
+    behaviour(|interface| {
+        let input = interface.input::<Number>("n", "numbers");
+        move |cycle| {
+            let heard: Vec<_> = cycle.all(input).iter().map(|sample| sample.n).collect();
+            for n in heard {
+                cycle.report("heard", Datum::Int(n));
+            }
+            Ok(())
+        }
+    })
+}
+
+/// A counter and a reader on topic `numbers`, and a bus.
+fn attached(incarnation: u64, bus: &Local) -> (System, Log) {
+    let log = Log::new();
+    let mut system = System::new();
+    system.observe(log.clone());
+    system
+        .add("Counter", Activity::periodic(10.ms()), counter())
+        .unwrap();
+    system.add("Teller", Activity::event(), telling()).unwrap();
+    system.publish("Counter.n", "numbers").unwrap();
+    system
+        .subscribe("numbers", "Teller.n", Policy::buffer(16))
+        .unwrap();
+    system.attach(bus, incarnation).unwrap();
+    (system, log)
+}
+
+#[test]
+fn a_tool_hears_every_topic_without_being_declared() {
+    let bus = Local::new();
+    let tool = all(&bus, "#");
+    let (system, _) = attached(7, &bus);
+    system.simulate().run_until(Time::ZERO + 20.ms());
+    let envelopes: Vec<_> = std::iter::from_fn(|| tool.try_next()).collect();
+    assert_eq!(envelopes.len(), 3);
+    let last = &envelopes[2];
+    assert_eq!(
+        (&*last.topic, &*last.source, &*last.type_name),
+        ("numbers", "Counter", "test/Number")
+    );
+    assert_eq!(
+        (last.incarnation, last.sequence, last.stamp),
+        (7, 3, 20_000_000)
+    );
+    assert_eq!(last.payload.read::<Number>().unwrap(), number(3));
+}
+
+#[test]
+fn what_is_published_inside_is_heard_once() {
+    let bus = Local::new();
+    let (system, log) = attached(7, &bus);
+    let mut run = system.simulate();
+    run.run_until(Time::ZERO + 20.ms());
+    assert_eq!(log.lines_with("heard").len(), 3);
+}
+
+#[test]
+fn what_others_publish_comes_in_typed_or_encoded_and_what_does_not_fit_is_counted() {
+    let bus = Local::new();
+    let (system, log) = attached(7, &bus);
+    let mut run = system.simulate();
+    run.transition("Counter", component::Transition::Stop)
+        .unwrap();
+    let mut elsewhere = bus
+        .publisher("numbers", &Origin::new("Elsewhere", 8), "test/Number")
+        .unwrap();
+    let encoded = |value: Datum| Payload::Bytes {
+        codec: Codec::Json,
+        bytes: Codec::Json.encode(&value).unwrap().into(),
+    };
+    let garbage = Payload::Bytes {
+        codec: Codec::Cbor,
+        bytes: Arc::from([0xff, 0x00]),
+    };
+    for payload in [
+        Payload::of(number(100)),
+        encoded(Datum::record([("n", Datum::Int(101))])),
+        Payload::of(Words::default()),
+        garbage,
+    ] {
+        elsewhere.publish(0, payload).unwrap();
+    }
+    run.run_for(1.ms());
+    assert_eq!(
+        log.lines_with("heard"),
+        ["0 s Teller: heard: 100", "0 s Teller: heard: 101"]
+    );
+    assert_eq!(log.lines_with("2 dropped").len(), 1);
+}
+
+#[test]
+fn what_comes_in_is_kept_by_the_subscribers_policy() {
+    let bus = Local::new();
+    let log = Log::new();
+    let mut system = System::new();
+    system.observe(log.clone());
+    system
+        .add("Teller", Activity::periodic(100.ms()), telling())
+        .unwrap();
+    let policy = Policy::data().max_age(150.ms()).on_stale(OnStale::Zero);
+    system.subscribe("numbers", "Teller.n", policy).unwrap();
+    system.attach(&bus, 7).unwrap();
+    let mut run = system.simulate();
+    let mut elsewhere = bus
+        .publisher("numbers", &Origin::new("Elsewhere", 8), "test/Number")
+        .unwrap();
+    for n in 1..=3 {
+        elsewhere.publish(0, Payload::of(number(n))).unwrap();
+    }
+    run.run_for(1.s());
+    assert_eq!(
+        log.lines_with("heard"),
+        ["0 s Teller: heard: 3", "0.2 s Teller: heard: 0"]
+    );
+}
+
+#[test]
+fn two_live_systems_talk_over_a_bus() {
+    let bus = Local::new();
+    let (one, _) = attached(7, &bus);
+    let mut other = System::new();
+    other.add("Teller", Activity::event(), telling()).unwrap();
+    other
+        .subscribe("numbers", "Teller.n", Policy::buffer(16))
+        .unwrap();
+    other.attach(&bus, 8).unwrap();
+    let mut other = other.live();
+    let one = one.live();
+    let mut heard = 0;
+    let mut enough = |_: Time, event: &Event<'_>| {
+        heard += i32::from(matches!(event, Event::Report { kind: "heard", .. }));
+        heard >= 5
+    };
+    assert!(other.run_until_event(Time::ZERO + Duration::from_secs(20), &mut enough));
+    drop(one);
+}

@@ -1,0 +1,158 @@
+//! The binding between the functions of a specification and the world, as plain data.
+//!
+//! Whoever reads composites has checked it: names exist, kinds fit. What does not fit all the same is
+//! a [`crate::BindError`] when the coordinator is built.
+
+use datum::Datum;
+use serde::Serialize;
+
+/// Which messages become the values of monitored functions, and what updates of out functions do.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Binding {
+    /// Monitored functions.
+    pub monitored: Vec<Monitored>,
+    /// Out functions.
+    pub out: Vec<Out>,
+}
+
+/// The ports and references of the component that runs a specification, with their types.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Interfaces {
+    /// Input ports and the names of their message types.
+    pub inputs: Vec<(String, String)>,
+    /// Output ports and the names of their message types.
+    pub outputs: Vec<(String, String)>,
+    /// References and the names of their interfaces.
+    pub references: Vec<(String, String)>,
+}
+
+/// A monitored function and the port its value comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Monitored {
+    /// The function.
+    pub function: String,
+    /// The input port.
+    pub port: String,
+    /// Which of the messages that came.
+    pub receive: Receive,
+    /// The part of the message that is the value, as in `pose.position.x`; the message itself, or its
+    /// only field, where not given.
+    pub field: Option<String>,
+    /// The value in a step without a message; undef where not given.
+    pub none: Option<Datum>,
+    /// How old the last message may be.
+    pub stale_ms: Option<u64>,
+    /// The value when it is older, or when none came yet.
+    pub on_stale: Option<Datum>,
+}
+
+/// Which of the messages that came is the value in a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Receive {
+    /// The last one that ever came (TCA's `receiveLast`).
+    Last,
+    /// One a step; the others wait for the following steps (TCA's `receiveAll`).
+    All,
+    /// None: the value is true in the step in which a message came, and false in the others.
+    Edge,
+}
+
+/// An out function and what its updates do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Out {
+    /// The function.
+    pub function: String,
+    /// What its updates do.
+    pub effect: Effect,
+}
+
+/// What the updates of an out function do.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Effect {
+    /// The value itself is published.
+    Publish {
+        /// The output port.
+        port: String,
+        /// The field that takes the value; the message itself where not given.
+        field: Option<String>,
+        /// After which steps.
+        when: PublishWhen,
+    },
+    /// Each literal has its actions; other literals do nothing.
+    Literals(Vec<Case>),
+}
+
+/// After which steps the value of an out function is published.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PublishWhen {
+    /// After those that updated it, also to the value it had.
+    OnUpdate,
+    /// After those that changed it.
+    OnChange,
+    /// After all.
+    EveryStep,
+}
+
+/// A literal of an out function and what an update to it does, in this order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// The literal.
+    pub literal: String,
+    /// What an update to it does.
+    pub actions: Vec<Action>,
+}
+
+/// Something an update does.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Action {
+    /// Calls a service.
+    Call(Call),
+    /// Publishes a message.
+    Publish {
+        /// The output port.
+        port: String,
+        /// The message.
+        value: Argument,
+    },
+}
+
+/// A call of a service; its outcome comes back as an event. An update of the same out function takes
+/// back the calls that an earlier one made: their outcome would answer a question no longer asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Call {
+    /// The reference of the component.
+    pub reference: String,
+    /// The operation of its interface.
+    pub operation: String,
+    /// The argument.
+    pub with: Argument,
+    /// The name under which the reply is kept.
+    pub keep: Option<String>,
+    /// The monitored function that takes one of the following literals when the call has ended.
+    pub event: Option<String>,
+    /// The literal for a reply.
+    pub ok: Option<String>,
+    /// The literal for a fault.
+    pub failed: Option<String>,
+    /// The literal for a reply that did not come in time; `failed` where not given.
+    pub timeout: Option<String>,
+}
+
+/// A message or an argument, put together.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Argument {
+    /// The default of the type.
+    Default,
+    /// A reply that was kept, or the last message of the input port of this name.
+    Kept {
+        /// The name of the reply or port.
+        name: String,
+        /// The part of it, as in `pose.position`; all of it where not given.
+        path: Option<String>,
+    },
+    /// A record; fields left out have their default.
+    Record(Vec<(String, Argument)>),
+    /// A value as written.
+    Value(Datum),
+}

@@ -1,0 +1,75 @@
+//! Data that travels and values of the machine, one into the other.
+
+use asm_lang::ir::{DomainId, Elements, Program, Shape};
+use asm_lang::machine::Naming;
+use asm_lang::value::{Atom, Value};
+use datum::Datum;
+
+/// A datum as a value of the shape; `None` if it is none. Texts name enumeration literals.
+pub(crate) fn value_of(datum: &Datum, shape: &Shape, program: &Program) -> Option<Value> {
+    let each = |items: &[Datum], shape: &Shape| {
+        items.iter().map(|item| value_of(item, shape, program)).collect::<Option<Vec<_>>>()
+    };
+    match (datum, shape) {
+        (Datum::Null, _) => Some(Value::Undef),
+        (Datum::Bool(truth), Shape::Bool | Shape::Any) => Some(Value::Bool(*truth)),
+        (Datum::Int(number), Shape::Int | Shape::Any) => Some(Value::Int(*number)),
+        (Datum::Int(number), Shape::Natural) => (*number >= 0).then_some(Value::Int(*number)),
+        (Datum::Int(number), Shape::Real) => Some(Value::real(*number as f64)),
+        (Datum::Int(number), Shape::Domain(domain)) => integer_of(*number, *domain, program),
+        (Datum::Float(number), Shape::Real | Shape::Any) => Some(Value::real(*number)),
+        (Datum::Text(text), Shape::Text | Shape::Any) => Some(Value::text(text.as_str())),
+        (Datum::Text(text), Shape::Domain(domain)) => literal_of(text, *domain, program),
+        (Datum::List(items), Shape::Seq(item)) => each(items, item).map(Value::seq),
+        (Datum::List(items), Shape::Set(item)) => each(items, item).map(Value::set),
+        (Datum::List(items), Shape::Bag(item)) => each(items, item).map(Value::bag),
+        (Datum::List(items), Shape::Tuple(shapes)) if items.len() == shapes.len() => {
+            let items = items.iter().zip(shapes).map(|(item, shape)| value_of(item, shape, program));
+            items.collect::<Option<Vec<_>>>().map(Value::tuple)
+        }
+        // a message with one field stands for that field
+        (Datum::Record(fields), shape) => match fields.as_slice() {
+            [(_, only)] => value_of(only, shape, program),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+fn integer_of(number: i64, domain: DomainId, program: &Program) -> Option<Value> {
+    match program.domains.get(domain.0 as usize)?.elements {
+        Elements::Ints { low, high } => (low..=high).contains(&number).then_some(Value::Int(number)),
+        Elements::Computed(_) | Elements::Undefined | Elements::Open => Some(Value::Int(number)),
+        Elements::Atoms { .. } => None,
+    }
+}
+
+/// The enumeration literal or constant of this name in a domain.
+pub(crate) fn literal_of(name: &str, domain: DomainId, program: &Program) -> Option<Value> {
+    let Elements::Atoms { first, count } = program.domains.get(domain.0 as usize)?.elements else {
+        return None;
+    };
+    let names = program.symbols.atoms.get(first.0 as usize..(first.0 + count) as usize)?;
+    let index = names.iter().position(|known| &**known == name)?;
+    Some(Value::Atom(Atom(first.0 + index as u32)))
+}
+
+/// A value as a datum; atoms and rules travel by name.
+pub(crate) fn datum_of(value: &Value, naming: &Naming<'_>) -> Datum {
+    let each = |items: &mut dyn Iterator<Item = &Value>| {
+        Datum::List(items.map(|item| datum_of(item, naming)).collect())
+    };
+    match value {
+        Value::Undef => Datum::Null,
+        Value::Bool(truth) => Datum::Bool(*truth),
+        Value::Int(number) => Datum::Int(*number),
+        Value::Real(number) => Datum::Float(number.get()),
+        Value::Text(text) => Datum::text(text.as_str()),
+        Value::Char(character) => Datum::text(character.to_string()),
+        Value::Tuple(items) | Value::Seq(items) => each(&mut items.iter()),
+        Value::Set(items) => each(&mut items.iter()),
+        Value::Atom(_) | Value::Rule(_) | Value::Complex(_) | Value::Bag(_) | Value::Map(_) => {
+            Datum::text(value.show(naming).to_string())
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! The component that runs a specification.
+
+use crate::binding::{Action, Binding, Effect, Interfaces};
+use crate::frame::Frame;
+use crate::inbox::Inbox;
+use crate::outbox::{Handles, Outbox};
+use crate::step::{STEP_REPORT, StepRecord};
+use asm_lang::machine::Machine;
+use asm_lang::simulate::Seeded;
+use asm_lang::{Specification, Style};
+use component::{Component, Cycle, Fault, Interface};
+use datum::Datum;
+use std::sync::Arc;
+
+/// A binding that does not fit its specification or component.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BindError {
+    /// The specification has no such function without arguments.
+    #[error("the specification declares no function `{function}` without arguments")]
+    UnknownFunction {
+        /// The name in the binding.
+        function: String,
+    },
+    /// The component has no such port.
+    #[error("the component has no port `{port}`")]
+    UnknownPort {
+        /// The name in the binding.
+        port: String,
+    },
+    /// The component has no such reference.
+    #[error("the component has no reference `{reference}` with an operation `{operation}`")]
+    UnknownOperation {
+        /// The reference.
+        reference: String,
+        /// The operation.
+        operation: String,
+    },
+    /// A function does not take such a value.
+    #[error("`{function}` does not take the value `{value}`")]
+    NotAValue {
+        /// The function.
+        function: String,
+        /// The value.
+        value: String,
+    },
+    /// The initial state cannot be built.
+    #[error("{0}")]
+    Initial(String),
+}
+
+/// A machine as a component: its cycle is a step.
+pub struct Coordinator {
+    specification: Arc<Specification>,
+    machine: Machine,
+    chooser: Seeded,
+    inbox: Inbox,
+    outbox: Outbox,
+    frame: Frame,
+}
+
+impl Coordinator {
+    /// Declares the ports and references, and builds the machine. Choices follow the seed.
+    ///
+    /// # Errors
+    /// The binding does not fit, or the machine has no initial state.
+    pub fn new(
+        specification: Arc<Specification>,
+        binding: &Binding,
+        interfaces: &Interfaces,
+        seed: u64,
+        interface: &mut Interface,
+    ) -> Result<Self, BindError> {
+        let handles = declare(binding, interfaces, interface)?;
+        let machine = specification.machine().map_err(|fault| {
+            let finding = specification.explain(&fault);
+            BindError::Initial(asm_lang::render(&finding, &specification.sources, Style::Plain))
+        })?;
+        let mut inbox = Inbox::new(binding, &specification, &handles.inputs)?;
+        let outbox = Outbox::new(binding, &specification, handles, &mut inbox)?;
+        Ok(Self { specification, machine, chooser: Seeded::new(seed), inbox, outbox, frame: Frame::default() })
+    }
+}
+
+impl Component for Coordinator {
+    /// Freeze, step, send: what the step asks for leaves with the cycle, or not at all.
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        self.inbox.receive(cycle, self.machine.program());
+        self.outbox.receive(cycle, &mut self.inbox);
+        self.inbox.freeze(cycle.now(), &mut self.frame);
+        let stepped = self.machine.step(&mut self.frame, &mut self.chooser, cycle.now().nanos());
+        if let Err(fault) = stepped {
+            let finding = self.specification.explain_in(&fault, &self.machine);
+            return Err(Fault::new(asm_lang::render(&finding, &self.specification.sources, Style::Plain)));
+        }
+        let step = self.machine.last_step();
+        if !step.updates.is_empty() {
+            let record = StepRecord::of(&self.specification, &self.machine, &step);
+            // the step is told before what it causes
+            cycle.report(STEP_REPORT, Datum::of(&record)?);
+        }
+        self.outbox.send(&self.machine, &step, cycle);
+        Ok(())
+    }
+}
+
+/// Declares every port of the component, and every operation that the binding calls.
+fn declare(
+    binding: &Binding,
+    interfaces: &Interfaces,
+    interface: &mut Interface,
+) -> Result<Handles, BindError> {
+    let mut handles = Handles::default();
+    for (name, message) in &interfaces.inputs {
+        let port = interface.input_of(name, message, "bound to the specification");
+        handles.inputs.push((name.clone(), port));
+    }
+    for (name, message) in &interfaces.outputs {
+        let port = interface.output_of(name, message, "bound to the specification");
+        handles.outputs.push((name.clone(), port));
+    }
+    for call in calls(binding) {
+        let name = (call.reference.clone(), call.operation.clone());
+        if handles.operations.iter().any(|(known, _)| *known == name) {
+            continue;
+        }
+        let declared = interfaces.references.iter().find(|(reference, _)| *reference == call.reference);
+        let Some((_, service)) = declared else {
+            return Err(BindError::UnknownOperation { reference: name.0, operation: name.1 });
+        };
+        let operation =
+            interface.require_of(&call.reference, service, &call.operation, "called by the specification");
+        handles.operations.push((name, operation));
+    }
+    Ok(handles)
+}
+
+fn calls(binding: &Binding) -> impl Iterator<Item = &crate::binding::Call> {
+    let cases = binding.out.iter().flat_map(|out| match &out.effect {
+        Effect::Literals(cases) => cases.as_slice(),
+        Effect::Publish { .. } => &[],
+    });
+    cases.flat_map(|case| &case.actions).filter_map(|action| match action {
+        Action::Call(call) => Some(call),
+        Action::Publish { .. } => None,
+    })
+}

@@ -1,0 +1,29 @@
+//! The inputs of one step: what every bound function is, fixed before the step begins.
+
+use asm_lang::Environment;
+use asm_lang::ir::FunctionId;
+use asm_lang::value::Value;
+
+/// The inputs of one step.
+#[derive(Debug, Default)]
+pub(crate) struct Frame {
+    values: Vec<(FunctionId, Value)>,
+}
+
+impl Frame {
+    pub fn clear(&mut self) {
+        self.values.clear();
+    }
+
+    pub fn set(&mut self, function: FunctionId, value: Value) {
+        self.values.push((function, value));
+    }
+}
+
+impl Environment for Frame {
+    /// An input that nothing is bound to is undef.
+    fn read(&mut self, function: FunctionId, _arguments: &[Value]) -> Result<Option<Value>, String> {
+        let bound = self.values.iter().find(|(known, _)| *known == function);
+        Ok(bound.map(|(_, value)| value.clone()))
+    }
+}

@@ -1,0 +1,266 @@
+//! From updates to messages and calls.
+
+use crate::binding::{Action, Argument, Binding, Effect, PublishWhen};
+use crate::convert::{datum_of, literal_of};
+use crate::coordinator::BindError;
+use crate::inbox::Inbox;
+use asm_lang::ir::{FunctionId, Shape};
+use asm_lang::machine::{Machine, Step};
+use asm_lang::value::Value;
+use asm_lang::Specification;
+use component::{CallError, CallId, Cycle, Dynamic, Flow, In, Out, Reply, Required};
+use datum::Datum;
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+/// The handles of a component, by name.
+#[derive(Default)]
+pub(crate) struct Handles {
+    pub inputs: Vec<(String, In<Datum>)>,
+    pub outputs: Vec<(String, Out<Datum>)>,
+    /// By reference and operation.
+    pub operations: Vec<((String, String), Required<Dynamic>)>,
+}
+
+/// The bound out functions of a specification, and the calls under way.
+pub(crate) struct Outbox {
+    outs: Vec<Bound>,
+    /// The replies that were kept.
+    kept: BTreeMap<String, Datum>,
+    pending: Vec<(CallId, Outcome)>,
+    ports: Vec<(String, In<Datum>)>,
+    operations: Vec<Required<Dynamic>>,
+}
+
+struct Bound {
+    function: FunctionId,
+    effect: BoundEffect,
+}
+
+enum BoundEffect {
+    Publish { port: Out<Datum>, field: Option<String>, when: PublishWhen },
+    Literals(Vec<(Value, Vec<BoundAction>)>),
+}
+
+enum BoundAction {
+    Publish { port: Out<Datum>, value: Argument },
+    Call { operation: Required<Dynamic>, with: Argument, outcome: Outcome },
+}
+
+/// What the end of a call does.
+#[derive(Clone)]
+struct Outcome {
+    /// The out function whose update made the call.
+    function: FunctionId,
+    keep: Option<String>,
+    /// The input that takes the event.
+    event: Option<usize>,
+    ok: Option<Value>,
+    failed: Option<Value>,
+    timeout: Option<Value>,
+}
+
+impl Outbox {
+    pub fn new(
+        binding: &Binding,
+        specification: &Specification,
+        handles: Handles,
+        inbox: &mut Inbox,
+    ) -> Result<Self, BindError> {
+        let mut outs = Vec::new();
+        for out in &binding.out {
+            let unknown = || BindError::UnknownFunction { function: out.function.clone() };
+            let function = specification.function(&out.function, 0).ok_or_else(unknown)?;
+            let effect = match &out.effect {
+                Effect::Publish { port, field, when } => {
+                    BoundEffect::Publish { port: handles.output(port)?, field: field.clone(), when: *when }
+                }
+                Effect::Literals(cases) => {
+                    let mut bound = Vec::new();
+                    for case in cases {
+                        let literal = literal(&out.function, &case.literal, function, specification)?;
+                        let actions = case.actions.iter();
+                        let actions = actions.map(|action| handles.action(action, function, specification, inbox));
+                        bound.push((literal, actions.collect::<Result<Vec<_>, _>>()?));
+                    }
+                    BoundEffect::Literals(bound)
+                }
+            };
+            outs.push(Bound { function, effect });
+        }
+        let operations = handles.operations.iter().map(|(_, operation)| *operation).collect();
+        Ok(Self { outs, kept: BTreeMap::new(), pending: Vec::new(), ports: handles.inputs, operations })
+    }
+
+    /// Takes in the calls that ended: replies are kept, outcomes become events.
+    pub fn receive(&mut self, cycle: &mut Cycle<'_>, inbox: &mut Inbox) {
+        for operation in &self.operations {
+            for Reply { call, result } in cycle.replies(*operation) {
+                let Some(index) = self.pending.iter().position(|(pending, _)| *pending == call) else {
+                    continue;
+                };
+                let (_, outcome) = self.pending.remove(index);
+                let event = match result {
+                    Ok(reply) => {
+                        if let Some(name) = outcome.keep {
+                            self.kept.insert(name, reply);
+                        }
+                        outcome.ok
+                    }
+                    Err(CallError::Timeout) => outcome.timeout.or(outcome.failed),
+                    Err(CallError::Unavailable | CallError::Fault(_)) => outcome.failed,
+                    Err(CallError::Cancelled) => None,
+                };
+                if let (Some(input), Some(event)) = (outcome.event, event) {
+                    inbox.push(input, event);
+                }
+            }
+        }
+    }
+
+    /// Does what the updates of a step ask for.
+    pub fn send(&mut self, machine: &Machine, step: &Step<'_>, cycle: &mut Cycle<'_>) {
+        for out in &self.outs {
+            let slot = machine.state().slot(machine.program(), out.function, &[]);
+            let update = step.updates.iter().zip(step.before).find(|(update, _)| Some(update.slot) == slot);
+            match &out.effect {
+                BoundEffect::Publish { port, field, when } => {
+                    let due = match (when, &update) {
+                        (PublishWhen::EveryStep, _) | (PublishWhen::OnUpdate, Some(_)) => true,
+                        (PublishWhen::OnChange, Some((update, before))) => update.value != **before,
+                        (PublishWhen::OnUpdate | PublishWhen::OnChange, None) => false,
+                    };
+                    if let (true, Some(slot)) = (due, slot) {
+                        let value = datum_of(machine.state().get(slot), &machine.naming());
+                        let message = match field {
+                            Some(field) => Datum::record([(field.clone(), value)]),
+                            None => value,
+                        };
+                        cycle.write(*port, message);
+                    }
+                }
+                BoundEffect::Literals(cases) => {
+                    let Some((update, _)) = update else { continue };
+                    let superseded = |(_, outcome): &(CallId, Outcome)| outcome.function == out.function;
+                    for (call, _) in self.pending.extract_if(.., |pending| superseded(pending)) {
+                        cycle.cancel(call);
+                    }
+                    let case = cases.iter().find(|(literal, _)| *literal == update.value);
+                    for action in case.into_iter().flat_map(|(_, actions)| actions) {
+                        match action {
+                            BoundAction::Publish { port, value } => {
+                                let message = compose(value, &self.kept, &self.ports, cycle);
+                                cycle.write(*port, message);
+                            }
+                            BoundAction::Call { operation, with, outcome } => {
+                                let argument = compose(with, &self.kept, &self.ports, cycle);
+                                let call = cycle.call(*operation, argument);
+                                self.pending.push((call, outcome.clone()));
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Handles {
+    fn output(&self, name: &str) -> Result<Out<Datum>, BindError> {
+        let found = self.outputs.iter().find(|(port, _)| port == name);
+        found.map(|(_, port)| *port).ok_or_else(|| BindError::UnknownPort { port: name.to_owned() })
+    }
+
+    fn action(
+        &self,
+        action: &Action,
+        function: FunctionId,
+        specification: &Specification,
+        inbox: &mut Inbox,
+    ) -> Result<BoundAction, BindError> {
+        match action {
+            Action::Publish { port, value } => {
+                Ok(BoundAction::Publish { port: self.output(port)?, value: value.clone() })
+            }
+            Action::Call(call) => {
+                let name = (call.reference.clone(), call.operation.clone());
+                let found = self.operations.iter().find(|(known, _)| *known == name);
+                let Some((_, operation)) = found else {
+                    return Err(BindError::UnknownOperation { reference: name.0, operation: name.1 });
+                };
+                let event = match &call.event {
+                    Some(event) => Some(inbox.event(event, specification)?),
+                    None => None,
+                };
+                let literal = |name: &Option<String>| match (event, name) {
+                    (Some(event), Some(name)) => inbox
+                        .literal(event, name, &specification.program)
+                        .map(Some)
+                        .ok_or_else(|| BindError::NotAValue {
+                            function: call.event.clone().unwrap_or_default(),
+                            value: name.clone(),
+                        }),
+                    _ => Ok(None),
+                };
+                let outcome = Outcome {
+                    function,
+                    keep: call.keep.clone(),
+                    event,
+                    ok: literal(&call.ok)?,
+                    failed: literal(&call.failed)?,
+                    timeout: literal(&call.timeout)?,
+                };
+                Ok(BoundAction::Call { operation: *operation, with: call.with.clone(), outcome })
+            }
+        }
+    }
+}
+
+fn literal(
+    name: &str,
+    literal: &str,
+    function: FunctionId,
+    specification: &Specification,
+) -> Result<Value, BindError> {
+    let program = &specification.program;
+    let value = match program.functions.get(function.0 as usize).map(|function| &function.codomain) {
+        Some(Shape::Domain(domain)) => literal_of(literal, *domain, program),
+        Some(Shape::Bool) => literal.parse().ok().map(Value::Bool),
+        Some(Shape::Int | Shape::Natural) => literal.parse().ok().map(Value::Int),
+        Some(Shape::Text) => Some(Value::text(literal)),
+        _ => None,
+    };
+    value.ok_or_else(|| BindError::NotAValue { function: name.to_owned(), value: literal.to_owned() })
+}
+
+/// Puts a message or argument together. What was never received is left out, and so has its default.
+fn compose(
+    argument: &Argument,
+    kept: &BTreeMap<String, Datum>,
+    ports: &[(String, In<Datum>)],
+    cycle: &Cycle<'_>,
+) -> Datum {
+    match argument {
+        Argument::Default => Datum::Record(Vec::new()),
+        Argument::Value(value) => value.clone(),
+        Argument::Record(fields) => {
+            let fields = fields.iter().map(|(name, field)| (name.clone(), compose(field, kept, ports, cycle)));
+            Datum::record(fields)
+        }
+        Argument::Kept { name, path } => {
+            let received = || {
+                let (_, port) = ports.iter().find(|(port, _)| port == name)?;
+                match cycle.read(*port) {
+                    Flow::NewData(message) | Flow::OldData(message) => Some(message),
+                    Flow::NoData => None,
+                }
+            };
+            let whole = kept.get(name).or_else(received);
+            let part = match path {
+                Some(path) => whole.and_then(|whole| whole.get(path)),
+                None => whole.map(Cow::Borrowed),
+            };
+            part.map_or_else(|| Datum::Record(Vec::new()), Cow::into_owned)
+        }
+    }
+}

@@ -1,0 +1,122 @@
+asm navigate
+// Takes a rover to a goal: asks for the map, asks for a path, lets the follower drive.
+// A blocked path is planned anew, a late planner is asked again, both at most `maxTries` times.
+// A new goal stops the rover before the next path is asked for; the e-stop goes before everything.
+import StandardLibrary
+import CTLLibrary
+
+signature:
+	enum domain Mode = {IDLE | WAIT_MAP | WAIT_PATH | FOLLOWING | STOPPING | ARRIVED | FAILED}
+	enum domain Command = {NONE | GET_MAP | PLAN | FOLLOW | HALT}
+	enum domain Event = {NOTHING | MAP_OK | PATH_OK | NO_PATH | TIMED_OUT | CALL_FAILED | REACHED | BLOCKED | HALTED}
+	domain Tries subsetof Integer
+
+	// what the composite binds to topics and to the outcome of service calls
+	monitored goalArrived: Boolean
+	monitored cancelArrived: Boolean
+	monitored estop: Boolean
+	monitored event: Event
+
+	// what the composite turns into service calls and messages
+	out command: Command
+
+	controlled mode: Mode
+	controlled moving: Boolean
+	controlled tries: Tries
+	static maxTries: Tries
+
+definitions:
+	domain Tries = {0 : 3}
+	function maxTries = 3
+
+	macro rule r_enter($next in Mode, $order in Command) =
+		par
+			command := $order
+			mode := $next
+		endpar
+
+	macro rule r_halt($next in Mode) =
+		par
+			r_enter[$next, HALT]
+			moving := false
+		endpar
+
+	// asks for a path once more, unless that was tried often enough
+	macro rule r_planAgain =
+		if tries < maxTries then
+			par
+				tries := tries + 1
+				moving := false
+				r_enter[WAIT_PATH, PLAN]
+			endpar
+		else
+			r_halt[FAILED]
+		endif
+
+	rule r_newGoal =
+		par
+			tries := 0
+			if moving then
+				r_halt[STOPPING]
+			else
+				r_enter[WAIT_MAP, GET_MAP]
+			endif
+		endpar
+
+	rule r_step =
+		switch mode
+			case WAIT_MAP:
+				switch event
+					case MAP_OK: r_enter[WAIT_PATH, PLAN]
+					case CALL_FAILED: r_halt[FAILED]
+					case TIMED_OUT: r_halt[FAILED]
+				endswitch
+			case WAIT_PATH:
+				switch event
+					case PATH_OK:
+						par
+							r_enter[FOLLOWING, FOLLOW]
+							moving := true
+						endpar
+					case NO_PATH: r_halt[FAILED]
+					case TIMED_OUT: r_planAgain[]
+				endswitch
+			case FOLLOWING:
+				switch event
+					case REACHED: r_halt[ARRIVED]
+					case BLOCKED: r_planAgain[]
+				endswitch
+			case STOPPING:
+				if event = HALTED then r_enter[WAIT_MAP, GET_MAP] endif
+		endswitch
+
+	// safety: no step leaves the rover moving while the e-stop is pressed
+	CTLSPEC ag(estop implies ax(not moving))
+	// exclusivity: it moves only while it follows
+	CTLSPEC ag(moving iff mode = FOLLOWING)
+	// it never follows a path that was not asked for afresh
+	CTLSPEC ag(command = FOLLOW implies mode = FOLLOWING)
+	// arrival is possible
+	CTLSPEC ef(mode = ARRIVED)
+	// never stuck: a state to rest in can always be reached
+	CTLSPEC ag(ef(mode = IDLE or mode = ARRIVED or mode = FAILED))
+
+	invariant inv_bounded over tries: tries <= maxTries
+	invariant inv_exclusive over moving, mode: moving iff mode = FOLLOWING
+
+	main rule r_Main =
+		if estop then
+			if mode != IDLE then r_halt[IDLE] endif
+		else if cancelArrived then
+			r_halt[IDLE]
+		else if goalArrived then
+			r_newGoal[]
+		else
+			r_step[]
+		endif endif endif
+
+default init s0:
+	function mode = IDLE
+	function moving = false
+	function tries = 0
+	function command = NONE

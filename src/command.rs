@@ -1,0 +1,35 @@
+//! The commands, one file each.
+
+mod check;
+mod demo;
+mod run;
+mod sim;
+
+use crate::exit::Exit;
+use crate::terminal::Terminal;
+use clap::Subcommand;
+
+/// What to do.
+#[derive(Subcommand)]
+pub enum Command {
+    /// Shows a rover being coordinated to its goal, in a simulated world
+    Demo(demo::Demo),
+    /// Runs a composite
+    Run(run::Run),
+    /// Says what is wrong with specifications and composites, before anything runs
+    Check(check::Check),
+    /// Runs a specification alone, with scripted or random inputs
+    Sim(sim::Sim),
+}
+
+impl Command {
+    /// Does it.
+    pub fn run(self, terminal: &mut Terminal) -> Exit {
+        match self {
+            Self::Demo(demo) => demo.run(terminal),
+            Self::Run(run) => run.run(terminal),
+            Self::Check(check) => check.run(terminal),
+            Self::Sim(sim) => sim.run(terminal),
+        }
+    }
+}

@@ -1,0 +1,308 @@
+//! `asmotion run`: a composite.
+
+use std::io::Write;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use clap::{Args, ValueEnum};
+use component::{Event, Time};
+use coordinator::{STEP_REPORT, StepRecord};
+use datum::{Datum, json as data};
+use serde_json::json;
+
+use crate::exit::Exit;
+use crate::mission::{Clock, Ended, Mission, MissionError, Outcome};
+use crate::terminal::{BAD, FAINT, GOOD, NOTE, Terminal};
+use crate::trace::Trace;
+
+/// Runs a composite.
+#[derive(Args)]
+pub struct Run {
+    /// The composite.
+    composite: String,
+
+    /// Which of its profiles.
+    #[arg(long)]
+    profile: Option<String>,
+
+    /// In virtual time (one thread, the same way each time) or as time passes on the wall.
+    #[arg(long, value_enum, default_value_t = ClockKind::Virtual)]
+    clock: ClockKind,
+
+    /// Virtual seconds in one second of the wall; 0 is as fast as possible.
+    #[arg(long, default_value_t = 0.0)]
+    speed: f64,
+
+    #[command(flatten)]
+    common: Common,
+
+    /// Ends well when a location gets a value.
+    #[arg(long, value_name = "LOCATION=VALUE", default_value = "mode=ARRIVED")]
+    until: Vec<String>,
+
+    /// Ends badly when a location gets a value.
+    #[arg(long, value_name = "LOCATION=VALUE", default_value = "mode=FAILED")]
+    unless: Vec<String>,
+}
+
+/// In which time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum ClockKind {
+    Virtual,
+    Wall,
+}
+
+/// What `run` and `demo` have in common.
+#[derive(Args, Clone)]
+pub struct Common {
+    /// Decides what is left to chance: noise, slip, `choose`.
+    #[arg(long)]
+    pub seed: Option<u64>,
+
+    /// Sends the rover here instead of where the composite says; metres on the map.
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
+    pub goal: Option<String>,
+
+    /// Ends after so many seconds of its own time.
+    #[arg(long = "for", value_name = "SECONDS", default_value_t = 600.0)]
+    pub limit: f64,
+
+    /// Sets a property of the composite (`place=lab`) or of a component (`World.slip=0.01`).
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+
+    /// Writes down what happened, line by line: the same run gives the same bytes.
+    #[arg(long, value_name = "FILE")]
+    pub trace: Option<String>,
+
+    /// Steps, calls, faults and the summary as JSON, one object a line, on standard output.
+    #[arg(long)]
+    pub json: bool,
+
+    /// The summary alone.
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+impl Run {
+    /// Runs it.
+    pub fn run(self, terminal: &mut Terminal) -> Exit {
+        let mut mission = Mission::new(&self.composite);
+        mission.profile = self.profile;
+        mission.clock = match self.clock {
+            ClockKind::Virtual => Clock::Virtual(self.speed.max(0.0)),
+            ClockKind::Wall => Clock::Wall,
+        };
+        match (ends(&self.until), ends(&self.unless)) {
+            (Ok(until), Ok(unless)) => (mission.until, mission.unless) = (until, unless),
+            (Err(problem), _) | (_, Err(problem)) => {
+                terminal.error(problem);
+                return Exit::Usage;
+            }
+        }
+        self.common.run(mission, terminal)
+    }
+}
+
+/// `location=value`, split.
+fn ends(written: &[String]) -> Result<Vec<(String, String)>, String> {
+    let split = |text: &String| match text.split_once('=') {
+        Some((location, value)) => Ok((location.trim().to_owned(), value.trim().to_owned())),
+        None => Err(format!("`{text}` is not of the form LOCATION=VALUE, as in mode=ARRIVED")),
+    };
+    written.iter().map(split).collect()
+}
+
+impl Common {
+    /// Applies the options and runs a mission.
+    pub fn run(&self, mut mission: Mission, terminal: &mut Terminal) -> Exit {
+        if let Err(problem) = self.apply(&mut mission) {
+            terminal.error(problem);
+            return Exit::Usage;
+        }
+        let clock = match mission.clock {
+            Clock::Wall => "wall clock".to_owned(),
+            Clock::Virtual(speed) if speed > 0.0 => format!("virtual clock at {speed}×"),
+            Clock::Virtual(_) => "virtual clock, as fast as possible".to_owned(),
+        };
+        if !self.quiet {
+            terminal.status("Running", format_args!("{}, {clock}, seed {}", mission.composite, mission.seed));
+        }
+        let stop = Arc::new(AtomicBool::new(false));
+        on_interrupt(&stop);
+        let trace = Arc::new(std::sync::Mutex::new(Trace::new()));
+        let ended = mission.run(self.listener(trace.clone()), &stop);
+        let ended = match ended {
+            Ok(ended) => ended,
+            Err(MissionError::Composite { sources, report }) => {
+                terminal.report(&report, &sources);
+                terminal.error(crate::terminal::count(&report).unwrap_or_default());
+                return Exit::Findings;
+            }
+            Err(error) => {
+                terminal.error(error);
+                return Exit::Usage;
+            }
+        };
+        if let Some(path) = &self.trace {
+            let trace = trace.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            if let Err(error) = std::fs::write(path, trace.text()) {
+                terminal.error(format_args!("cannot write `{path}`: {error}"));
+                return Exit::Usage;
+            }
+        }
+        if self.json {
+            terminal.result(summary_json(&ended));
+        } else {
+            summarise(&ended, terminal);
+        }
+        match ended.outcome {
+            Outcome::Reached => Exit::Ok,
+            Outcome::Failed | Outcome::TimeUp | Outcome::Stopped => Exit::Findings,
+            Outcome::Fault => Exit::Fault,
+        }
+    }
+
+    fn apply(&self, mission: &mut Mission) -> Result<(), String> {
+        if let Some(seed) = self.seed {
+            mission.seed = seed;
+            mission.settings.push(("seed".to_owned(), seed.to_string()));
+        }
+        if !(self.limit > 0.0) {
+            return Err(format!("`--for {}`: a time above zero is wanted", self.limit));
+        }
+        mission.limit = Some(Duration::try_from_secs_f64(self.limit).map_err(|error| error.to_string())?);
+        if let Some(goal) = &self.goal {
+            let numbers: Vec<f64> = goal.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+            let [x, y] = numbers.as_slice() else {
+                return Err(format!("`--goal {goal}`: two numbers are wanted, as in `--goal 26.4,4.2`"));
+            };
+            let script = Datum::List(vec![Datum::text(format!("1.0 goal {x} {y}"))]);
+            mission.properties.push(("Operator".to_owned(), "script".to_owned(), script));
+        }
+        for setting in &self.set {
+            let Some((name, value)) = setting.split_once('=') else {
+                return Err(format!("`--set {setting}` is not of the form NAME=VALUE"));
+            };
+            match name.split_once('.') {
+                None => mission.settings.push((name.to_owned(), value.to_owned())),
+                Some((component, property)) => {
+                    // what is not JSON is text
+                    let value = data::decode(value).unwrap_or_else(|_| Datum::text(value));
+                    mission.properties.push((component.to_owned(), property.to_owned(), value));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Who hears the events: the person at the terminal, or a program.
+    fn listener(
+        &self,
+        trace: Arc<std::sync::Mutex<Trace>>,
+    ) -> impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static {
+        let (tell, as_json, write) = (!self.quiet && !self.json, self.json, self.trace.is_some());
+        move |at, event, line| {
+            if write {
+                trace.lock().unwrap_or_else(std::sync::PoisonError::into_inner).note(at, event);
+            }
+            if let (true, Some(line)) = (tell, line) {
+                let _ = writeln!(anstream::stderr(), "{line}");
+            }
+            if let (true, Some(object)) = (as_json, event_json(at, event)) {
+                let _ = writeln!(anstream::stdout(), "{object}");
+            }
+        }
+    }
+}
+
+/// The first Ctrl-C ends the run in order, the second at once.
+fn on_interrupt(stop: &Arc<AtomicBool>) {
+    let stop = stop.clone();
+    // without the handler, Ctrl-C ends the process at once, as everywhere
+    let _ = ctrlc::set_handler(move || {
+        if stop.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+        let _ = writeln!(anstream::stderr(), "\n    Stopping (Ctrl-C again to abort)");
+    });
+}
+
+fn event_json(at: Time, event: &Event<'_>) -> Option<serde_json::Value> {
+    let t = at.seconds();
+    match event {
+        Event::Report { component, kind, what } if *kind == STEP_REPORT => {
+            let step: StepRecord = what.to().ok()?;
+            Some(json!({ "type": "step", "v": 1, "t": t, "component": component, "step": step }))
+        }
+        Event::Called { component, reference, operation, call, attempt, .. } => Some(json!({
+            "type": "call", "v": 1, "t": t, "component": component, "reference": reference,
+            "operation": operation, "call": call, "attempt": attempt,
+        })),
+        Event::Replied { component, reference, operation, call, result } => Some(json!({
+            "type": "reply", "v": 1, "t": t, "component": component, "reference": reference,
+            "operation": operation, "call": call, "error": result.err(),
+        })),
+        Event::Fault { component, fault } => {
+            Some(json!({ "type": "fault", "v": 1, "t": t, "component": component, "fault": fault.to_string() }))
+        }
+        _ => None,
+    }
+}
+
+fn word(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Reached => "reached",
+        Outcome::Failed => "failed",
+        Outcome::TimeUp => "time up",
+        Outcome::Fault => "fault",
+        Outcome::Stopped => "stopped",
+    }
+}
+
+fn summary_json(ended: &Ended) -> serde_json::Value {
+    let summary = &ended.summary;
+    json!({
+        "type": "summary", "v": 1, "outcome": word(ended.outcome),
+        "time_s": ended.time.as_secs_f64(), "wall_s": ended.wall.as_secs_f64(),
+        "steps": summary.steps, "transitions": summary.transitions, "driven_m": summary.driven_m,
+        "to_goal_m": summary.to_goal_m, "paths": summary.paths, "blocked": summary.blocked,
+        "failed_calls": summary.failed_calls, "control_state": summary.control_state,
+        "calls": summary.calls.iter().map(|(name, count)| json!({ "name": name, "count": count })).collect::<Vec<_>>(),
+        "faults": summary.faults,
+    })
+}
+
+fn summarise(ended: &Ended, terminal: &mut Terminal) {
+    let summary = &ended.summary;
+    let style = match ended.outcome {
+        Outcome::Reached => GOOD,
+        Outcome::Failed | Outcome::Fault => BAD,
+        Outcome::TimeUp | Outcome::Stopped => NOTE,
+    };
+    let state = summary.control_state.as_deref().unwrap_or("no control state");
+    let seconds = ended.time.as_secs_f64();
+    terminal.say("");
+    terminal.result(format_args!("{style}{}{style:#} in {state} after {seconds:.1} s", word(ended.outcome)));
+    let distance = match summary.to_goal_m {
+        Some(metres) => format!(", {metres:.2} m from the goal"),
+        None => String::new(),
+    };
+    terminal.result(format_args!("  driven     {:.1} m{distance}", summary.driven_m));
+    let calls: Vec<String> = summary.calls.iter().map(|(name, count)| format!("{name} ×{count}")).collect();
+    terminal.result(format_args!("  calls      {}; {} failed", calls.join(", "), summary.failed_calls));
+    terminal.result(format_args!("  paths      {}, of which {} because the way was blocked", summary.paths, summary.blocked));
+    terminal.result(format_args!(
+        "  steps      {} that wrote something, {} changes of control state",
+        summary.steps, summary.transitions
+    ));
+    for fault in &summary.faults {
+        terminal.result(format_args!("  {BAD}fault{BAD:#}      {fault}"));
+    }
+    let wall = ended.wall.as_secs_f64();
+    terminal.say(format_args!(
+        "  {FAINT}{wall:.2} s on the wall: {:.0} times real time{FAINT:#}",
+        seconds / wall.max(1e-9)
+    ));
+}

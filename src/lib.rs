@@ -1,0 +1,54 @@
+//! The front door of asmotion: the command line, one file a command, and what the commands share.
+//!
+//! This is the one crate that prints. [`mission`] puts a composite together and runs it; [`story`]
+//! tells what happens and [`trace`] writes it down.
+
+mod build;
+mod command;
+mod exit;
+mod files;
+pub mod mission;
+pub mod story;
+mod terminal;
+pub mod trace;
+
+pub use build::{Build, Variables};
+pub use exit::Exit;
+pub use files::Disk;
+
+use clap::Parser;
+use command::Command;
+use std::process::ExitCode;
+use terminal::{Colour, Terminal};
+
+/// Runs Abstract State Machine specifications as the coordinator of a robot.
+#[derive(Parser)]
+#[command(name = "asmotion", version, about, disable_help_subcommand = true, after_help = FIRST_STEPS)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+
+    /// When to use colour: `auto` follows the terminal, `NO_COLOR` and `FORCE_COLOR`.
+    #[arg(long, global = true, value_enum, default_value_t = Colour::Auto)]
+    color: Colour,
+}
+
+const FIRST_STEPS: &str = "\
+First steps:
+  asmotion demo                                              watch a rover being coordinated
+  asmotion check specs/navigation/navigation.composite.toml  what is wrong, before anything starts
+  asmotion sim specs/patrol/patrol.asm --steps 20            a specification alone";
+
+/// Carries out the command line.
+pub fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            // help and version are no errors; a failing standard output has nobody to tell
+            let _ = error.print();
+            return if error.use_stderr() { Exit::Usage.into() } else { Exit::Ok.into() };
+        }
+    };
+    let mut terminal = Terminal::new(arguments.color);
+    arguments.command.run(&mut terminal).into()
+}

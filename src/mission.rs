@@ -1,0 +1,268 @@
+//! A composite put together, and its run until something ends it.
+
+use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use asm_lang::{Report, Sources};
+use assembly::Standard;
+use component::{Event, Observer, Pace, Run, Time};
+use coordinator::{STEP_REPORT, StepRecord};
+use datum::Datum;
+
+use crate::build::{Build, Variables};
+use crate::files::Disk;
+use crate::story::{Story, Summary};
+
+/// What is run, and how.
+#[derive(Clone, Debug)]
+pub struct Mission {
+    /// The composite.
+    pub composite: String,
+    /// One of its profiles.
+    pub profile: Option<String>,
+    /// Its properties, set from outside.
+    pub settings: Vec<(String, String)>,
+    /// Properties of its components, set from outside: component, property, value.
+    pub properties: Vec<(String, String, Datum)>,
+    /// Decides what specifications leave to choice.
+    pub seed: u64,
+    /// Which time it runs in.
+    pub clock: Clock,
+    /// It ends well when a location gets one of these values: location, value.
+    pub until: Vec<(String, String)>,
+    /// It ends badly when a location gets one of these values.
+    pub unless: Vec<(String, String)>,
+    /// It ends, undecided, after this long; for ever where absent.
+    pub limit: Option<Duration>,
+}
+
+/// Which time a mission runs in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Clock {
+    /// One thread, time as fast as wanted: so many seconds of the run in one of the wall; as many as
+    /// possible where 0.
+    Virtual(f64),
+    /// A thread for each component, time as it passes.
+    Wall,
+}
+
+/// How a mission ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// A location got a value that it was to run until.
+    Reached,
+    /// A location got a value that means failure.
+    Failed,
+    /// The time was up.
+    TimeUp,
+    /// A component failed and cannot go on.
+    Fault,
+    /// Somebody stopped it.
+    Stopped,
+}
+
+/// What is left of a mission.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ended {
+    /// How it ended.
+    pub outcome: Outcome,
+    /// What happened in it.
+    pub summary: Summary,
+    /// How long it took, in its own time.
+    pub time: Duration,
+    /// How long it took on the wall.
+    pub wall: Duration,
+}
+
+/// Why a mission cannot begin.
+#[derive(Debug)]
+pub enum MissionError {
+    /// The composite has errors, or there is no such profile.
+    Composite {
+        /// The texts.
+        sources: Sources,
+        /// The findings.
+        report: Report,
+    },
+    /// The profile does not exist, or one must be chosen.
+    Profile {
+        /// What was asked for.
+        wanted: Option<String>,
+        /// What there is.
+        known: Vec<String>,
+    },
+    /// It cannot be put together.
+    Launch(String),
+}
+
+impl fmt::Display for MissionError {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Composite { sources, report } => {
+                to.write_str(&asm_lang::render_all(report, sources, asm_lang::Style::Plain))
+            }
+            Self::Profile { wanted: Some(wanted), known } => {
+                write!(to, "there is no profile `{wanted}`, but {}", known.join(", "))
+            }
+            Self::Profile { wanted: None, known } => {
+                write!(to, "choose a profile with `--profile`: {}", known.join(", "))
+            }
+            Self::Launch(reason) => to.write_str(reason),
+        }
+    }
+}
+
+impl std::error::Error for MissionError {}
+
+/// How often the run looks up to see whether it shall stop, in its own time.
+const SLICE: Duration = Duration::from_millis(100);
+
+/// After its end the robot has this long to come to rest.
+const REST: Duration = Duration::from_secs(1);
+
+impl Mission {
+    /// A mission in virtual time, as fast as possible, that ends with `mode` ARRIVED or FAILED, or
+    /// after ten minutes.
+    pub fn new(composite: impl Into<String>) -> Self {
+        let mode = |value: &str| vec![("mode".to_owned(), value.to_owned())];
+        Self {
+            composite: composite.into(),
+            profile: None,
+            settings: Vec::new(),
+            properties: Vec::new(),
+            seed: 1,
+            clock: Clock::Virtual(0.0),
+            until: mode("ARRIVED"),
+            unless: mode("FAILED"),
+            limit: Some(Duration::from_secs(600)),
+        }
+    }
+
+    /// Runs it. `hear` is told every event, and the line of the story where it has one; `stop` ends
+    /// the run early.
+    ///
+    /// # Errors
+    /// The composite has errors, or cannot be put together in this build.
+    pub fn run(
+        &self,
+        mut hear: impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static,
+        stop: &AtomicBool,
+    ) -> Result<Ended, MissionError> {
+        let opened = assembly::open(&self.composite, &Build.context(&Disk, &Variables, &self.settings));
+        if opened.report.has_errors() {
+            return Err(MissionError::Composite { sources: opened.sources, report: opened.report });
+        }
+        let Some(plan) = opened.plan(self.profile.as_deref()) else {
+            let (wanted, known) = (self.profile.clone(), opened.profiles);
+            return Err(MissionError::Profile { wanted, known });
+        };
+        let mut workshop = Standard {
+            catalogue: &Build,
+            loader: &Disk,
+            seed: self.seed,
+            builtins: &mut |_, _| None,
+        };
+        let mut system = assembly::start(plan, &mut workshop)
+            .map_err(|error| MissionError::Launch(error.to_string()))?;
+        for (component, property, value) in &self.properties {
+            let id = system.id(component).ok_or_else(|| {
+                MissionError::Launch(format!("there is no component `{component}` to set `{property}` of"))
+            })?;
+            let set = system.set_property(id, property, value);
+            set.map_err(|error| MissionError::Launch(error.to_string()))?;
+        }
+        let story = Arc::new(Mutex::new(Story::new()));
+        let watch = Arc::new(Mutex::new(Watch::new(self)));
+        let (listener, watcher) = (story.clone(), watch.clone());
+        system.observe(move |at: Time, event: &Event<'_>| {
+            let line = lock(&listener).tell(at, event);
+            hear(at, event, line.as_deref());
+            lock(&watcher).observe(at, event);
+        });
+        let began = Instant::now();
+        let mut run: Box<dyn Run> = match self.clock {
+            Clock::Wall => Box::new(system.live()),
+            Clock::Virtual(speed) => {
+                let mut simulation = system.simulate();
+                simulation.set_pace(if speed > 0.0 { Pace::Factor(speed) } else { Pace::Unlimited });
+                Box::new(simulation)
+            }
+        };
+        let outcome = self.drive(&mut *run, &watch, stop);
+        let time = run.now().since(Time::ZERO);
+        if outcome == Outcome::Reached || outcome == Outcome::Failed {
+            run.run_for(REST);
+        }
+        run.stop();
+        let summary = lock(&story).summary().clone();
+        Ok(Ended { outcome, summary, time, wall: began.elapsed() })
+    }
+
+    fn drive(&self, run: &mut dyn Run, watch: &Mutex<Watch>, stop: &AtomicBool) -> Outcome {
+        let limit = self.limit.map(|limit| Time::ZERO + limit);
+        loop {
+            if let Some(outcome) = lock(watch).outcome {
+                return outcome;
+            }
+            if stop.load(Ordering::Relaxed) {
+                return Outcome::Stopped;
+            }
+            let mut until = run.now() + SLICE;
+            if let Some(limit) = limit {
+                if run.now() >= limit {
+                    return Outcome::TimeUp;
+                }
+                until = until.min(limit);
+            }
+            run.run_until_event(until, &mut |_, event| {
+                matches!(event, Event::Report { .. } | Event::Fault { .. })
+            });
+        }
+    }
+}
+
+/// Looks out for the end.
+struct Watch {
+    until: Vec<(String, String)>,
+    unless: Vec<(String, String)>,
+    outcome: Option<Outcome>,
+}
+
+impl Watch {
+    fn new(mission: &Mission) -> Self {
+        Self { until: mission.until.clone(), unless: mission.unless.clone(), outcome: None }
+    }
+}
+
+impl Observer for Watch {
+    fn observe(&mut self, _at: Time, event: &Event<'_>) {
+        if self.outcome.is_some() {
+            return;
+        }
+        match event {
+            Event::Fault { .. } => self.outcome = Some(Outcome::Fault),
+            Event::Report { kind, what, .. } if *kind == STEP_REPORT => {
+                let Ok(step) = what.to::<StepRecord>() else { return };
+                let has = |ends: &[(String, String)]| {
+                    step.updates.iter().any(|update| {
+                        ends.iter()
+                            .any(|(location, value)| *location == update.location && *value == update.after)
+                    })
+                };
+                if has(&self.until) {
+                    self.outcome = Some(Outcome::Reached);
+                } else if has(&self.unless) {
+                    self.outcome = Some(Outcome::Failed);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// What a panicking listener left behind is still a story.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,94 @@
+//! The one place that prints: results on standard output, the story and diagnostics on standard error.
+
+use anstream::ColorChoice;
+use anstyle::{AnsiColor, Style as Ansi};
+use asm_lang::{Report, Severity, Sources, Style};
+use clap::ValueEnum;
+use std::fmt::Display;
+use std::io::Write;
+
+/// When to use colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Colour {
+    /// Where a person is likely to read it.
+    Auto,
+    /// Always.
+    Always,
+    /// Never.
+    Never,
+}
+
+/// Colours by meaning. Colour never says anything alone: a word or a sign says it too.
+pub const GOOD: Ansi = AnsiColor::Green.on_default().bold();
+/// See [`GOOD`].
+pub const BAD: Ansi = AnsiColor::Red.on_default().bold();
+/// See [`GOOD`].
+pub const NOTE: Ansi = AnsiColor::Yellow.on_default();
+/// See [`GOOD`].
+pub const NAME: Ansi = AnsiColor::Cyan.on_default();
+/// See [`GOOD`].
+pub const FAINT: Ansi = Ansi::new().dimmed();
+
+/// Both standard streams.
+pub struct Terminal {
+    out: anstream::AutoStream<std::io::Stdout>,
+    err: anstream::AutoStream<std::io::Stderr>,
+}
+
+impl Terminal {
+    /// Streams that show colour as asked for.
+    pub fn new(colour: Colour) -> Self {
+        let choice = match colour {
+            Colour::Auto => ColorChoice::Auto,
+            Colour::Always => ColorChoice::Always,
+            Colour::Never => ColorChoice::Never,
+        };
+        choice.write_global();
+        Self { out: anstream::stdout(), err: anstream::stderr() }
+    }
+
+    /// A line of a result.
+    pub fn result(&mut self, line: impl Display) {
+        // nobody is left to tell if the reader went away
+        let _ = writeln!(self.out, "{line}");
+    }
+
+    /// A line of the story.
+    pub fn say(&mut self, line: impl Display) {
+        let _ = writeln!(self.err, "{line}");
+    }
+
+    /// A line that begins with what is being done, as in `   Checking 3 files`.
+    pub fn status(&mut self, verb: &str, what: impl Display) {
+        self.say(format_args!("{GOOD}{verb:>12}{GOOD:#} {what}"));
+    }
+
+    /// Something that stops the command.
+    pub fn error(&mut self, what: impl Display) {
+        self.say(format_args!("{BAD}error{BAD:#}: {what}"));
+    }
+
+    /// A way out.
+    pub fn help(&mut self, what: impl Display) {
+        self.say(format_args!("{NAME}help{NAME:#}: {what}"));
+    }
+
+    /// All findings of a report.
+    pub fn report(&mut self, report: &Report, sources: &Sources) {
+        for finding in &report.diagnostics {
+            self.say(format_args!("{}\n", asm_lang::render(finding, sources, Style::Coloured)));
+        }
+    }
+}
+
+/// "1 error, 2 warnings", or nothing.
+pub fn count(report: &Report) -> Option<String> {
+    let number = |severity, word: &str| match report.count(severity) {
+        0 => None,
+        1 => Some(format!("1 {word}")),
+        several => Some(format!("{several} {word}s")),
+    };
+    let parts: Vec<String> =
+        [number(Severity::Error, "error"), number(Severity::Warning, "warning")].into_iter().flatten().collect();
+    (!parts.is_empty()).then(|| parts.join(", "))
+}

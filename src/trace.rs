@@ -1,0 +1,98 @@
+//! A run written down, line by line: the same run gives the same bytes.
+//!
+//! Steps of coordinators stand in full; of a message the trace keeps the CRC-32 of its CBOR form, so
+//! that a map costs a line like everything else. Cycles that did nothing are not mentioned.
+
+use component::{CallError, Event, Time};
+use coordinator::{STEP_REPORT, StepRecord};
+use datum::{Datum, Sample, cbor};
+use std::fmt::Write;
+
+/// Writes events as lines.
+#[derive(Debug, Default)]
+pub struct Trace {
+    text: String,
+}
+
+impl Trace {
+    /// Nothing happened yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// All lines so far.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Takes in an event.
+    pub fn note(&mut self, at: Time, event: &Event<'_>) {
+        let line = match event {
+            Event::Cycle { .. } => return,
+            Event::Published { component, port, sequence, sample, .. } => {
+                format!("publish {component}.{port} #{sequence} {}", print(*sample))
+            }
+            Event::Injected { place, sample } => format!("inject {place} {}", print(*sample)),
+            Event::Called { component, reference, operation, call, attempt, argument } => {
+                let argument = print(*argument);
+                format!("call {component}.{reference}.{operation} {} attempt {attempt} {argument}", call.0)
+            }
+            Event::Answered { component, service, operation, caller, result } => {
+                let result = outcome(*result);
+                format!("answer {component}.{service}.{operation} to {caller} {result}")
+            }
+            Event::Replied { component, reference, operation, call, result } => {
+                let result = outcome(*result);
+                format!("reply {component}.{reference}.{operation} {} {result}", call.0)
+            }
+            Event::LifeCycle { component, from, to } => format!("life {component} {from:?} {to:?}"),
+            Event::Fault { component, fault } => format!("fault {component} {fault}"),
+            Event::Overrun { component, missed } => format!("overrun {component} {missed}"),
+            Event::Dropped { component, port, to, total } => {
+                format!("dropped {component}.{port} {to} {total}")
+            }
+            Event::Property { component, property, value } => {
+                format!("property {component}.{property} {value:?}")
+            }
+            Event::Report { component, kind, what } => report(component, kind, what),
+            Event::Lost { count } => format!("lost {count}"),
+        };
+        // writing to a string cannot fail
+        let _ = writeln!(self.text, "{} {line}", at.nanos());
+    }
+}
+
+/// The type and the checksum of a message.
+fn print(sample: &dyn Sample) -> String {
+    let encoded = sample.to_datum().and_then(|datum| cbor::encode(&datum));
+    match encoded {
+        Ok(bytes) => format!("{} {:08x}", sample.type_name(), crc32fast::hash(&bytes)),
+        Err(error) => format!("{} {error}", sample.type_name()),
+    }
+}
+
+fn outcome(result: Result<&dyn Sample, &CallError>) -> String {
+    match result {
+        Ok(sample) => print(sample),
+        Err(error) => error.to_string(),
+    }
+}
+
+fn report(component: &str, kind: &str, what: &Datum) -> String {
+    let mut line = format!("report {component} {kind}");
+    match what.to::<StepRecord>() {
+        Ok(step) if kind == STEP_REPORT => {
+            let _ = write!(line, " {}", step.number);
+            for (location, value) in &step.inputs {
+                let _ = write!(line, "\n  M {location} = {value}");
+            }
+            for update in &step.updates {
+                let _ = write!(line, "\n  U {} = {}", update.location, update.after);
+            }
+        }
+        _ => {
+            let _ = write!(line, " {what:?}");
+        }
+    }
+    line
+}

@@ -1,0 +1,89 @@
+//! What is said about a mistake: a file for each code, the code beside the line, and what a reader
+//! sees as a snapshot. Read a snapshot before you accept it: does it say what is wrong, where, and
+//! what to do?
+//!
+//! Files whose codes begin with `R` are run until they fail.
+
+use asm_lang::{Diagnostic, First, NoInputs, Report, Sources, Specification, Style, render, render_all};
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+#[test]
+fn says_what_is_wrong() {
+    for (name, text) in super::programs(&super::folder().join("messages")) {
+        let (found, rendered) = said(&name, &text);
+        insta::with_settings!({
+            snapshot_path => "messages",
+            prepend_module_to_snapshot => false,
+            omit_expression => true,
+            description => text.trim(),
+        }, { insta::assert_snapshot!(name.clone(), rendered); });
+        assert_eq!(found, expected(&text), "in {name}.asm");
+    }
+}
+
+/// Every code of the analysis and of the run has a file that earns it.
+#[test]
+fn has_an_example_of_every_code() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("asm-lang");
+    let sources = ["hir/src/error.rs", "ir/src/lower.rs", "ir/src/lower/rule.rs", "ir/src/lower/term.rs", "src/explain.rs"];
+    let is_code = |word: &&str| {
+        word.len() == 4 && word.starts_with(['A', 'W', 'R']) && word[1..].bytes().all(|digit| digit.is_ascii_digit())
+    };
+    let texts: Vec<String> =
+        sources.iter().map(|source| std::fs::read_to_string(root.join(source)).unwrap()).collect();
+    let codes: BTreeSet<&str> = texts.iter().flat_map(|text| text.split('"')).filter(is_code).collect();
+    let programs = super::programs(&super::folder().join("messages"));
+    let examples: BTreeSet<&str> =
+        programs.iter().flat_map(|(_, text)| expected(text)).map(|(_, code)| code).collect();
+    assert_eq!(codes.difference(&examples).collect::<Vec<_>>(), Vec::<&&str>::new(), "without example");
+}
+
+/// The codes found with their lines, and what a reader sees.
+fn said(name: &str, text: &str) -> (Vec<(usize, &'static str)>, String) {
+    match super::open(name, text) {
+        Err(failure) => (lines(&failure.report, &failure.sources), failure.to_string()),
+        Ok(specification) => {
+            let mut found = lines(&specification.report, &specification.sources);
+            let mut rendered = render_all(&specification.report, &specification.sources, Style::Plain);
+            if let Some(fault) = run(&specification) {
+                found.push(line(&fault, &specification.sources));
+                // writing to a string cannot fail
+                let _ = write!(rendered, "{}", render(&fault, &specification.sources, Style::Plain));
+            }
+            (found, rendered)
+        }
+    }
+}
+
+/// Runs a program for ten steps at most; what stopped it, if anything did.
+fn run(specification: &Specification) -> Option<Diagnostic> {
+    let mut machine = match specification.machine() {
+        Ok(machine) => machine,
+        Err(fault) => return Some(specification.explain(&fault)),
+    };
+    for _ in 0..10 {
+        if let Err(fault) = machine.step(&mut NoInputs, &mut First, 0).map(|_| ()) {
+            return Some(specification.explain_in(&fault, &machine));
+        }
+    }
+    None
+}
+
+fn lines(report: &Report, sources: &Sources) -> Vec<(usize, &'static str)> {
+    report.diagnostics.iter().map(|finding| line(finding, sources)).collect()
+}
+
+fn line(finding: &Diagnostic, sources: &Sources) -> (usize, &'static str) {
+    let at = finding.primary.as_ref().map_or(1, |label| sources.position(label.span.file, label.span.start).0);
+    (at, finding.code)
+}
+
+/// The codes that a text asks for, with their lines.
+fn expected(text: &str) -> Vec<(usize, &str)> {
+    let marked = text.lines().enumerate().filter_map(|(line, text)| {
+        let (_, codes) = text.split_once("//~")?;
+        Some(codes.split_whitespace().map(move |code| (line + 1, code)))
+    });
+    marked.flatten().collect()
+}
