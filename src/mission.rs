@@ -18,7 +18,7 @@ use crate::story::{Story, Summary};
 /// What is run, and how.
 #[derive(Clone, Debug)]
 pub struct Mission {
-    /// The composite.
+    /// The file of the composite.
     pub composite: String,
     /// One of its profiles.
     pub profile: Option<String>,

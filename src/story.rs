@@ -45,21 +45,12 @@ pub struct Summary {
     pub ended: Option<Time>,
 }
 
-impl Summary {
-    /// Paths after the first one for the same mission.
-    pub fn replans(&self) -> u64 {
-        self.blocked
-    }
-}
-
 /// Tells the events of a run.
 #[derive(Debug, Default)]
 pub struct Story {
     summary: Summary,
     goal: Option<Point>,
     pose: Option<Point>,
-    /// Metres of the path that is being followed.
-    path_m: Option<f64>,
     told_progress: f64,
     moving: bool,
 }
@@ -73,11 +64,6 @@ impl Story {
     /// What is left of it so far.
     pub fn summary(&self) -> &Summary {
         &self.summary
-    }
-
-    /// Where the robot last was, map frame, by odometry; m.
-    pub fn pose(&self) -> Option<&Point> {
-        self.pose.as_ref()
     }
 
     /// Takes in an event; the lines to tell about it, mostly none.
@@ -104,7 +90,7 @@ impl Story {
             Event::Overrun { component, missed } => {
                 Some(format!("{NOTE}overrun{NOTE:#} {component} missed {missed} periods"))
             }
-            Event::Dropped { component, port, to, total } => {
+            Event::Dropped { component, port, to, total, .. } => {
                 Some(format!("{NOTE}dropped{NOTE:#} {component}.{port} → {to}: {total} so far"))
             }
             Event::Lost { count } => Some(format!("{NOTE}lost{NOTE:#} {count} events of this story")),
@@ -209,7 +195,6 @@ impl Story {
     fn path(&mut self, path: &Path) -> String {
         let metres = length(path);
         self.summary.paths += 1;
-        self.path_m = Some(metres);
         format!("a path of {metres:.1} m in {} poses", path.poses.len())
     }
 
@@ -222,10 +207,11 @@ impl Story {
             }
         }
         let is_control = |update: &&UpdateRecord| CONTROL_STATES.contains(&update.location.as_str());
-        let control = record.updates.iter().find(is_control)?;
-        if control.before == control.after {
-            return None;
-        }
+        let control = record.updates.iter().find(is_control);
+        let changed = control.filter(|control| control.before != control.after);
+        let Some(control) = changed else {
+            return Some(format!("{FAINT}step {}  {}{FAINT:#}", record.number, OnOneLine(&record)));
+        };
         self.summary.transitions += 1;
         self.summary.control_state = Some(control.after.clone());
         let mut line = String::new();
@@ -239,6 +225,21 @@ impl Story {
             let _ = write!(line, "\n{:>12}{}", "", Shown(update));
         }
         Some(line)
+    }
+}
+
+/// A step that left the control state alone: its updates that changed something.
+struct OnOneLine<'a>(&'a StepRecord);
+
+impl fmt::Display for OnOneLine<'_> {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let changed = self.0.updates.iter().filter(|update| update.before != update.after);
+        let changed: Vec<String> =
+            changed.map(|update| format!("{} := {}", update.location, update.after)).collect();
+        match changed.is_empty() {
+            true => to.write_str("changed nothing"),
+            false => to.write_str(&changed.join(", ")),
+        }
     }
 }
 

@@ -48,7 +48,7 @@ impl Trace {
             Event::LifeCycle { component, from, to } => format!("life {component} {from:?} {to:?}"),
             Event::Fault { component, fault } => format!("fault {component} {fault}"),
             Event::Overrun { component, missed } => format!("overrun {component} {missed}"),
-            Event::Dropped { component, port, to, total } => {
+            Event::Dropped { component, port, to, total, .. } => {
                 format!("dropped {component}.{port} {to} {total}")
             }
             Event::Property { component, property, value } => {

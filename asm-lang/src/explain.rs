@@ -52,7 +52,7 @@ impl Specification {
                 .note("`undef` spreads: a comparison with an undef side is undef, `=` and `!=` are not")
                 .help("initialise the locations it reads, or test them with `isDef(…)` first"),
             FaultKind::Library(reason) => {
-                Diagnostic::error("R004", format!("{reason}, {when}")).label(at, "evaluated here")
+                Diagnostic::error("R004", format!("{reason}, {when}")).label(at, "evaluated here").help(reason.help())
             }
             FaultKind::Infinite => Diagnostic::error("R005", format!("a variable ranges over a domain without end, {when}"))
                 .label(at, "its elements cannot be listed")
@@ -66,7 +66,8 @@ impl Specification {
                 .label(at, "a rule is wanted")
                 .help("give the location a rule, as in `<<r_x>>`"),
             FaultKind::RuleArity { wanted, actual } => {
-                Diagnostic::error("R008", format!("a rule that takes {wanted} arguments is run with {actual}, {when}"))
+                let plural = if *wanted == 1 { "" } else { "s" };
+                Diagnostic::error("R008", format!("the rule takes {wanted} argument{plural}, here are {actual}, {when}"))
                     .label(at, "run here")
                     .help("give one argument for each parameter")
             }
@@ -85,13 +86,20 @@ impl Specification {
             FaultKind::Input { slot, reason } => {
                 Diagnostic::error("R013", format!("no value for `{}` {when}: {reason}", location(*slot)))
                     .label(at, "read here")
+                    .help("let the environment answer it, or give it a default")
             }
             FaultKind::Invariant { index, value } => {
                 let invariant = &self.program.invariants[*index];
                 let what = if value.is_undef() { "is undef" } else { "does not hold" };
+                let help = match (value.is_undef(), invariant.assumes, fault.step) {
+                    (true, ..) => "initialise the locations it reads, or test them with `isDef(…)` first",
+                    (false, true, _) => "it is an assumption on the inputs of the step, and these break it",
+                    (false, false, 0) => "let the initial values satisfy it",
+                    (false, false, _) => "find the rule that broke it among the updates of the step",
+                };
                 Diagnostic::error("R014", format!("the invariant `{}` {what} {when}", invariant.name))
                     .label(at, "this condition")
-                    .help("find the rule that broke it among the updates of the step")
+                    .help(help)
             }
             FaultKind::NoMain => Diagnostic::error("R015", "there is no main rule to run")
                 .help("add `main rule r_Main = …`"),

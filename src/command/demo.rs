@@ -78,7 +78,7 @@ impl Demo {
         mission.clock = Clock::Virtual(self.speed.max(0.0));
         let obstacles: Datum = datum::json::decode(self.world.obstacles()).unwrap_or_default();
         mission.properties.push(("World".to_owned(), "obstacles".to_owned(), obstacles));
-        self.common.run(mission, terminal)
+        self.common.run("the navigation demo", mission, terminal)
     }
 }
 

@@ -101,7 +101,7 @@ impl Run {
                 return Exit::Usage;
             }
         }
-        self.common.run(mission, terminal)
+        self.common.run(&self.composite, mission, terminal)
     }
 }
 
@@ -115,8 +115,8 @@ fn ends(written: &[String]) -> Result<Vec<(String, String)>, String> {
 }
 
 impl Common {
-    /// Applies the options and runs a mission.
-    pub fn run(&self, mut mission: Mission, terminal: &mut Terminal) -> Exit {
+    /// Applies the options and runs a mission that goes by this title.
+    pub fn run(&self, title: &str, mut mission: Mission, terminal: &mut Terminal) -> Exit {
         if let Err(problem) = self.apply(&mut mission) {
             terminal.error(problem);
             return Exit::Usage;
@@ -127,7 +127,7 @@ impl Common {
             Clock::Virtual(_) => "virtual clock, as fast as possible".to_owned(),
         };
         if !self.quiet {
-            terminal.status("Running", format_args!("{}, {clock}, seed {}", mission.composite, mission.seed));
+            terminal.status("Running", format_args!("{title}, {clock}, seed {}", mission.seed));
         }
         let stop = Arc::new(AtomicBool::new(false));
         on_interrupt(&stop);

@@ -1,1 +1,221 @@
+//! Whatever the text: a report, no panic, no overflow of the stack, and in bounded time.
 
+use asm_lang::simulate::{Random, Seeded};
+use asm_lang::source::LoadError;
+use asm_lang::{Failure, Files, First, Loader, NoInputs, Style, render_all};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// The most that any text of this module may take, in a build without optimisation.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// The codes of what is wrong with a text; it does not take long to find out.
+fn codes(text: &str) -> Vec<&'static str> {
+    let begin = Instant::now();
+    let report = match super::open("limits", text) {
+        Ok(specification) => specification.report,
+        Err(failure) => failure.report,
+    };
+    assert!(begin.elapsed() < PATIENCE, "took {:?}", begin.elapsed());
+    report.diagnostics.iter().map(|finding| finding.code).collect()
+}
+
+fn main_rule(signature: &str, rule: &str) -> String {
+    format!("asm limits\nimport StandardLibrary\nsignature:\n{signature}\ndefinitions:\n main rule r_Main = {rule}\n")
+}
+
+/// Numbers without end, always the same.
+fn numbers() -> impl FnMut(usize) -> usize {
+    let mut state = 0x2545_F491_4F6C_DD1D_u64;
+    move |below| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        usize::try_from(state >> 33).unwrap() % below
+    }
+}
+
+#[test]
+fn says_that_an_empty_file_is_empty() {
+    for text in ["", " \n\n", "// nothing", "\u{feff}"] {
+        assert_eq!(codes(text).len(), 1, "{text:?}");
+    }
+}
+
+#[test]
+fn survives_noise() {
+    let mut below = numbers();
+    let noise: String = (0..10_000_000).map(|_| char::from(u8::try_from(below(255)).unwrap())).collect();
+    assert!(!codes(&noise).is_empty());
+    assert!(!codes(&main_rule("", &noise)).is_empty());
+}
+
+#[test]
+fn survives_deep_nests() {
+    let nest = |open: &str, inner: &str, close: &str, depth: usize| {
+        format!("{}{inner}{}", open.repeat(depth), close.repeat(depth))
+    };
+    let cases = [
+        nest("x := (", "1", ")", 1) + &nest("(", "", "", 10_000),
+        format!("x := {}", nest("(", "1", ")", 10_000)),
+        format!("b := {}", nest("not ", "b", "", 100_000)),
+        format!("x := {}", nest("- ", "1", "", 100_000)),
+        format!("b := {}", nest("b and ", "b", "", 5_000)),
+        format!("x := {}", nest("if b then ", "1", " endif", 10_000)),
+        nest("if b then ", "skip", " endif", 10_000),
+        nest("seq skip ", "skip", " endseq", 10_000),
+        nest("forall $i in {1} do ", "skip", "", 10_000),
+    ];
+    for rule in cases {
+        let text = main_rule(" controlled x: Integer\n controlled b: Boolean", &rule);
+        assert!(codes(&text).contains(&"L039"), "{}", &rule[..30]);
+    }
+}
+
+/// What the parser lets through, the other stages can carry, also on a small stack.
+#[test]
+fn runs_nests_as_deep_as_they_may_be() {
+    let nest = |open: &str, inner: &str, close: &str, depth: usize| {
+        format!("{}{inner}{}", open.repeat(depth), close.repeat(depth))
+    };
+    let cases = [
+        format!("x := {}", nest("(1 + ", "1", ")", 190)),
+        format!("b := {}", nest("not ", "b", "", 380)),
+        format!("b := {}", nest("b and ", "b", "", 380)),
+        format!("x := {}", nest("if b then ", "1", " endif", 380)),
+        format!("b := {}", nest("(exists $i in {1} with ", "b", ")", 190)),
+        nest("if b then ", "skip", " else x := 1 endif", 380),
+        nest("seq x := 1 ", "skip", " endseq", 380),
+        nest("choose $i in {1} do ", "x := 1", "", 380),
+    ];
+    for rule in cases {
+        let text = main_rule(" controlled x: Integer\n controlled b: Boolean", &rule)
+            + "default init s0:\n function b = true\n";
+        let run = move || {
+            let mut machine = super::opened("limits", &text).machine().unwrap();
+            machine.step(&mut NoInputs, &mut First, 0).unwrap();
+        };
+        std::thread::Builder::new().stack_size(1 << 20).spawn(run).unwrap().join().unwrap();
+    }
+}
+
+#[test]
+fn survives_long_blocks() {
+    let text = main_rule(" controlled x: Integer", &format!("par {} endpar", "x := 1 ".repeat(50_000)));
+    assert_eq!(codes(&text), Vec::<&str>::new());
+}
+
+/// What runs too deep, too long or too large stops with a fault.
+#[test]
+fn stops_runs_without_end() {
+    let endless = [
+        ("static f: Integer -> Integer", "function f($n in Integer) = f($n + 1) + 1", "x := f(0)", "R010"),
+        ("derived f: Integer -> Integer", "function f($n in Integer) = if x > 0 then 0 else f($n) endif", "x := f(0)", "R010"),
+        ("", "rule r_f($n in Integer) = r_f[$n + 1]", "r_f[0]", "R010"),
+        ("", "turbo rule r_f($n in Integer) in Integer = seq x <- r_f($n + 1)  result := x endseq", "x <- r_f(0)", "R010"),
+        ("", "rule r_f($n in Integer) = seq x := $n  r_f[x] endseq", "r_f[0]", "R010"),
+        ("", "", "while true do while true do x := x + 1", "R011"),
+        ("controlled s: Powerset(Integer)", "", "s := {$a in {1 : 2000}, $b in {1 : 2000} : $a * 2000 + $b}", "R012"),
+        ("controlled s: Powerset(Powerset(Integer))", "domain Digit = {0 : 63}", "s := {$d in Powerset(Digit) : $d}", "R012"),
+        ("controlled s: Seq(Integer)", "", "seq s := [1]  while true do s := union(s, s) endseq", "R004"),
+    ];
+    for (signature, definition, rule, code) in endless {
+        let domain = if definition.starts_with("domain") { " domain Digit subsetof Integer\n" } else { "" };
+        let text = format!(
+            "asm limits\nimport StandardLibrary\nsignature:\n{domain} controlled x: Integer\n {signature}\ndefinitions:\n {definition}\n main rule r_Main = {rule}\ndefault init s0:\n function x = 0\n"
+        );
+        let specification = super::opened("limits", &text);
+        let mut machine = specification.machine().unwrap();
+        let fault = machine.step(&mut NoInputs, &mut First, 0).map(|_| ()).unwrap_err();
+        assert_eq!(specification.explain_in(&fault, &machine).code, code, "{rule}");
+    }
+}
+
+#[test]
+fn refuses_a_long_chain_of_imports() {
+    let mut files = Files::new();
+    for index in 0..200 {
+        let next = format!("import m{}\n", index + 1);
+        files.add(&format!("m{index}.asm"), format!("module m{index}\n{next}export *\nsignature:\ndefinitions:\n"));
+    }
+    let failure = asm_lang::open("m0.asm", &files).unwrap_err();
+    insta::assert_snapshot!(first(&failure), @"
+    error[A012]: imports nest deeper than 64 files
+     --> m63.asm:2:8
+      |
+    2 | import m64
+      |        ^^^ one import too many
+      |
+    help: import the module you need directly
+    ");
+}
+
+/// A file that is there, but cannot be read.
+struct Locked;
+
+impl Loader for Locked {
+    fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
+        match path {
+            "robot.asm" => Ok(Arc::from("asm robot\nimport secret\nsignature:\ndefinitions:\n main rule r_Main = skip\n")),
+            path => Err(LoadError { path: path.to_owned(), reason: "permission denied".to_owned() }),
+        }
+    }
+
+    fn resolve(&self, _from: &str, import: &str) -> Option<String> {
+        Some(format!("{}.asm", import.trim_end_matches(".asm")))
+    }
+}
+
+#[test]
+fn says_which_file_cannot_be_read() {
+    let failure = asm_lang::open("robot.asm", &Locked).unwrap_err();
+    insta::assert_snapshot!(first(&failure), @"
+    error[A013]: cannot read `secret.asm`: permission denied
+     --> robot.asm:2:8
+      |
+    2 | import secret
+      |        ^^^^^^ imported here
+      |
+    help: check the path and the permissions; the text must be UTF-8
+    ");
+    let failure = asm_lang::open("secret.asm", &Locked).unwrap_err();
+    assert_eq!(failure.report.diagnostics[0].code, "A013");
+}
+
+fn first(failure: &Failure) -> String {
+    let mut report = failure.report.clone();
+    report.diagnostics.truncate(1);
+    render_all(&report, &failure.sources, Style::Plain)
+}
+
+/// Programs with words dropped, doubled and exchanged: most are wrong, all get an answer, and those
+/// that still open also run.
+#[test]
+fn survives_scrambled_programs() {
+    let programs = super::programs(&super::folder().join("semantics"));
+    let mut below = numbers();
+    for round in 0..300_000 {
+        let (name, text) = &programs[below(programs.len())];
+        let (_, other) = &programs[below(programs.len())];
+        let spare: Vec<&str> = other.split_inclusive([' ', '\n', '(', ')', ',']).collect();
+        let mut words: Vec<&str> = text.split_inclusive([' ', '\n', '(', ')', ',']).collect();
+        for _ in 0..=below(3) {
+            let at = below(words.len());
+            match below(3) {
+                0 => drop(words.remove(at)),
+                1 => words.insert(at, words[below(words.len())]),
+                _ => words[at] = spare[below(spare.len())],
+            }
+        }
+        let text = words.concat();
+        let Ok(specification) = super::open(name, &text) else { continue };
+        let Ok(mut machine) = specification.machine() else { continue };
+        let mut random = Random::new(specification.program.clone(), &machine, round);
+        let mut seeded = Seeded::new(round);
+        for now in 0..3 {
+            if let Err(fault) = machine.step(&mut random, &mut seeded, now).map(|_| ()) {
+                specification.explain_in(&fault, &machine);
+            }
+        }
+    }
+}

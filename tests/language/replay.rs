@@ -1,1 +1,78 @@
+//! The same program, inputs and choices: the same run, byte for byte.
 
+use asm_lang::simulate::{Random, Recording, Seeded, Trace};
+use asm_lang::{Chooser, Environment, Fault, Machine, Specification};
+
+/// The programs that begin.
+fn programs() -> impl Iterator<Item = (String, Specification)> {
+    let programs = super::programs(&super::folder().join("semantics")).into_iter();
+    let opened = programs.map(|(name, text)| {
+        let specification = super::opened(&name, &text);
+        (name, specification)
+    });
+    opened.filter(|(_, specification)| specification.machine().is_ok())
+}
+
+/// A machine and what it did, until it stops.
+struct Run {
+    machine: Machine,
+    trace: Trace,
+    stopped: Option<Box<Fault>>,
+}
+
+impl Run {
+    fn of(specification: &Specification) -> Self {
+        let machine = specification.machine().unwrap();
+        let trace = Trace::begin(&machine);
+        Self { machine, trace, stopped: None }
+    }
+
+    fn step(&mut self, inputs: &mut dyn Environment, choices: &mut dyn Chooser, now_ns: i64) {
+        if self.stopped.is_some() {
+            return;
+        }
+        match self.machine.step(inputs, choices, now_ns).map(|_| ()) {
+            Ok(()) => self.trace.step(&self.machine),
+            Err(fault) => {
+                self.trace.fault(&self.machine, &fault);
+                self.stopped = Some(fault);
+            }
+        }
+    }
+
+    fn text(self) -> String {
+        self.trace.end(self.stopped.as_deref())
+    }
+}
+
+/// The trace of a run with inputs and choices by chance.
+fn by_chance(specification: &Specification, seed: u64) -> String {
+    let mut run = Run::of(specification);
+    let mut random = Random::new(specification.program.clone(), &run.machine, seed);
+    let mut seeded = Seeded::new(seed);
+    for number in 0..30 {
+        run.step(&mut random, &mut seeded, number * 100_000_000);
+    }
+    run.text()
+}
+
+#[test]
+fn repeats_a_run_with_its_seed() {
+    for (name, specification) in programs() {
+        assert_eq!(by_chance(&specification, 7), by_chance(&specification, 7), "{name}.asm");
+    }
+}
+
+#[test]
+fn replays_a_trace() {
+    for (name, specification) in programs() {
+        let recorded = by_chance(&specification, 11);
+        let recording = Recording::read(&recorded);
+        let mut run = Run::of(&specification);
+        for step in recording.steps() {
+            let mut inputs = step.inputs(&run.machine).unwrap();
+            run.step(&mut inputs, &mut step.choices(), step.now_ns);
+        }
+        assert_eq!(run.text(), recorded, "{name}.asm");
+    }
+}

@@ -58,18 +58,16 @@ impl Analysis<'_> {
     }
 
     /// Resolves a closed term against the type wanted of it.
-    fn expression(&mut self, unit: usize, term: &ast::Term, wanted: Option<(TypeId, &str, Option<Span>)>) -> Body<Term> {
+    fn expression(&mut self, unit: usize, term: &ast::Term, wanted: TypeId, what: &str, declared: Option<Span>) -> Body<Term> {
         let mut resolver = self.resolver(unit);
         let root = resolver.term(term);
-        if let Some((wanted, what, declared)) = wanted {
-            resolver.expect(&root, wanted, what, declared);
-        }
+        resolver.expect(&root, wanted, what, declared.map(|declared| (declared, "declared as subset of")));
         resolver.body(0, root)
     }
 
     fn condition(&mut self, unit: usize, term: &ast::Term, what: &str) -> Body<Term> {
         let boolean = self.declared.types.id(Type::Boolean);
-        self.expression(unit, term, Some((boolean, what, None)))
+        self.expression(unit, term, boolean, what, None)
     }
 
     fn definitions(&mut self, unit: usize, tree: &ast::File) {
@@ -96,14 +94,15 @@ impl Analysis<'_> {
                 name: name.text.clone(),
                 kind: "not a subset of another domain",
                 why: "only a `subsetof` domain is defined by its elements",
+                help: "drop this definition",
                 at: name.span,
                 declared,
             };
             return self.declared.report.push(error.diagnostic());
         };
         let wanted = self.declared.types.id(Type::Powerset(base));
-        let what = name.text.to_string();
-        let body = self.expression(unit, &definition.body, Some((wanted, &what, Some(declared))));
+        let what = format!("`{}`", name.text);
+        let body = self.expression(unit, &definition.body, wanted, &what, Some(declared));
         self.declared.domains[id.0 as usize].definition = Some(body);
     }
 
@@ -123,11 +122,12 @@ impl Analysis<'_> {
         let id = self.defined_function(unit, name, &parameters)?;
         let function = &self.declared.functions[id.0 as usize];
         let (codomain, declared, kind) = (function.codomain, function.span, function.kind);
-        if let Some(why) = purpose.forbids(kind) {
+        if let Some((why, help)) = purpose.forbids(kind) {
             let error = HirError::DefinesWrongKind {
                 name: name.text.clone(),
                 kind: kind_name(kind),
                 why,
+                help,
                 at: name.span,
                 declared,
             };
@@ -139,7 +139,7 @@ impl Analysis<'_> {
             resolver.bind(&parameter.name, ty);
         }
         let root = resolver.term(&definition.body);
-        resolver.expect(&root, codomain, &name.text, Some(declared));
+        resolver.expect(&root, codomain, &format!("`{}`", name.text), Some((declared, "declared")));
         let count = definition.parameters.len();
         let body = resolver.body(count, root);
         Some((id, body))
@@ -222,7 +222,7 @@ impl Analysis<'_> {
         for property in &tree.properties {
             let (logic, formulas) = match &property.kind {
                 ast::PropertyKind::Invariant { body, .. } => {
-                    let condition = self.condition(unit, body, "invariant");
+                    let condition = self.condition(unit, body, "an invariant");
                     let name = match &property.name {
                         Some(name) => name.text.clone(),
                         None => Arc::from(self.sources.snippet(body.span)),
@@ -236,7 +236,7 @@ impl Analysis<'_> {
                 ast::PropertyKind::Ctl(body) => (Logic::Ctl, vec![body]),
                 ast::PropertyKind::Ltl(body) => (Logic::Ltl, vec![body]),
             };
-            let formulas = formulas.into_iter().map(|body| self.condition(unit, body, "property")).collect();
+            let formulas = formulas.into_iter().map(|body| self.condition(unit, body, "a property")).collect();
             let name = property.name.as_ref().map(|name| name.text.clone());
             self.properties.push(TemporalProperty { name, logic, formulas, span: property.span });
         }
@@ -365,11 +365,18 @@ enum Purpose {
 }
 
 impl Purpose {
-    fn forbids(self, kind: FunctionKind) -> Option<&'static str> {
+    /// Why a function of this kind has no such definition, and what to do.
+    fn forbids(self, kind: FunctionKind) -> Option<(&'static str, &'static str)> {
         let fixed = matches!(kind, FunctionKind::Static | FunctionKind::Derived);
         match self {
-            Self::Definition if !fixed => Some("its values come from rules or the environment, not from a definition"),
-            Self::Initial if fixed => Some("it has a definition instead of an initial value"),
+            Self::Definition if !fixed => Some((
+                "its values come from rules or the environment, not from a definition",
+                "move this to `default init` if it is the first value, or declare the function `derived`",
+            )),
+            Self::Initial if fixed => Some((
+                "it has a definition instead of an initial value",
+                "drop this, or declare the function `controlled`",
+            )),
             Self::Definition | Self::Initial => None,
         }
     }

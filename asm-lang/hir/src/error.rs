@@ -11,7 +11,7 @@ pub(crate) enum HirError {
     #[error("unknown function `{name}`")]
     UnknownFunction { name: Name, at: Span, similar: Option<(Name, Span)> },
     #[error("unknown variable `{name}`")]
-    UnknownVariable { name: Name, at: Span, similar: Option<Name> },
+    UnknownVariable { name: Name, at: Span, similar: Option<Name>, bound: Option<Span> },
     #[error("unknown rule `{name}`")]
     UnknownRule { name: Name, at: Span, similar: Option<(Name, Span)> },
     #[error("unknown domain `{name}`")]
@@ -20,8 +20,17 @@ pub(crate) enum HirError {
     UnknownConstant { name: Name, at: Span, similar: Option<Name> },
     #[error("no `{name}` takes {actual}")]
     NoOverload { name: Name, at: Span, actual: String, candidates: Vec<(String, Span)>, hint: Option<String> },
-    #[error("`{what}` expects {wanted}, this is {actual}")]
-    Mismatch { what: String, wanted: String, actual: String, at: Span, declared: Option<Span> },
+    #[error("{what} expects {wanted}, this is {actual}")]
+    Mismatch {
+        what: String,
+        wanted: String,
+        actual: String,
+        at: Span,
+        /// Where the wanted type comes from, and how to say so.
+        because: Option<(Span, &'static str)>,
+        /// How a number that stands here is written in the wanted domain.
+        number: Option<String>,
+    },
     #[error("`{name}` takes {wanted} argument{}, here are {actual}", if *wanted == 1 { "" } else { "s" })]
     Arity { name: Name, wanted: usize, actual: usize, at: Span, declared: Span },
     #[error("`{name}` is declared twice")]
@@ -44,12 +53,19 @@ pub(crate) enum HirError {
     WritesVariable { name: Name, at: Span, bound: Span },
     #[error("`{name}` ranges over {actual}, which is not a collection")]
     NotACollection { name: Name, actual: String, at: Span },
-    #[error("the branches disagree: {first} and {second}")]
-    Branches { first: String, second: String, first_at: Span, second_at: Span },
+    #[error("{what} disagree: {first} and {second}")]
+    Disagree { what: &'static str, first: String, second: String, first_at: Span, second_at: Span },
     #[error("`{name}` is defined here, but not declared in the signature")]
     DefinesUndeclared { name: Name, at: Span, similar: Option<(Name, Span)> },
     #[error("`{name}` is {kind}; {why}")]
-    DefinesWrongKind { name: Name, kind: &'static str, why: &'static str, at: Span, declared: Span },
+    DefinesWrongKind {
+        name: Name,
+        kind: &'static str,
+        why: &'static str,
+        help: &'static str,
+        at: Span,
+        declared: Span,
+    },
     #[error("`{name}` has no main rule")]
     NoMain { name: Name, at: Span },
     #[error("the main rule takes no arguments")]
@@ -82,20 +98,23 @@ impl HirError {
         match self {
             Self::UnknownFunction { at, similar, .. } => {
                 let finding = error("A001").label(*at, "not declared in this file or its imports");
-                with_similar(finding, *at, similar)
-                    .help("declare it in the signature, or import the module that declares it")
+                let help = "declare it in the signature, or import the module that declares it";
+                with_similar(finding, *at, similar, help)
             }
-            Self::UnknownVariable { at, similar, .. } => {
+            Self::UnknownVariable { at, similar, bound, .. } => {
                 let finding = error("A002").label(*at, "not bound here");
-                match similar {
-                    Some(name) => finding.fix(format!("did you mean `{name}`?"), *at, name.to_string()),
-                    None => finding
+                match (bound, similar) {
+                    (Some(bound), _) => finding
+                        .label(*bound, "bound here, for the rule or term that follows it and no further")
+                        .help("move what needs it into that rule, or bind it again with `let`, `forall` or `choose`"),
+                    (None, Some(name)) => finding.fix(format!("did you mean `{name}`?"), *at, name.to_string()),
+                    (None, None) => finding
                         .help("bind it with `let`, `forall`, `choose`, or make it a parameter of the rule"),
                 }
             }
             Self::UnknownRule { at, similar, .. } => {
                 let finding = error("A003").label(*at, "no rule has this name");
-                with_similar(finding, *at, similar).help("rules are declared under `definitions:`")
+                with_similar(finding, *at, similar, "rules are declared under `definitions:`")
             }
             Self::UnknownDomain { at, similar, .. } => {
                 let finding = error("A004").label(*at, "no domain has this name");
@@ -121,19 +140,20 @@ impl HirError {
                     None => finding.help("give arguments of the declared domains, or declare an overload"),
                 }
             }
-            Self::Mismatch { at, actual, wanted, declared, .. } => {
+            Self::Mismatch { at, actual, wanted, because, number, .. } => {
                 let finding = error("A007").label(*at, format!("this is {actual}"));
-                let finding = match declared {
-                    Some(declared) => finding.label(*declared, format!("declared {wanted} here")),
+                let finding = match because {
+                    Some((because, how)) => finding.label(*because, format!("{how} {wanted}")),
                     None => finding,
                 };
-                match conversion(wanted, actual) {
-                    Some(help) => finding.help(help),
-                    None => finding.help(format!("write a term whose value is in {wanted}")),
+                match (number, conversion(wanted, actual)) {
+                    (Some(number), _) => finding.fix(format!("a number of {wanted} is written so"), *at, number.clone()),
+                    (None, Some(help)) => finding.help(help),
+                    (None, None) => finding.help(format!("write a term whose value is in {wanted}")),
                 }
             }
-            Self::Arity { at, declared, .. } => error("A008")
-                .label(*at, "called here")
+            Self::Arity { at, declared, actual, .. } => error("A008")
+                .label(*at, format!("{actual} given"))
                 .label(*declared, "declared here")
                 .help("give one argument for each parameter"),
             Self::Duplicate { at, first, .. } => error("A009")
@@ -144,6 +164,9 @@ impl HirError {
                 .label(*at, "no such file")
                 .note("a path is taken from the folder of the importing file; `.asm` may be left out")
                 .help(format!("check the spelling, or create `{path}.asm`", path = path.trim_end_matches(".asm"))),
+            Self::ImportCycle { at, chain, .. } if chain.len() < 2 => error("A011")
+                .label(*at, "this is the file itself")
+                .help("drop this import: a file knows its own names"),
             Self::ImportCycle { at, chain, .. } => {
                 let mut finding = error("A011").label(*at, "this import closes the circle");
                 for (path, import) in chain {
@@ -182,18 +205,18 @@ impl HirError {
             Self::NotACollection { at, .. } => error("A018")
                 .label(*at, "not a set, sequence or bag")
                 .help("range over a domain, a set or a sequence"),
-            Self::Branches { first_at, second_at, first, second } => error("A019")
+            Self::Disagree { first_at, second_at, first, second, .. } => error("A019")
                 .label(*second_at, format!("this is {second}"))
                 .label(*first_at, format!("this is {first}"))
-                .help("give both branches a value of one domain"),
+                .help("let all of them be of one domain"),
             Self::DefinesUndeclared { at, similar, .. } => {
                 let finding = error("A020").label(*at, "defined here");
-                with_similar(finding, *at, similar).help("declare it in the signature first")
+                with_similar(finding, *at, similar, "declare it in the signature first")
             }
-            Self::DefinesWrongKind { at, declared, .. } => error("A021")
+            Self::DefinesWrongKind { at, declared, help, .. } => error("A021")
                 .label(*at, "defined here")
                 .label(*declared, "declared here")
-                .help("`definitions:` defines static and derived functions, `default init` gives the others their first value"),
+                .help(*help),
             Self::NoMain { at, .. } => warning("W005")
                 .label(*at, "this `asm` cannot run")
                 .help("add `main rule r_Main = …`, or make it a `module`"),
@@ -235,12 +258,13 @@ impl HirError {
     }
 }
 
-fn with_similar(finding: Diagnostic, at: Span, similar: &Option<(Name, Span)>) -> Diagnostic {
+/// Offers the similar name, or help where there is none.
+fn with_similar(finding: Diagnostic, at: Span, similar: &Option<(Name, Span)>, help: &str) -> Diagnostic {
     match similar {
         Some((name, declared)) => finding
             .label(*declared, "a similar name is declared here")
             .fix(format!("did you mean `{name}`?"), at, name.to_string()),
-        None => finding,
+        None => finding.help(help),
     }
 }
 

@@ -28,7 +28,7 @@ impl Resolver<'_> {
             ast::RuleKind::Par(rules) => RuleKind::Par(self.block(rules)),
             ast::RuleKind::Seq(rules) => RuleKind::Seq(self.block(rules)),
             ast::RuleKind::If { guard, then, otherwise } => {
-                let guard = self.boolean(guard, "guard");
+                let guard = self.boolean(guard, "a guard");
                 let then = self.rule(then);
                 RuleKind::If(guard, then, otherwise.as_ref().map(|rule| self.rule(rule)))
             }
@@ -36,7 +36,7 @@ impl Resolver<'_> {
             ast::RuleKind::Choose { binders, guard, body, ifnone } => {
                 let chosen = self.scoped(|this| {
                     let binders = this.binders(binders);
-                    let guard = guard.as_ref().map(|guard| this.boolean(guard, "guard"));
+                    let guard = guard.as_ref().map(|guard| this.boolean(guard, "a guard"));
                     (binders, guard, this.rule(body))
                 });
                 let ifnone = ifnone.as_ref().map(|rule| self.rule(rule));
@@ -44,7 +44,7 @@ impl Resolver<'_> {
             }
             ast::RuleKind::Forall { binders, guard, body } => self.scoped(|this| {
                 let binders = this.binders(binders);
-                let guard = guard.as_ref().map(|guard| this.boolean(guard, "guard"));
+                let guard = guard.as_ref().map(|guard| this.boolean(guard, "a guard"));
                 RuleKind::Forall(binders, guard, this.rule(body))
             }),
             ast::RuleKind::Let { bindings, body } => self.scoped(|this| {
@@ -53,7 +53,7 @@ impl Resolver<'_> {
             }),
             ast::RuleKind::Extend { domain, variables, body } => self.extend(domain, variables, body),
             ast::RuleKind::While { guard, body } => {
-                let guard = self.boolean(guard, "guard");
+                let guard = self.boolean(guard, "a guard");
                 RuleKind::While(guard, self.rule(body))
             }
             ast::RuleKind::WhileRec { .. } => RuleKind::Unsupported("whilerec"),
@@ -71,7 +71,7 @@ impl Resolver<'_> {
         let value = self.term(value);
         match self.target(target) {
             Some((target, wanted, what, declared)) => {
-                self.expect(&value, wanted, &what, Some(declared));
+                self.expect(&value, wanted, &what, Some((declared, "declared")));
                 RuleKind::Update(target, value)
             }
             None => RuleKind::Invalid,
@@ -94,7 +94,14 @@ impl Resolver<'_> {
         };
         if !self.compatible(wanted, result) {
             let (wanted, actual) = (self.show(wanted), self.show(result));
-            let error = HirError::Mismatch { what, wanted, actual, at: rule.span, declared: Some(location) };
+            let error = HirError::Mismatch {
+                what,
+                wanted,
+                actual,
+                at: rule.span,
+                because: Some((location, "declared")),
+                number: None,
+            };
             self.error(error);
         }
         RuleKind::Assign(target, callee, arguments)
@@ -105,7 +112,7 @@ impl Resolver<'_> {
         match target {
             ast::Assignee::Variable(name) => {
                 let Some(id) = self.lookup(&name.text) else {
-                    self.error(HirError::UnknownVariable { name: name.text.clone(), at: name.span, similar: None });
+                    self.unknown_variable(name);
                     return None;
                 };
                 let (ty, bound) = (self.variable(id).ty, self.variable(id).span);
@@ -113,7 +120,7 @@ impl Resolver<'_> {
                     self.error(HirError::WritesVariable { name: name.text.clone(), at: name.span, bound });
                     return None;
                 }
-                Some((Target::Parameter(id), ty, name.text.to_string(), bound))
+                Some((Target::Parameter(id), ty, format!("`{}`", name.text), bound))
             }
             ast::Assignee::Location { agent, function, arguments, span } => {
                 let mut all = Vec::new();
@@ -151,7 +158,7 @@ impl Resolver<'_> {
             self.error(error);
             return None;
         }
-        Some((Target::Location(id, arguments), ty, name.text.to_string(), declared))
+        Some((Target::Location(id, arguments), ty, format!("`{}`", name.text), declared))
     }
 
     fn is_result(&self, id: FunctionId) -> bool {

@@ -101,12 +101,27 @@ impl<'a> Resolver<'a> {
     }
 
     /// Reports a term whose type does not fit.
-    pub fn expect(&mut self, term: &Term, wanted: TypeId, what: &str, declared: Option<Span>) {
+    pub fn expect(&mut self, term: &Term, wanted: TypeId, what: &str, because: Option<(Span, &'static str)>) {
         if self.compatible(wanted, term.ty) {
             return;
         }
+        let number = self.written_as(term, wanted);
         let (wanted, actual) = (self.show(wanted), self.show(term.ty));
-        self.error(HirError::Mismatch { what: what.to_owned(), wanted, actual, at: term.span, declared });
+        self.error(HirError::Mismatch { what: what.to_owned(), wanted, actual, at: term.span, because, number });
+    }
+
+    /// How a number is written in another domain of numbers.
+    fn written_as(&self, term: &Term, wanted: TypeId) -> Option<String> {
+        let TermKind::Value(Value::Int(number)) = *term.kind else {
+            return None;
+        };
+        let root = self.declared.types.root(wanted, &self.declared.domains);
+        match self.declared.types.get(root) {
+            Type::Integer => Some(number.to_string()),
+            Type::Natural => Some(format!("{number}n")),
+            Type::Real => Some(format!("{number}.0")),
+            _ => None,
+        }
     }
 
     pub fn boolean(&mut self, term: &ast::Term, what: &str) -> Term {
@@ -147,10 +162,10 @@ impl<'a> Resolver<'a> {
                 self.made(TermKind::Tuple(items), ty, span)
             }
             ast::TermKind::If { guard, then, otherwise } => {
-                let guard = self.boolean(guard, "guard");
+                let guard = self.boolean(guard, "a guard");
                 let then = self.term(then);
                 let otherwise = otherwise.as_ref().map(|term| self.term(term));
-                let ty = otherwise.as_ref().map_or(then.ty, |other| self.branches(&then, other));
+                let ty = otherwise.as_ref().map_or(then.ty, |other| self.agree("the branches", &then, other));
                 Term { kind: Box::new(TermKind::If(guard, then, otherwise)), ty, span }
             }
             ast::TermKind::Switch { subject, cases, otherwise } => {
@@ -164,7 +179,7 @@ impl<'a> Resolver<'a> {
             }),
             ast::TermKind::Quantified { quantifier, binders, guard } => self.scoped(|this| {
                 let binders = this.binders(binders);
-                let guard = guard.as_ref().map(|guard| this.boolean(guard, "guard"));
+                let guard = guard.as_ref().map(|guard| this.boolean(guard, "a guard"));
                 this.made(TermKind::Quantified(*quantifier, binders, guard), Type::Boolean, span)
             }),
             ast::TermKind::Listed { collection, items } => {
@@ -226,13 +241,17 @@ impl<'a> Resolver<'a> {
 
     fn variable_term(&mut self, name: &ast::Name) -> Term {
         let Some(id) = self.lookup(&name.text) else {
-            let seen: Vec<Arc<str>> = self.visible.iter().map(|id| self.variable(*id).name.clone()).collect();
-            let similar = similar(&name.text, seen.iter());
-            self.error(HirError::UnknownVariable { name: name.text.clone(), at: name.span, similar });
+            self.unknown_variable(name);
             return self.invalid(name.span);
         };
         let ty = self.variable(id).ty;
         Term { kind: Box::new(TermKind::Variable(id)), ty, span: name.span }
+    }
+
+    pub fn unknown_variable(&mut self, name: &ast::Name) {
+        let bound = self.variables.iter().rev().find(|known| known.name == name.text).map(|known| known.span);
+        let similar = similar(&name.text, self.visible.iter().map(|id| &self.variable(*id).name));
+        self.error(HirError::UnknownVariable { name: name.text.clone(), at: name.span, similar, bound });
     }
 
     /// An enumeration literal, or a domain as the set of its elements.
@@ -262,7 +281,8 @@ impl<'a> Resolver<'a> {
 
     fn operator(&mut self, operator: Operator, at: Span, arguments: Vec<Term>, span: Span) -> Term {
         let name = ast::Name { text: Arc::from(operator.function()), span: at };
-        if !self.declared.scopes[self.unit].functions.contains_key(&name.text) {
+        let candidates = self.candidates(&name);
+        if candidates.is_empty() {
             let types: Vec<String> = arguments.iter().map(|term| self.show(term.ty)).collect();
             self.error(HirError::NoOverload {
                 name: Arc::from(operator.symbol()),
@@ -273,9 +293,12 @@ impl<'a> Resolver<'a> {
             });
             return self.invalid(span);
         }
-        let mut term = self.apply(&name, arguments, span);
-        term.span = span;
-        term
+        self.best(operator.symbol(), &name, &candidates, arguments, span)
+    }
+
+    /// The functions of this name.
+    fn candidates(&self, name: &ast::Name) -> Vec<FunctionId> {
+        self.declared.scopes[self.unit].functions.get(&name.text).cloned().unwrap_or_default()
     }
 
     fn lint_not(&mut self, operator: Operator, left: &ast::Term, whole: Span) {
@@ -297,7 +320,7 @@ impl<'a> Resolver<'a> {
 
     /// The best overload of a function for these arguments.
     pub fn apply(&mut self, name: &ast::Name, arguments: Vec<Term>, span: Span) -> Term {
-        let candidates = self.declared.scopes[self.unit].functions.get(&name.text).cloned().unwrap_or_default();
+        let candidates = self.candidates(name);
         if candidates.is_empty() {
             let scope = &self.declared.scopes[self.unit];
             let similar = scope.similar_function(&name.text).map(|found| {
@@ -308,6 +331,18 @@ impl<'a> Resolver<'a> {
             self.error(HirError::UnknownFunction { name: name.text.clone(), at: name.span, similar });
             return self.invalid(span);
         }
+        self.best(&name.text, name, &candidates, arguments, span)
+    }
+
+    /// The candidate that fits the arguments best, applied to them.
+    fn best(
+        &mut self,
+        shown: &str,
+        name: &ast::Name,
+        candidates: &[FunctionId],
+        arguments: Vec<Term>,
+        span: Span,
+    ) -> Term {
         // of two that fit alike, this file's own is meant
         let fitting = candidates.iter().filter_map(|&candidate| {
             let (fit, bindings) = self.fit(candidate, &arguments)?;
@@ -315,7 +350,7 @@ impl<'a> Resolver<'a> {
             Some(((fit, foreign), candidate, bindings))
         });
         let Some((_, function, bindings)) = fitting.min_by_key(|(fit, ..)| *fit) else {
-            return self.no_overload(name, &candidates, &arguments, span);
+            return self.no_overload(shown, candidates, &arguments, span);
         };
         let codomain = self.declared.functions[function.0 as usize].codomain;
         let ty = self.declared.types.substitute(codomain, &self.declared.domains, &bindings);
@@ -354,7 +389,7 @@ impl<'a> Resolver<'a> {
         Some((total, bindings))
     }
 
-    fn no_overload(&mut self, name: &ast::Name, candidates: &[FunctionId], arguments: &[Term], span: Span) -> Term {
+    fn no_overload(&mut self, name: &str, candidates: &[FunctionId], arguments: &[Term], span: Span) -> Term {
         if arguments.iter().any(|term| *self.declared.types.get(term.ty) == Type::Invalid) {
             return self.invalid(span);
         }
@@ -374,15 +409,17 @@ impl<'a> Resolver<'a> {
             })
             .collect();
         let hint = overload_hint(&types);
-        self.error(HirError::NoOverload { name: name.text.clone(), at: span, actual, candidates: own, hint });
+        self.error(HirError::NoOverload { name: Arc::from(name), at: span, actual, candidates: own, hint });
         self.invalid(span)
     }
 
-    fn branches(&mut self, first: &Term, second: &Term) -> TypeId {
+    /// The type of terms that stand side by side.
+    fn agree(&mut self, what: &'static str, first: &Term, second: &Term) -> TypeId {
         if let Some(ty) = self.declared.types.join(first.ty, second.ty, &self.declared.domains) {
             return ty;
         }
-        let error = HirError::Branches {
+        let error = HirError::Disagree {
+            what,
             first: self.show(first.ty),
             second: self.show(second.ty),
             first_at: first.span,
@@ -408,7 +445,7 @@ impl<'a> Resolver<'a> {
             ty = match resolved.first() {
                 Some((_, first)) => {
                     let first = first.clone();
-                    self.branches(&first, &value)
+                    self.agree("the cases", &first, &value)
                 }
                 None => value.ty,
             };
@@ -417,7 +454,7 @@ impl<'a> Resolver<'a> {
         let otherwise = otherwise.map(|term| self.term(term));
         if let (Some(other), Some((_, first))) = (&otherwise, resolved.first()) {
             let first = first.clone();
-            ty = self.branches(&first, other);
+            ty = self.agree("the cases", &first, other);
         }
         Term { kind: Box::new(TermKind::Switch(subject, resolved, otherwise)), ty, span }
     }
@@ -425,7 +462,7 @@ impl<'a> Resolver<'a> {
     /// A case of a switch; its type fits the subject's.
     pub fn case(&mut self, subject: &Term, case: &ast::Term) -> Term {
         let case = self.term(case);
-        self.expect(&case, subject.ty, "case", Some(subject.span));
+        self.expect(&case, subject.ty, "a case", Some((subject.span, "this is")));
         case
     }
 
@@ -463,7 +500,7 @@ impl<'a> Resolver<'a> {
 
     fn comprehension(&mut self, from: &ast::Comprehension) -> (Vec<Binder>, Option<Term>, Term) {
         let binders = self.binders(&from.binders);
-        let guard = from.guard.as_ref().map(|guard| self.boolean(guard, "guard"));
+        let guard = from.guard.as_ref().map(|guard| self.boolean(guard, "a guard"));
         let item = self.term(&from.item);
         (binders, guard, item)
     }
@@ -477,7 +514,7 @@ impl<'a> Resolver<'a> {
         for item in items {
             match self.declared.types.join(ty, item.ty, &self.declared.domains) {
                 Some(joined) => ty = joined,
-                None => ty = self.branches(first, item),
+                None => ty = self.agree("the elements", first, item),
             }
         }
         ty
@@ -492,18 +529,19 @@ impl<'a> Resolver<'a> {
         if !counts && !matches!(self.declared.types.get(root), Type::Real | Type::Invalid) {
             let actual = self.show(first.ty);
             let error = HirError::Mismatch {
-                what: "interval".to_owned(),
+                what: "an interval".to_owned(),
                 wanted: "a number".to_owned(),
                 actual,
                 at: first.span,
-                declared: None,
+                because: None,
+                number: None,
             };
             self.error(error);
         }
         for bound in [Some(&last), step.as_ref()].into_iter().flatten() {
             let other = self.declared.types.root(bound.ty, &self.declared.domains);
             if !(counts && self.declared.types.get(other).is_whole()) {
-                self.expect(bound, first.ty, "interval", None);
+                self.expect(bound, first.ty, "an interval", Some((first.span, "this is")));
             }
         }
         let ty = of(collection, root);
@@ -575,7 +613,7 @@ impl<'a> Resolver<'a> {
         let (declared, parameters) = (rule.span, rule.parameters.clone());
         if parameters.len() == arguments.len() {
             for (&wanted, argument) in parameters.iter().zip(arguments) {
-                self.expect(argument, wanted, &name.text, Some(declared));
+                self.expect(argument, wanted, &format!("`{}`", name.text), Some((declared, "takes")));
             }
         } else {
             self.error(HirError::Arity {

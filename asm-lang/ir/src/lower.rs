@@ -141,7 +141,7 @@ impl<'a> Lowering<'a> {
         // Ids first: definitions may be recursive.
         for (index, function) in self.model.functions.iter().enumerate() {
             if let Meaning::Defined(body) = &function.meaning {
-                let id = self.reserve_body(function.span, body.parameters, body.variables.len());
+                let id = self.reserve_body(body.root.span, body.parameters, body.variables.len());
                 self.definitions.insert(hir::FunctionId(index as u32), id);
                 let function_id = hir::FunctionId(index as u32);
                 if function.parameters.is_empty() && self.facts.is_static(function_id) {
@@ -182,7 +182,7 @@ impl<'a> Lowering<'a> {
         for invariant in &self.model.invariants {
             let body = self.body(invariant.span, &invariant.condition);
             let assumes = self.facts.reads_input(&invariant.condition.root);
-            let origin = self.origin(invariant.span);
+            let origin = self.origin(invariant.condition.root.span);
             let name = invariant.name.clone();
             self.program.invariants.push(Invariant { name, body, assumes, origin });
         }

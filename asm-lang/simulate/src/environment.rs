@@ -12,13 +12,14 @@
 //! "battery(ROB1)" = 42      # an argument
 //! ```
 
+use crate::literal::Literals;
 use ir::{FunctionId, FunctionKind, Program, Shape};
 use machine::Environment;
 use source::{Diagnostic, FileId, Report, Span};
 use std::collections::BTreeMap;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
-use value::{Atom, Value};
+use value::Value;
 
 /// The inputs of a run, step by step.
 #[derive(Clone, Debug, Default)]
@@ -27,7 +28,6 @@ pub struct Script {
     steps: Vec<Inputs>,
     /// The step the machine is in, from 0.
     at: usize,
-    names: BTreeMap<FunctionId, String>,
 }
 
 type Inputs = BTreeMap<(FunctionId, Vec<Value>), Value>;
@@ -66,13 +66,7 @@ impl Environment for Script {
         let step = self.steps.get(self.at).and_then(|inputs| inputs.get(&key));
         match step.or_else(|| self.defaults.get(&key)) {
             Some(value) => Ok(Some(value.clone())),
-            None => {
-                let name = self.names.get(&function).map_or("", |name| name);
-                Err(format!(
-                    "the script gives `{name}` no value in step {} and no default",
-                    self.at + 1
-                ))
-            }
+            None => Err(format!("step {} of the script gives it none, and there is no default", self.at + 1)),
         }
     }
 }
@@ -84,16 +78,16 @@ struct Reading<'a> {
 }
 
 impl Reading<'_> {
+    fn literals(&self) -> Literals<'_> {
+        Literals::new(self.program, &[])
+    }
+
     fn span(&self, range: std::ops::Range<usize>) -> Span {
         Span::new(self.file, range.start, range.end)
     }
 
     fn script(&mut self, text: &str) -> Script {
         let mut script = Script::default();
-        let inputs = self.program.functions.iter().enumerate();
-        for (index, _) in inputs.filter(|(_, function)| is_input(function.kind)) {
-            script.names.insert(FunctionId(index as u32), self.program.symbols.functions[index].to_string());
-        }
         let table = match DeTable::parse(text) {
             Ok(table) => table.into_inner(),
             Err(error) => {
@@ -148,25 +142,25 @@ impl Reading<'_> {
         value: &Spanned<DeValue<'_>>,
     ) -> Option<((FunctionId, Vec<Value>), Value)> {
         let at = self.span(key.span());
-        let (name, arguments) = match key.get_ref().split_once('(') {
-            Some((name, rest)) => (name.trim(), split_arguments(rest.trim_end().trim_end_matches(')'))),
-            None => (key.get_ref().trim(), Vec::new()),
-        };
-        let Some(function) = self.find(name, arguments.len()) else {
+        let (name, arguments) = Literals::location(key.get_ref());
+        let overloads: Vec<FunctionId> = self.literals().inputs(name, arguments.len()).collect();
+        let Some(&first) = overloads.first() else {
             self.unknown(name, at);
             return None;
         };
-        let declared = &self.program.functions[function.0 as usize];
-        let mut values = Vec::new();
-        for (argument, shape) in arguments.iter().zip(&declared.parameters) {
-            match self.literal(argument, shape) {
-                Some(value) => values.push(value),
-                None => {
+        let mut fitting = overloads.iter().filter_map(|&function| {
+            Some((function, self.literals().arguments(function, &arguments)?))
+        });
+        let Some((function, values)) = fitting.next() else {
+            let shapes = arguments.iter().zip(&self.program.functions[first.0 as usize].parameters);
+            for (argument, shape) in shapes {
+                if self.literals().value(argument, shape).is_none() {
                     self.misfit(&format!("`{argument}`"), shape, at);
-                    return None;
                 }
             }
-        }
+            return None;
+        };
+        let declared = &self.program.functions[function.0 as usize];
         match self.value(value.get_ref(), &declared.codomain) {
             Some(value) => Some(((function, values), value)),
             None => {
@@ -175,16 +169,6 @@ impl Reading<'_> {
                 None
             }
         }
-    }
-
-    fn find(&self, name: &str, arity: usize) -> Option<FunctionId> {
-        let functions = self.program.functions.iter().enumerate();
-        let mut found = functions.filter(|(index, function)| {
-            is_input(function.kind)
-                && function.parameters.len() == arity
-                && &*self.program.symbols.functions[*index] == name
-        });
-        found.next().map(|(index, _)| FunctionId(index as u32))
     }
 
     fn unknown(&mut self, name: &str, at: Span) {
@@ -234,9 +218,13 @@ impl Reading<'_> {
     fn value(&self, value: &DeValue<'_>, shape: &Shape) -> Option<Value> {
         match (value, shape) {
             (DeValue::String(text), Shape::Text) => Some(Value::text(text.as_ref())),
-            (DeValue::String(text), shape) => self.literal(text, shape),
+            (DeValue::String(text), Shape::Char) => {
+                let mut letters = text.chars();
+                letters.next().filter(|_| letters.next().is_none()).map(Value::Char)
+            }
+            (DeValue::String(text), shape) => self.literals().value(text, shape),
             (DeValue::Boolean(truth), Shape::Bool) => Some(Value::Bool(*truth)),
-            (DeValue::Integer(number), shape) => self.literal(&number.to_string(), shape),
+            (DeValue::Integer(number), shape) => self.literals().value(&number.to_string(), shape),
             (DeValue::Float(number), Shape::Real) => number.as_str().parse().ok().map(Value::real),
             (DeValue::Array(items), Shape::Tuple(shapes)) if items.len() == shapes.len() => {
                 let items = items.iter().zip(shapes).map(|(item, shape)| self.value(item.get_ref(), shape));
@@ -256,63 +244,8 @@ impl Reading<'_> {
     ) -> Option<Vec<Value>> {
         items.into_iter().map(|item| self.value(item.get_ref(), shape)).collect()
     }
-
-    /// A word as a value of the shape.
-    fn literal(&self, word: &str, shape: &Shape) -> Option<Value> {
-        let word = word.trim();
-        if word == "undef" {
-            return Some(Value::Undef);
-        }
-        match shape {
-            Shape::Bool => word.parse().ok().map(Value::Bool),
-            Shape::Int => word.parse().ok().map(Value::Int),
-            Shape::Natural => {
-                let number: i64 = word.trim_end_matches('n').parse().ok()?;
-                (number >= 0).then_some(Value::Int(number))
-            }
-            Shape::Real => word.parse().ok().map(Value::real),
-            Shape::Text => Some(Value::text(word.trim_matches('"'))),
-            Shape::Char => {
-                let mut letters = word.trim_matches('\'').chars();
-                letters.next().filter(|_| letters.next().is_none()).map(Value::Char)
-            }
-            Shape::Domain(domain) => self.element(word, *domain),
-            Shape::Tuple(_)
-            | Shape::Seq(_)
-            | Shape::Set(_)
-            | Shape::Bag(_)
-            | Shape::Map(..)
-            | Shape::Complex
-            | Shape::Rule
-            | Shape::Any => None,
-        }
-    }
-
-    fn element(&self, word: &str, domain: ir::DomainId) -> Option<Value> {
-        match &self.program.domains[domain.0 as usize].elements {
-            ir::Elements::Ints { low, high } => {
-                let number: i64 = word.trim_end_matches('n').parse().ok()?;
-                (*low..=*high).contains(&number).then_some(Value::Int(number))
-            }
-            ir::Elements::Atoms { first, count } => (first.0..first.0 + count)
-                .find(|&atom| &*self.program.symbols.atoms[atom as usize] == word)
-                .map(|atom| Value::Atom(Atom(atom))),
-            ir::Elements::Computed(_) | ir::Elements::Undefined | ir::Elements::Open => {
-                let atom = self.program.symbols.atoms.iter().position(|name| &**name == word);
-                match atom {
-                    Some(atom) => Some(Value::Atom(Atom(atom as u32))),
-                    None => word.parse().ok().map(Value::Int),
-                }
-            }
-        }
-    }
 }
 
 fn is_input(kind: FunctionKind) -> bool {
     matches!(kind, FunctionKind::Monitored | FunctionKind::Shared)
-}
-
-/// Splits `ROB1, 3` at its commas.
-fn split_arguments(text: &str) -> Vec<String> {
-    text.split(',').map(|argument| argument.trim().to_owned()).filter(|argument| !argument.is_empty()).collect()
 }

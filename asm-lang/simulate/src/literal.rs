@@ -36,21 +36,30 @@ impl<'a> Literals<'a> {
         }
     }
 
+    /// The inputs of this name that take so many arguments.
+    pub fn inputs(self, name: &str, arity: usize) -> impl Iterator<Item = FunctionId> {
+        let functions = self.program.functions.iter().enumerate();
+        let found = functions.filter(move |(index, function)| {
+            matches!(function.kind, FunctionKind::Monitored | FunctionKind::Shared)
+                && function.parameters.len() == arity
+                && &*self.program.symbols.functions[*index] == name
+        });
+        found.map(|(index, _)| FunctionId(index as u32))
+    }
+
+    /// The arguments of a function from their texts.
+    pub fn arguments(self, function: FunctionId, texts: &[&str]) -> Option<Vec<Value>> {
+        let shapes = &self.program.functions[function.0 as usize].parameters;
+        texts.iter().zip(shapes).map(|(text, shape)| self.value(text, shape)).collect()
+    }
+
     /// The input location that a text names, and the value that another one gives it.
     pub fn input(self, location: &str, value: &str) -> Option<((FunctionId, Vec<Value>), Value)> {
         let (name, arguments) = Self::location(location);
-        let functions = self.program.functions.iter().enumerate();
-        let mut candidates = functions.filter(|(index, function)| {
-            matches!(function.kind, FunctionKind::Monitored | FunctionKind::Shared)
-                && function.parameters.len() == arguments.len()
-                && &*self.program.symbols.functions[*index] == name
-        });
-        candidates.find_map(|(index, function)| {
-            let arguments = arguments.iter().zip(&function.parameters);
-            let arguments = arguments.map(|(argument, shape)| self.value(argument, shape));
-            let arguments = arguments.collect::<Option<Vec<Value>>>()?;
-            let value = self.value(value, &function.codomain)?;
-            Some(((FunctionId(index as u32), arguments), value))
+        self.inputs(name, arguments.len()).find_map(|function| {
+            let arguments = self.arguments(function, &arguments)?;
+            let value = self.value(value, &self.program.functions[function.0 as usize].codomain)?;
+            Some(((function, arguments), value))
         })
     }
 

@@ -4,8 +4,8 @@ use component::{Component, Cycle, Fault, Flow, In, Interface, Out, Property};
 use geometry::{Distances, Point, heading, message};
 use messages::{Disc, Event, LaserScan, Obstacles, OccupancyGrid, Odometry, Path, Time};
 
-use crate::advice::{Advice, Adviser, Patience};
-use crate::bend::{Barrier, Limits};
+use crate::advice::{Advice, Adviser, Cause, Patience};
+use crate::bend::Limits;
 use crate::memory::Memory;
 use crate::trail::Trail;
 
@@ -39,6 +39,7 @@ struct Properties {
     horizon: Property<f64>,
     hold: Property<f64>,
     looks: Property<u32>,
+    stuck: Property<f64>,
     sight: Property<f64>,
     memory: Property<f64>,
     scan_timeout: Property<f64>,
@@ -126,7 +127,7 @@ impl TrajectoryAdapter {
                 );
                 let points = self.memory.points();
                 self.adviser
-                    .look(robot, points, self.known.as_ref(), &limits, &patience)
+                    .look(now, robot, points, self.known.as_ref(), &limits, &patience)
             }
             _ => self.adviser.blind(self.seen.is_some()),
         }
@@ -180,8 +181,8 @@ impl Component for TrajectoryAdapter {
             cycle.write(self.adapted, path);
         }
         self.tell(cycle, now, advice.blocked.is_some());
-        if let Some(barrier) = advice.blocked {
-            cycle.write(self.event, blocked(now, barrier));
+        if let Some(cause) = advice.blocked {
+            cycle.write(self.event, blocked(now, cause));
         }
         Ok(())
     }
@@ -194,12 +195,14 @@ fn shows(known: &Distances, point: Point, tolerance: f64) -> bool {
     distance.is_some_and(|distance| distance <= tolerance)
 }
 
-fn blocked(now: i64, barrier: Barrier) -> Event {
-    let Barrier { point, ahead } = barrier;
-    let detail = format!(
-        "no way past ({:.2}, {:.2}), {ahead:.2} m ahead",
-        point.x, point.y
-    );
+fn blocked(now: i64, cause: Cause) -> Event {
+    let detail = match cause {
+        Cause::Barrier(barrier) => {
+            let (at, ahead) = (barrier.point, barrier.ahead);
+            format!("no way past ({:.2}, {:.2}), {ahead:.2} m ahead", at.x, at.y)
+        }
+        Cause::Stuck(at) => format!("the robot gets no farther than ({:.2}, {:.2})", at.x, at.y),
+    };
     Event::new(now, Event::BLOCKED, detail)
 }
 
@@ -221,7 +224,7 @@ impl Properties {
             ),
             margin: number(
                 "margin_m",
-                0.05,
+                0.08,
                 0.0,
                 10.0,
                 "m",
@@ -258,6 +261,14 @@ impl Properties {
                 50.0,
                 "m",
                 "a barrier nearer than this stops the robot at once",
+            ),
+            stuck: number(
+                "stuck_s",
+                10.0,
+                0.5,
+                3600.0,
+                "s",
+                "a robot that gets no farther for so long is blocked",
             ),
             sight: number(
                 "sight_m",
@@ -330,6 +341,7 @@ impl Properties {
         Patience {
             looks: cycle.property(self.looks),
             hold: cycle.property(self.hold),
+            stuck: (cycle.property(self.stuck) * 1e9) as i64,
         }
     }
 }

@@ -14,6 +14,17 @@ pub struct Patience {
     pub looks: u32,
     /// m, a barrier nearer than this stops the robot at once.
     pub hold: f64,
+    /// ns, a robot that gets no farther on a free path for so long is stuck.
+    pub stuck: i64,
+}
+
+/// Why a path leads nowhere.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Cause {
+    /// There is no way past this.
+    Barrier(Barrier),
+    /// The way looks free, but the robot gets no farther than here (map frame, m).
+    Stuck(Point),
 }
 
 /// What came out of a look; most often nothing is to be said.
@@ -21,8 +32,8 @@ pub struct Patience {
 pub struct Advice {
     /// The path to follow from now on, if it is another than before; without poses: stop.
     pub path: Option<Path>,
-    /// Said once a path: there is no way past this.
-    pub blocked: Option<Barrier>,
+    /// Said once a path: it leads nowhere.
+    pub blocked: Option<Cause>,
 }
 
 /// What the follower was told last.
@@ -48,6 +59,8 @@ pub struct Adviser {
     fruitless: u32,
     /// Whether the path leads back from a bend that is no longer needed.
     returns: bool,
+    /// m along the path and ns: how far the robot got, and when.
+    milestone: Option<(f64, i64)>,
     bender: Bender,
     /// The remembered points near the robot; kept for its memory.
     near: Vec<Point>,
@@ -59,6 +72,12 @@ const DRIVEN: f64 = 0.04;
 /// m, the planned path must be this much freer than needed before the robot goes back to it.
 const FREED: f64 = 0.03;
 
+/// m along the path, so much is progress.
+const MILESTONE: f64 = 0.1;
+
+/// m before the end of the path, where a robot that stands still is not stuck.
+const ALMOST_THERE: f64 = 0.3;
+
 /// m, the discs that cover an obstacle are at most this large.
 const COVER: f64 = 0.25;
 
@@ -69,6 +88,7 @@ impl Default for Adviser {
             told: Told::Nothing,
             fruitless: 0,
             returns: false,
+            milestone: None,
             bender: Bender::default(),
             near: Vec::new(),
         }
@@ -82,6 +102,7 @@ impl Adviser {
         self.told = Told::Nothing;
         self.fruitless = 0;
         self.returns = false;
+        self.milestone = None;
         Advice {
             path: self.route.is_none().then(|| empty(path)),
             blocked: None,
@@ -111,9 +132,10 @@ impl Adviser {
         }
     }
 
-    /// Looks at the way ahead of the robot.
+    /// Looks at the way ahead of the robot, at `now` ns.
     pub fn look(
         &mut self,
+        now: i64,
         robot: &Pose,
         seen: impl Iterator<Item = Point>,
         map: Option<&Distances>,
@@ -128,6 +150,12 @@ impl Adviser {
         };
         let (from, offset) = route.locate(robot);
         let place = Point::from(robot.translation.vector);
+        if self.is_stuck(now, patience) {
+            return self.give_up(Cause::Stuck(place));
+        }
+        let Some(route) = &self.route else {
+            return Advice::default();
+        };
         self.near.clear();
         let around = route.around(from, limits);
         self.near.extend(seen.filter(|point| around(point)));
@@ -202,18 +230,40 @@ impl Adviser {
         };
         let stop = empty(route.planned());
         if self.fruitless >= patience.looks {
-            let stands = self.told == Told::Hold;
-            self.told = Told::Blocked;
-            return Advice {
-                path: (!stands).then_some(stop),
-                blocked: Some(barrier),
-            };
+            return self.give_up(Cause::Barrier(barrier));
         }
         if barrier.ahead <= patience.hold && self.told != Told::Hold {
             self.told = Told::Hold;
             return say(stop);
         }
         Advice::default()
+    }
+
+    /// Whether the robot is on its way but gets no farther.
+    fn is_stuck(&mut self, now: i64, patience: &Patience) -> bool {
+        let along = self.route.as_ref().and_then(Route::progress).unwrap_or(0.0);
+        let left = self.route.as_ref().map_or(0.0, Route::length) - along;
+        let drives = matches!(self.told, Told::Planned | Told::Bent) && left > ALMOST_THERE;
+        match self.milestone {
+            Some((reached, since)) if drives && (along - reached).abs() < MILESTONE => {
+                now - since >= patience.stuck
+            }
+            _ => {
+                self.milestone = Some((along, now));
+                false
+            }
+        }
+    }
+
+    /// Stops the robot for good and says why.
+    fn give_up(&mut self, cause: Cause) -> Advice {
+        let stop = self.route.as_ref().map(|route| empty(route.planned()));
+        let stands = self.told == Told::Hold;
+        self.told = Told::Blocked;
+        Advice {
+            path: stop.filter(|_| !stands),
+            blocked: Some(cause),
+        }
     }
 
     /// The remembered things that a planner should know: all of them if the map has taken out what it knows, else
@@ -274,6 +324,7 @@ mod tests {
     const PATIENCE: Patience = Patience {
         looks: 3,
         hold: 1.0,
+        stuck: 100,
     };
 
     fn path() -> Path {
@@ -292,6 +343,7 @@ mod tests {
 
     fn look(adviser: &mut Adviser, x: f64, seen: &[Point]) -> Advice {
         adviser.look(
+            0,
             &heading(Point::new(x, 0.0), 0.0),
             seen.iter().copied(),
             None,
@@ -362,7 +414,10 @@ mod tests {
         }
         let blocked = look(&mut adviser, 0.0, &wall(3.0));
         assert!(is_stop(&blocked));
-        assert!((blocked.blocked.unwrap().point - Point::new(3.0, 0.0)).norm() < 0.1);
+        let Some(Cause::Barrier(barrier)) = blocked.blocked else {
+            panic!("{blocked:?}");
+        };
+        assert!((barrier.point - Point::new(3.0, 0.0)).norm() < 0.1);
         for seen in [wall(3.0), Vec::new()] {
             assert_eq!(
                 look(&mut adviser, 0.0, &seen),
@@ -375,6 +430,41 @@ mod tests {
             look(&mut adviser, 0.0, &[]).path.is_some(),
             "until the next path"
         );
+    }
+
+    #[test]
+    fn a_robot_that_gets_no_farther_on_a_free_path_is_blocked() {
+        let mut adviser = ordered();
+        let mut look_at = |now: i64, x: f64| {
+            let robot = heading(Point::new(x, 0.0), 0.0);
+            let seen = std::iter::empty();
+            adviser.look(now, &robot, seen, None, &LIMITS, &PATIENCE)
+        };
+        look_at(0, 0.0);
+        for (now, x) in [
+            (50, 0.06),
+            (90, 0.12),
+            (140, 0.18),
+            (180, 0.24),
+            (270, 0.25),
+        ] {
+            assert_eq!(look_at(now, x), Advice::default());
+        }
+        let stuck = look_at(280, 0.26);
+        assert_eq!(stuck.blocked, Some(Cause::Stuck(Point::new(0.26, 0.0))));
+        assert!(is_stop(&stuck));
+        assert_eq!(look_at(2000, 1.15), Advice::default());
+    }
+
+    #[test]
+    fn a_robot_that_arrived_is_not_stuck() {
+        let mut adviser = ordered();
+        for now in 0..9 {
+            let robot = heading(Point::new(7.96, 0.0), 0.0);
+            let seen = std::iter::empty();
+            let advice = adviser.look(now * 50, &robot, seen, None, &LIMITS, &PATIENCE);
+            assert_eq!(advice.blocked, None);
+        }
     }
 
     #[test]

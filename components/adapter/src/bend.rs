@@ -26,7 +26,7 @@ pub struct Limits {
 pub struct Barrier {
     /// The obstacle there, map frame.
     pub point: Point,
-    /// m ahead of the robot along the path.
+    /// m from the robot to the path there, as the crow flies.
     pub ahead: f64,
 }
 
@@ -102,8 +102,17 @@ impl<'a> Obstacles<'a> {
     fn mapped_distance(&self, point: Point) -> f64 {
         self.mapped.map_or(f64::INFINITY, |map| {
             let cell = map.layout().cell(point);
-            cell.and_then(|cell| map.metres(cell)).unwrap_or(0.0)
+            let to_middle = cell.and_then(|cell| map.metres(cell)).unwrap_or(0.0);
+            (to_middle - map.layout().resolution() / 2.0).max(0.0)
         })
+    }
+
+    /// What a robot at `point` has around it.
+    fn room(&self, point: Point) -> Room {
+        Room {
+            seen: self.seen_distance(point),
+            mapped: self.mapped_distance(point),
+        }
     }
 
     /// The thing the laser saw nearest to `point`.
@@ -111,6 +120,25 @@ impl<'a> Obstacles<'a> {
         let squared = |seen: &Point| (seen - point).norm_squared();
         let seen = self.seen.iter().copied();
         seen.min_by(|a, b| squared(a).total_cmp(&squared(b)))
+    }
+}
+
+/// m to the nearest thing the laser saw, and to the nearest on the map. What the map shows the planner knew: where it
+/// went nearer to that than the clearance, that is near enough.
+#[derive(Debug, Clone, Copy)]
+struct Room {
+    seen: f64,
+    mapped: f64,
+}
+
+impl Room {
+    /// Whether this is as much as `needed`, with `spare` metres more; what the planner knew is not asked more of.
+    fn suffices(&self, needed: &Self, spare: f64) -> bool {
+        self.seen >= needed.seen + spare && self.mapped >= needed.mapped + spare.min(0.0)
+    }
+
+    fn nearest(&self) -> f64 {
+        self.seen.min(self.mapped)
     }
 }
 
@@ -133,8 +161,8 @@ impl Window<'_> {
         self.route.within(self.from, limits.horizon)
     }
 
-    /// Whether the way with these offsets at the route's stations keeps `spare` metres more than the clearance from
-    /// everything the laser saw; also between stations, for a way that leaps to the other side of a wall is not free.
+    /// Whether the way with these offsets at the route's stations keeps `spare` metres more than the clearance; also
+    /// between stations, for a way that leaps to the other side of a wall is not free.
     pub fn is_free(
         &self,
         limits: &Limits,
@@ -142,17 +170,17 @@ impl Window<'_> {
         spare: f64,
         offset: impl Fn(usize) -> f64,
     ) -> bool {
-        let here = obstacles.seen_distance(self.robot);
+        let here = obstacles.room(self.robot);
         let point = |at: usize| self.route.point(self.from + at, offset(self.from + at));
         (1..self.len(limits)).all(|at| {
             let (from, to) = (point(at - 1), point(at));
             let pieces = ((to - from).norm() / LANE).ceil().max(1.0) as u32;
-            let required = self.required(limits, here, at) + spare;
+            let needed = self.needed(limits, obstacles, &here, at);
             // the first piece starts behind the robot
             let first = if at == 1 { pieces } else { 1 };
             (first..=pieces)
                 .map(|piece| from + (to - from) * (f64::from(piece) / f64::from(pieces)))
-                .all(|between| obstacles.seen_distance(between) >= required)
+                .all(|between| obstacles.room(between).suffices(&needed, spare))
         })
     }
 
@@ -170,10 +198,15 @@ impl Window<'_> {
         })
     }
 
-    /// The clearance asked for at a station: less where the robot starts out too near, and then growing.
-    fn required(&self, limits: &Limits, here: f64, at: usize) -> f64 {
-        let gained = at as f64 * self.route.step() * ESCAPE;
-        limits.clearance.min(here - SLACK + gained)
+    /// The room asked for at a station: less where the robot starts out too near to something, and then growing.
+    fn needed(&self, limits: &Limits, obstacles: &Obstacles<'_>, here: &Room, at: usize) -> Room {
+        let gained = at as f64 * self.route.step() * ESCAPE - SLACK;
+        let planned = self.route.point(self.from + at, 0.0);
+        let mapped = obstacles.mapped_distance(planned).min(here.mapped + gained);
+        Room {
+            seen: limits.clearance.min(here.seen + gained),
+            mapped: limits.clearance.min(mapped),
+        }
     }
 }
 
@@ -197,12 +230,12 @@ impl Bender {
     ) -> Result<Vec<f64>, Barrier> {
         let lanes = Lanes::new(limits.reach);
         let stations = window.len(limits);
-        let here = obstacles.seen_distance(window.robot);
+        let here = obstacles.room(window.robot);
         self.start(&lanes, window.offset, stations);
         for at in 1..stations {
             self.advance(&lanes, window.route.step(), at);
-            let required = window.required(limits, here, at);
-            if !self.charge(&lanes, window, limits, obstacles, at, required) {
+            let needed = window.needed(limits, obstacles, &here, at);
+            if !self.charge(&lanes, window, limits, obstacles, at, &needed) {
                 let middle = window.route.stations()[window.from + at].point;
                 return Err(Barrier {
                     point: obstacles.nearest(middle).unwrap_or(middle),
@@ -260,34 +293,22 @@ impl Bender {
         limits: &Limits,
         obstacles: &Obstacles<'_>,
         at: usize,
-        required: f64,
+        needed: &Room,
     ) -> bool {
         let station = window.from + at;
         let taken = window.route.offsets()[station];
         let is_goal = station + 1 == window.route.stations().len();
-        // where the planned path itself is nearer to a wall on the map, that is near enough
-        let on_map = obstacles
-            .mapped_distance(window.route.point(station, 0.0))
-            .min(limits.clearance);
         let mut open = false;
-        for (lane, cost) in self
-            .cost
-            .iter_mut()
-            .enumerate()
-            .filter(|(_, cost)| cost.is_finite())
-        {
+        let reachable = (self.cost.iter_mut().enumerate()).filter(|(_, cost)| cost.is_finite());
+        for (lane, cost) in reachable {
             let offset = lanes.offset(lane);
-            let point = window.route.point(station, offset);
-            let (seen, mapped) = (
-                obstacles.seen_distance(point),
-                obstacles.mapped_distance(point),
-            );
-            if seen < required || mapped < on_map || (is_goal && lane != lanes.middle) {
+            let room = obstacles.room(window.route.point(station, offset));
+            if !room.suffices(needed, 0.0) || (is_goal && lane != lanes.middle) {
                 *cost = f64::INFINITY;
                 continue;
             }
             let spare = (limits.comfort - limits.clearance).max(1e-6);
-            let tight = ((limits.comfort - seen.min(mapped)) / spare).clamp(0.0, 1.0);
+            let tight = ((limits.comfort - room.nearest()) / spare).clamp(0.0, 1.0);
             let change = if taken == 0.0 { 0.0 } else { offset - taken };
             *cost += OFF * offset * offset + TIGHT * tight * tight + CHANGE * change * change;
             open = true;
@@ -319,10 +340,10 @@ fn smooth_step_down(share: f64) -> f64 {
 fn round(offsets: &mut [f64], window: &Window<'_>, limits: &Limits, obstacles: &Obstacles<'_>) {
     for at in 1..offsets.len().saturating_sub(1) {
         let rounded = (offsets[at - 1] + 2.0 * offsets[at] + offsets[at + 1]) / 4.0;
-        let clearance =
-            |offset| obstacles.seen_distance(window.route.point(window.from + at, offset));
-        let enough = clearance(offsets[at]).min(limits.comfort);
-        if rounded != offsets[at] && clearance(rounded) >= enough {
+        let nearest =
+            |offset| (obstacles.room(window.route.point(window.from + at, offset))).nearest();
+        let enough = nearest(offsets[at]).min(limits.comfort);
+        if rounded != offsets[at] && nearest(rounded) >= enough {
             offsets[at] = rounded;
         }
     }

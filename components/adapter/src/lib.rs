@@ -14,7 +14,7 @@ mod route;
 mod trail;
 
 pub use adapter::TrajectoryAdapter;
-pub use advice::{Advice, Adviser, Patience};
+pub use advice::{Advice, Adviser, Cause, Patience};
 pub use bend::{Barrier, Limits};
 pub use memory::Memory;
 pub use trail::Trail;

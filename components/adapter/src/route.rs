@@ -65,6 +65,16 @@ impl Route {
         &self.planned
     }
 
+    /// m, of the planned path.
+    pub fn length(&self) -> f64 {
+        self.line.length()
+    }
+
+    /// m along the planned path where the robot was last; none before the first look.
+    pub fn progress(&self) -> Option<f64> {
+        self.progress
+    }
+
     /// m, from station to station; 0 for a path that is a point.
     pub fn step(&self) -> f64 {
         self.step

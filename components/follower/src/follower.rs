@@ -223,7 +223,7 @@ impl Properties {
             ),
             corner_cut: number(
                 "corner_cut_m",
-                0.05,
+                0.04,
                 0.001,
                 10.0,
                 "m",

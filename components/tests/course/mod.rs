@@ -29,8 +29,10 @@ pub struct Course {
     pub start: [f64; 3],
     /// Corners of the path, m.
     pub path: Vec<(f64, f64)>,
-    /// The map, if the adapter has one.
+    /// The map, if there is one.
     pub map: Option<OccupancyGrid>,
+    /// Whether the adapter does without the map.
+    pub adapter_without_map: bool,
     /// Of laser and world.
     pub seed: u64,
 }
@@ -88,7 +90,10 @@ impl Course {
 
     /// The office of the demo, its map known; the robot stands at the dock.
     pub fn office() -> Self {
-        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../specs/navigation/maps/office.geojson");
+        let file = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../specs/navigation/maps/office.geojson"
+        );
         let plan = map::load(&map::Disk, file, &map::Settings::default()).unwrap();
         Self {
             floor_plan: file.to_owned(),
@@ -120,9 +125,7 @@ impl Course {
     pub fn run(&self) -> Running {
         let (system, drive) = self.system();
         let mut run = system.simulate();
-        if let Some(map) = &self.map {
-            run.inject(Time::ZERO, "Adapter.map", map.clone()).unwrap();
-        }
+        self.tell_map(&mut run);
         if !self.path.is_empty() {
             run.inject(Time::from_nanos(nanos(GO)), "Adapter.path", self.message())
                 .unwrap();
@@ -158,8 +161,14 @@ impl Course {
             .wire("Mission.planner", "Planner.planning", Wire::default())
             .unwrap();
         let mut run = system.simulate();
-        run.inject(Time::ZERO, "Adapter.map", map).unwrap();
+        self.tell_map(&mut run);
         Running { run, drive }
+    }
+
+    fn tell_map(&self, run: &mut Simulation) {
+        if let (Some(map), false) = (&self.map, self.adapter_without_map) {
+            run.inject(Time::ZERO, "Adapter.map", map.clone()).unwrap();
+        }
     }
 
     fn system(&self) -> (System, Arc<Mutex<Drive>>) {

@@ -1,6 +1,6 @@
 //! Obstacles that no map shows, and when they are there.
 
-use geometry::{Disc, Point, Pose, heading};
+use geometry::{Disc, Point, Pose, Scene, heading};
 
 datum::message! {
     /// One obstacle, as the property `obstacles` lists it: `{ at_s = 8.0, until_s = 60.0, disc = [4.0, 0.0, 0.3] }`.
@@ -100,13 +100,20 @@ impl Schedule {
         })
     }
 
-    /// Lets obstacles appear and vanish at `seconds` after the start, with the robot at `robot`. Says whether any did.
-    pub fn advance(&mut self, seconds: f64, robot: &Pose) -> bool {
+    /// Lets obstacles appear and vanish at `seconds` after the start, with the robot at `robot`. None appears within
+    /// `radius` metres of the robot: nothing can be put where the robot is, so it waits. Says whether any did.
+    pub fn advance(&mut self, seconds: f64, robot: &Pose, radius: f64) -> bool {
         let mut changed = false;
         for entry in &mut self.entries {
             let next = match entry.state {
                 State::Waiting | State::There(_) if seconds >= entry.until => State::Gone,
-                State::Waiting if seconds >= entry.from => State::There(entry.put(robot)),
+                State::Waiting if seconds >= entry.from => {
+                    let solid = entry.put(robot);
+                    if solid.distance(robot.translation.vector.into()) <= radius {
+                        continue;
+                    }
+                    State::There(solid)
+                }
                 State::Waiting | State::There(_) | State::Gone => continue,
             };
             changed |= (&entry.state, &next) != (&State::Waiting, &State::Gone);
@@ -121,6 +128,17 @@ impl Schedule {
             State::There(solid) => Some(solid),
             State::Waiting | State::Gone => None,
         })
+    }
+}
+
+impl Solid {
+    /// m from a point; 0 within.
+    fn distance(&self, point: Point) -> f64 {
+        let scene = match self {
+            Self::Disc(disc) => Scene::new(Vec::new(), Vec::new(), vec![*disc]),
+            Self::Polygon(corners) => Scene::new(Vec::new(), vec![corners.clone()], Vec::new()),
+        };
+        scene.clearance(point)
     }
 }
 
@@ -220,7 +238,10 @@ mod tests {
             (9.0, false, 0),
         ] {
             assert_eq!(
-                (schedule.advance(seconds, &robot), there(&schedule).len()),
+                (
+                    schedule.advance(seconds, &robot, 0.2),
+                    there(&schedule).len()
+                ),
                 (changes, count),
                 "at {seconds}"
             );
@@ -230,7 +251,7 @@ mod tests {
     #[test]
     fn what_came_and_went_between_two_looks_changed_nothing() {
         let mut schedule = Schedule::new(vec![obstacle()]).unwrap();
-        assert!(!schedule.advance(7.0, &Pose::identity()));
+        assert!(!schedule.advance(7.0, &Pose::identity(), 0.2));
     }
 
     #[test]
@@ -243,12 +264,24 @@ mod tests {
         schedule.advance(
             2.0,
             &heading(Point::new(3.0, 4.0), std::f64::consts::FRAC_PI_2),
+            0.2,
         );
-        schedule.advance(3.0, &Pose::identity());
+        schedule.advance(3.0, &Pose::identity(), 0.2);
         let Solid::Disc(disc) = &there(&schedule)[0] else {
             panic!("a disc was put");
         };
         assert!((disc.centre - Point::new(3.0, 5.0)).norm() < 1e-12);
+    }
+
+    #[test]
+    fn it_puts_nothing_where_the_robot_is() {
+        let mut schedule = Schedule::new(vec![obstacle()]).unwrap();
+        for (x, there) in [(1.0, false), (0.35, false), (0.25, true)] {
+            assert_eq!(
+                schedule.advance(3.0, &heading(Point::new(x, 0.0), 0.0), 0.2),
+                there
+            );
+        }
     }
 
     #[test]
@@ -259,7 +292,7 @@ mod tests {
             ..obstacle()
         };
         let mut schedule = Schedule::new(vec![turned]).unwrap();
-        schedule.advance(2.0, &Pose::identity());
+        schedule.advance(2.0, &Pose::identity(), 0.2);
         let Solid::Polygon(corners) = &there(&schedule)[0] else {
             panic!("a block was put");
         };

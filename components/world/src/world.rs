@@ -214,7 +214,9 @@ impl Truth {
 
     /// Lets obstacles come and go; says whether any did.
     fn advance(&mut self, seconds: f64) -> bool {
-        let changed = self.schedule.advance(seconds, &self.body.pose);
+        let changed = self
+            .schedule
+            .advance(seconds, &self.body.pose, self.body.radius);
         if changed {
             self.revision += 1;
             let mut polygons = self.walls.polygons().to_vec();

@@ -10,6 +10,12 @@ use crate::model::Builtin;
 /// Makes a component: declares its ports, services and properties on the interface.
 pub type Constructor = fn(&mut Interface) -> Box<dyn Component>;
 
+/// Gives the schema of a message.
+pub type SchemaOf = fn() -> &'static Schema;
+
+/// Gives the operations of an interface.
+pub type OperationsOf = fn() -> Vec<OperationDeclaration>;
+
 /// What this build has.
 pub trait Catalogue {
     /// The names under `implementation.rust`.
@@ -45,21 +51,29 @@ pub struct Tables {
     /// Components by the name a composite gives them.
     pub components: &'static [(&'static str, Constructor)],
     /// Message types.
-    pub messages: &'static [(&'static str, fn() -> &'static Schema)],
+    pub messages: &'static [(&'static str, SchemaOf)],
     /// Interfaces of services.
-    pub interfaces: &'static [(&'static str, fn() -> Vec<OperationDeclaration>)],
+    pub interfaces: &'static [(&'static str, OperationsOf)],
     /// Built-ins.
     pub builtins: &'static [Builtin],
 }
 
 impl Tables {
     /// A build that has nothing.
-    pub const EMPTY: Self = Self { components: &[], messages: &[], interfaces: &[], builtins: &[] };
+    pub const EMPTY: Self = Self {
+        components: &[],
+        messages: &[],
+        interfaces: &[],
+        builtins: &[],
+    };
 }
 
 impl Catalogue for Tables {
     fn components(&self) -> Vec<String> {
-        self.components.iter().map(|(name, _)| (*name).to_owned()).collect()
+        self.components
+            .iter()
+            .map(|(name, _)| (*name).to_owned())
+            .collect()
     }
 
     fn constructor(&self, component: &str) -> Option<Constructor> {
@@ -71,7 +85,10 @@ impl Catalogue for Tables {
     }
 
     fn messages(&self) -> Vec<String> {
-        self.messages.iter().map(|(name, _)| (*name).to_owned()).collect()
+        self.messages
+            .iter()
+            .map(|(name, _)| (*name).to_owned())
+            .collect()
     }
 
     fn schema(&self, message: &str) -> Option<Schema> {
@@ -84,5 +101,8 @@ impl Catalogue for Tables {
 }
 
 fn row<T: Copy>(table: &[(&str, T)], name: &str) -> Option<T> {
-    table.iter().find(|(known, _)| *known == name).map(|(_, found)| *found)
+    table
+        .iter()
+        .find(|(known, _)| *known == name)
+        .map(|(_, found)| *found)
 }

@@ -3,7 +3,10 @@
 /// Code and meaning of every finding, in order.
 pub const CODES: &[(&str, &str)] = &[
     // the file as text
-    ("C001", "the file is not TOML, or has a key or a table twice"),
+    (
+        "C001",
+        "the file is not TOML, or has a key or a table twice",
+    ),
     ("C002", "a file cannot be read, or is too large"),
     ("C003", "a key that the dialect does not have"),
     ("C004", "a key that must be there is missing"),
@@ -11,13 +14,19 @@ pub const CODES: &[(&str, &str)] = &[
     ("C006", "a word that is none of those possible"),
     ("C007", "a number out of its range"),
     ("C008", "another dialect, or another version of it"),
-    ("C009", "a text that cannot be a name, an end, a path or a type"),
+    (
+        "C009",
+        "a text that cannot be a name, an end, a path or a type",
+    ),
     ("C010", "two keys that exclude each other"),
     ("C011", "a substitution where nothing is substituted"),
     ("C012", "a substitution that cannot be read"),
     // values
     ("C013", "a property that the composite does not have"),
-    ("C014", "an environment variable or a secret that is not there (warning)"),
+    (
+        "C014",
+        "an environment variable or a secret that is not there (warning)",
+    ),
     ("C015", "a value that a property cannot have"),
     ("C016", "a value out of the range of a property"),
     ("C017", "a property that must be set"),
@@ -25,28 +34,49 @@ pub const CODES: &[(&str, &str)] = &[
     ("C019", "a password that stands in the file (warning)"),
     // names and components
     ("C020", "a name that nothing has"),
-    ("C021", "a port, service, reference or property that a component does not have"),
+    (
+        "C021",
+        "a port, service, reference or property that a component does not have",
+    ),
     ("C022", "something that goes over a broker, and no broker"),
     ("C023", "two components of one id"),
     ("C024", "an implementation whose name looks misspelt"),
-    ("C025", "an implementation that is not in this build (warning)"),
-    ("C026", "something listed that the component does not declare"),
-    ("C027", "something listed otherwise than the component declares it"),
+    (
+        "C025",
+        "an implementation that is not in this build (warning)",
+    ),
+    (
+        "C026",
+        "something listed that the component does not declare",
+    ),
+    (
+        "C027",
+        "something listed otherwise than the component declares it",
+    ),
     ("C028", "a property set that the component does not have"),
-    ("C029", "an input listed that the component does not have (warning)"),
+    (
+        "C029",
+        "an input listed that the component does not have (warning)",
+    ),
     // wires
     ("C030", "a wire between two interfaces"),
     ("C031", "a reference that is neither wired nor promoted"),
     ("C032", "a reference wired or promoted twice"),
     ("C033", "a call without a timeout (warning)"),
     // connections and topics
-    ("C040", "a connection that reads an input or writes an output"),
+    (
+        "C040",
+        "a connection that reads an input or writes an output",
+    ),
     ("C041", "a connection from a topic to a topic"),
     ("C042", "a connection between two types"),
     ("C043", "two writers of a last value"),
     ("C044", "a queue without a size"),
     ("C045", "an input that nothing is connected to"),
-    ("C046", "an input that the composite does not mention (warning)"),
+    (
+        "C046",
+        "an input that the composite does not mention (warning)",
+    ),
     ("C047", "a connection without a lock between two threads"),
     ("C048", "a key of a policy that says nothing (warning)"),
     ("C049", "two ends joined twice"),
@@ -65,7 +95,10 @@ pub const CODES: &[(&str, &str)] = &[
     ("C081", "composites nested too deep"),
     ("C082", "too many components"),
     // the binding of an ASM
-    ("C090", "a bound function that the specification does not have"),
+    (
+        "C090",
+        "a bound function that the specification does not have",
+    ),
     ("C091", "a bound function of the wrong kind"),
     ("C092", "a bound function with arguments"),
     ("C093", "a literal that the domain does not have"),

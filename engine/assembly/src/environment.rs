@@ -29,7 +29,15 @@ impl Environment for EmptyEnvironment {
 
 /// Whether the value of a variable must never be shown.
 pub(crate) fn is_secret(variable: &str) -> bool {
-    ["_FILE", "PASSWORD", "PASSWD", "SECRET", "TOKEN", "_KEY", "CREDENTIAL"]
-        .iter()
-        .any(|word| variable.contains(word))
+    [
+        "_FILE",
+        "PASSWORD",
+        "PASSWD",
+        "SECRET",
+        "TOKEN",
+        "_KEY",
+        "CREDENTIAL",
+    ]
+    .iter()
+    .any(|word| variable.contains(word))
 }

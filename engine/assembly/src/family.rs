@@ -32,7 +32,11 @@ pub(crate) struct Member {
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum NestingError {
     #[error("`{path}` includes itself: {}", chain.join(" → "))]
-    Circle { path: String, chain: Vec<String>, places: Vec<Span> },
+    Circle {
+        path: String,
+        chain: Vec<String>,
+        places: Vec<Span>,
+    },
     #[error("composites nest deeper than {MAX_DEPTH}")]
     TooDeep { at: Span },
 }
@@ -48,11 +52,11 @@ impl Finding for NestingError {
                     Some(last) => error.label(*last, "this closes the circle"),
                     None => error,
                 };
-                places.rev().fold(error, |error, place| error.label(*place, "included here"))
+                places
+                    .rev()
+                    .fold(error, |error, place| error.label(*place, "included here"))
             }
-            Self::TooDeep { at } => {
-                Diagnostic::error("C081", self).label(*at, "given up here")
-            }
+            Self::TooDeep { at } => Diagnostic::error("C081", self).label(*at, "given up here"),
         }
     }
 }
@@ -68,7 +72,10 @@ impl Family {
         sources: &mut Sources,
         report: &mut Report,
     ) -> Self {
-        let root = context.loader.resolve("", path).unwrap_or_else(|| path.to_owned());
+        let root = context
+            .loader
+            .resolve("", path)
+            .unwrap_or_else(|| path.to_owned());
         let mut visit = Visit {
             context,
             sources,
@@ -80,8 +87,18 @@ impl Family {
             chain: Vec::new(),
         };
         visit.composite(&root, None);
-        let Visit { members, types, specifications, .. } = visit;
-        Self { root, members, types, specifications }
+        let Visit {
+            members,
+            types,
+            specifications,
+            ..
+        } = visit;
+        Self {
+            root,
+            members,
+            types,
+            specifications,
+        }
     }
 
     /// The composite at a path.
@@ -91,7 +108,9 @@ impl Family {
 
     /// The files of composites, by path.
     pub(crate) fn members(&self) -> impl Iterator<Item = (&str, &Member)> {
-        self.members.iter().map(|(path, member)| (path.as_str(), member))
+        self.members
+            .iter()
+            .map(|(path, member)| (path.as_str(), member))
     }
 
     /// The composites in order of their paths.
@@ -115,10 +134,7 @@ impl Family {
     }
 
     /// The files of types that the composite names.
-    pub(crate) fn types<'f>(
-        &'f self,
-        member: &'f Member,
-    ) -> impl Iterator<Item = &'f TypeFile> {
+    pub(crate) fn types<'f>(&'f self, member: &'f Member) -> impl Iterator<Item = &'f TypeFile> {
         let files = member.composite.types.iter();
         files.filter_map(|file| self.types.get(member.path(file)?))
     }
@@ -185,7 +201,8 @@ impl Visit<'_, '_> {
             }
         }
         self.chain.pop();
-        self.members.insert(path.to_owned(), Member { composite, paths });
+        self.members
+            .insert(path.to_owned(), Member { composite, paths });
     }
 
     /// Reads a nested composite, unless that would never end.
@@ -198,7 +215,11 @@ impl Visit<'_, '_> {
             let mut chain: Vec<String> = circle.iter().map(|(path, _)| path.clone()).collect();
             chain.push(path.to_owned());
             let places = circle.iter().filter_map(|(_, place)| *place).collect();
-            self.report.found(NestingError::Circle { path: path.to_owned(), chain, places });
+            self.report.found(NestingError::Circle {
+                path: path.to_owned(),
+                chain,
+                places,
+            });
             return false;
         }
         if self.chain.len() >= MAX_DEPTH {
@@ -254,12 +275,17 @@ impl Visit<'_, '_> {
         found
     }
 
-    fn load(&mut self, path: &str, at: Option<Span>) -> Option<(source::FileId, std::sync::Arc<str>)> {
+    fn load(
+        &mut self,
+        path: &str,
+        at: Option<Span>,
+    ) -> Option<(source::FileId, std::sync::Arc<str>)> {
         match self.context.loader.read(path) {
             Ok(text) => Some((self.sources.add(path, text.clone()), text)),
             Err(error) => {
                 let (path, reason) = (error.path, error.reason);
-                self.report.found(ReadError::Unreadable { path, reason, at });
+                self.report
+                    .found(ReadError::Unreadable { path, reason, at });
                 None
             }
         }

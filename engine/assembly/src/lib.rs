@@ -24,9 +24,9 @@ mod types;
 mod value;
 
 pub use at::At;
-pub use component::declaration;
 pub use catalogue::{Catalogue, Constructor, Tables};
 pub use codes::CODES;
+pub use component::declaration;
 pub use context::Context;
 pub use environment::{EmptyEnvironment, Environment};
 pub use opened::{Opened, open, summary};

@@ -18,7 +18,13 @@ pub(crate) fn nearest<'n>(
         .into_iter()
         .filter_map(|(name, declared)| {
             let distance = distance(written, name)?;
-            Some((distance, Nearest { name: name.to_owned(), declared }))
+            Some((
+                distance,
+                Nearest {
+                    name: name.to_owned(),
+                    declared,
+                },
+            ))
         })
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, nearest)| nearest)
@@ -95,13 +101,19 @@ mod tests {
 
     #[test]
     fn it_finds_swapped_letters() {
-        assert_eq!(suggestion("trajectroy", &["map", "trajectory"]).as_deref(), Some("trajectory"));
+        assert_eq!(
+            suggestion("trajectroy", &["map", "trajectory"]).as_deref(),
+            Some("trajectory")
+        );
     }
 
     #[test]
     fn it_finds_a_path_by_its_last_part() {
         let known = ["nav::MapServer", "nav::Planner"];
-        assert_eq!(suggestion("MapServer", &known).as_deref(), Some("nav::MapServer"));
+        assert_eq!(
+            suggestion("MapServer", &known).as_deref(),
+            Some("nav::MapServer")
+        );
     }
 
     #[test]

@@ -32,7 +32,10 @@ impl Opened {
     /// The plan for a profile; for none where the composite has none. `None` where an error stands
     /// in the way, or where there is no such profile.
     pub fn plan(&self, profile: Option<&str>) -> Option<&Plan> {
-        let found = self.plans.iter().find(|(name, _)| name.as_deref() == profile);
+        let found = self
+            .plans
+            .iter()
+            .find(|(name, _)| name.as_deref() == profile);
         found.map(|(_, plan)| plan)
     }
 }
@@ -54,7 +57,13 @@ pub fn open(path: &str, context: &Context<'_>) -> Opened {
     let mut found = Vec::new();
     for profile in names {
         let mut notes = Notes::default();
-        let faces = check::check(&family, &types, context.catalogue, profile, &mut notes.report);
+        let faces = check::check(
+            &family,
+            &types,
+            context.catalogue,
+            profile,
+            &mut notes.report,
+        );
         let parts = Parts {
             family: &family,
             types: &types,
@@ -70,8 +79,16 @@ pub fn open(path: &str, context: &Context<'_>) -> Opened {
         found.push((profile, notes.report));
     }
     report.extend(merge(found));
-    let composite = family.member(&family.root).map(|member| member.composite.clone());
-    Opened { sources, report: report.finish(), composite, profiles, plans }
+    let composite = family
+        .member(&family.root)
+        .map(|member| member.composite.clone());
+    Opened {
+        sources,
+        report: report.finish(),
+        composite,
+        profiles,
+        plans,
+    }
 }
 
 /// The types each composite can name.
@@ -94,7 +111,9 @@ fn types<'f>(
 /// Every profile in which some component takes part. Whatever else names a profile names one of
 /// these.
 fn profiles(family: &Family, report: &mut Report) -> Vec<String> {
-    let components = family.composites().flat_map(|composite| &composite.components);
+    let components = family
+        .composites()
+        .flat_map(|composite| &composite.components);
     let mut known: BTreeMap<&str, Span> = BTreeMap::new();
     for profile in components.flat_map(|component| &component.profiles) {
         known.entry(&profile.value).or_insert(profile.span);
@@ -126,9 +145,16 @@ fn merge(reports: Vec<(Option<&str>, Report)>) -> Report {
         for finding in report.finish().diagnostics {
             let name = profile.unwrap_or("");
             let place = finding.primary.as_ref().map(|label| label.span);
-            let known = places.entry((place, finding.code, finding.message.clone())).or_default();
+            let known = places
+                .entry((place, finding.code, finding.message.clone()))
+                .or_default();
             let same = |index: &&usize| merged.get(**index).is_some_and(|it| it.0 == finding);
-            match known.iter().find(same).copied().and_then(|index| merged.get_mut(index)) {
+            match known
+                .iter()
+                .find(same)
+                .copied()
+                .and_then(|index| merged.get_mut(index))
+            {
                 Some((_, names)) => names.push(name),
                 None => {
                     known.push(merged.len());
@@ -144,7 +170,9 @@ fn merge(reports: Vec<(Option<&str>, Report)>) -> Report {
             false => finding,
         }
     });
-    Report { diagnostics: findings.collect() }
+    Report {
+        diagnostics: findings.collect(),
+    }
 }
 
 /// Counts of a report, as people say them.
@@ -154,7 +182,9 @@ pub fn summary(report: &Report) -> String {
         1 => format!("1 {one}"),
         more => format!("{more} {one}s"),
     };
-    let (errors, warnings) =
-        (count(Severity::Error, "error"), count(Severity::Warning, "warning"));
+    let (errors, warnings) = (
+        count(Severity::Error, "error"),
+        count(Severity::Warning, "warning"),
+    );
     format!("{errors}, {warnings}")
 }

@@ -11,11 +11,8 @@ pub trait Specifications {
     ///
     /// # Errors
     /// What is wrong with the specification.
-    fn open(
-        &self,
-        path: &str,
-        sources: &mut Sources,
-    ) -> Result<Option<Box<dyn Signature>>, Report>;
+    fn open(&self, path: &str, sources: &mut Sources)
+    -> Result<Option<Box<dyn Signature>>, Report>;
 }
 
 /// Opens nothing: bindings are believed.
@@ -35,7 +32,9 @@ pub trait Signature {
 
     /// The function of this name.
     fn function(&self, name: &str) -> Option<FunctionInfo> {
-        self.functions().into_iter().find(|function| function.name == name)
+        self.functions()
+            .into_iter()
+            .find(|function| function.name == name)
     }
 
     /// The main rule and its place.

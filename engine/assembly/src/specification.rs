@@ -61,7 +61,9 @@ impl Signature for ModelSignature {
 
 impl ModelSignature {
     fn domain(&self, parameters: &[TypeId]) -> String {
-        let shown = parameters.iter().map(|parameter| self.0.show_type(*parameter));
+        let shown = parameters
+            .iter()
+            .map(|parameter| self.0.show_type(*parameter));
         shown.collect::<Vec<_>>().join(", ")
     }
 
@@ -100,7 +102,12 @@ impl ModelSignature {
     }
 
     fn literals(&self, first: u32, count: u32) -> Vec<String> {
-        let atoms = self.0.atoms.iter().skip(first as usize).take(count as usize);
+        let atoms = self
+            .0
+            .atoms
+            .iter()
+            .skip(first as usize)
+            .take(count as usize);
         atoms.map(|atom| atom.name.to_string()).collect()
     }
 }

@@ -83,7 +83,11 @@ pub(crate) struct SyntaxError {
 /// Reads TOML: as much of the tree as can be understood, and every place that cannot.
 pub(crate) fn parse(file: FileId, text: &str) -> (Table, Vec<SyntaxError>) {
     let (root, errors) = DeTable::parse_recoverable(text);
-    let mut grower = Grower { file, text, errors: Vec::new() };
+    let mut grower = Grower {
+        file,
+        text,
+        errors: Vec::new(),
+    };
     // up to where a second table of one name reaches: its keys clash only because of that
     let mut second_table = 0;
     for error in errors {
@@ -92,14 +96,20 @@ pub(crate) fn parse(file: FileId, text: &str) -> (Table, Vec<SyntaxError>) {
         if duplicate && span.start < second_table {
             continue;
         }
-        let earlier = duplicate.then(|| earlier_header(text, span.start)).flatten();
+        let earlier = duplicate
+            .then(|| earlier_header(text, span.start))
+            .flatten();
         if earlier.is_some() {
             let rest = text.get(span.start..).unwrap_or("");
             second_table = span.start + rest.find("\n[").unwrap_or(rest.len());
         }
         let earlier = earlier.map(|range| Span::new(file, range.start, range.end));
         let span = Span::new(file, span.start, span.end);
-        grower.errors.push(SyntaxError { message: error.message().to_owned(), span, earlier });
+        grower.errors.push(SyntaxError {
+            message: error.message().to_owned(),
+            span,
+            earlier,
+        });
     }
     let table = grower.table(root.get_ref());
     (table, grower.errors)
@@ -111,9 +121,14 @@ fn earlier_header(text: &str, offset: usize) -> Option<std::ops::Range<usize>> {
     let header = |line: &str| -> Option<String> {
         let line = line.trim();
         let inner = line.strip_prefix('[')?;
-        inner.split_once(']').map(|(name, _)| name.trim().to_owned())
+        inner
+            .split_once(']')
+            .map(|(name, _)| name.trim().to_owned())
     };
-    let start = text.get(..offset)?.rfind('\n').map_or(0, |newline| newline + 1);
+    let start = text
+        .get(..offset)?
+        .rfind('\n')
+        .map_or(0, |newline| newline + 1);
     let wanted = header(text.get(start..)?.lines().next()?)?;
     let mut position = 0;
     for line in text.get(..start)?.split_inclusive('\n') {
@@ -170,13 +185,20 @@ impl Grower<'_> {
     }
 
     fn string(&self, text: &str, range: std::ops::Range<usize>) -> Node {
-        Node { span: self.content(range), value: Branch::Text(text.to_owned()) }
+        Node {
+            span: self.content(range),
+            value: Branch::Text(text.to_owned()),
+        }
     }
 
     fn number<T: Default>(&mut self, read: Option<T>, span: Span) -> T {
         read.unwrap_or_else(|| {
             let message = "number is too large".to_owned();
-            self.errors.push(SyntaxError { message, span, earlier: None });
+            self.errors.push(SyntaxError {
+                message,
+                span,
+                earlier: None,
+            });
             T::default()
         })
     }

@@ -34,9 +34,11 @@ impl Value {
         match self {
             Self::Integer(number) => Some(*number as f64),
             Self::Real(number) => Some(*number),
-            Self::Boolean(_) | Self::Text(_) | Self::Secret(_) | Self::List(_) | Self::Record(_) => {
-                None
-            }
+            Self::Boolean(_)
+            | Self::Text(_)
+            | Self::Secret(_)
+            | Self::List(_)
+            | Self::Record(_) => None,
         }
     }
 
@@ -48,9 +50,11 @@ impl Value {
             Self::Real(number) => Datum::Float(*number),
             Self::Text(text) | Self::Secret(text) => Datum::Text(text.clone()),
             Self::List(items) => Datum::List(items.iter().map(Self::datum).collect()),
-            Self::Record(fields) => {
-                Datum::record(fields.iter().map(|(name, value)| (name.clone(), value.datum())))
-            }
+            Self::Record(fields) => Datum::record(
+                fields
+                    .iter()
+                    .map(|(name, value)| (name.clone(), value.datum())),
+            ),
         }
     }
 

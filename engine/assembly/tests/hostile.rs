@@ -1,4 +1,5 @@
 //! Bad input: a finding each, no panic, and in good time.
+#![allow(clippy::expect_used, reason = "tests")]
 
 mod support;
 
@@ -28,7 +29,12 @@ fn opened(text: &str) -> Opened {
 }
 
 fn codes(opened: &Opened) -> Vec<&'static str> {
-    let mut codes: Vec<_> = opened.report.diagnostics.iter().map(|finding| finding.code).collect();
+    let mut codes: Vec<_> = opened
+        .report
+        .diagnostics
+        .iter()
+        .map(|finding| finding.code)
+        .collect();
     codes.dedup();
     codes
 }
@@ -68,10 +74,19 @@ fn it_refuses_ten_megabytes() {
 fn it_refuses_what_nests_too_deep() {
     for deep in [
         format!("{HEAD}x = {}{}", "[".repeat(100_000), "]".repeat(100_000)),
-        format!("{HEAD}x = {}1{}", "{ a = ".repeat(50_000), " }".repeat(50_000)),
+        format!(
+            "{HEAD}x = {}1{}",
+            "{ a = ".repeat(50_000),
+            " }".repeat(50_000)
+        ),
         format!("{HEAD}[{}a]", "a.".repeat(100_000)),
         format!("{HEAD}{}a = 1", "a.".repeat(100_000)),
-        format!("{HEAD}{}", (1..2000).map(|n| format!("[{}a]\n", "a.".repeat(n % 200))).collect::<String>()),
+        format!(
+            "{HEAD}{}",
+            (1..2000)
+                .map(|n| format!("[{}a]\n", "a.".repeat(n % 200)))
+                .collect::<String>()
+        ),
     ] {
         let opened = opened(&deep);
         assert!(opened.report.has_errors());
@@ -82,7 +97,9 @@ fn it_refuses_what_nests_too_deep() {
 #[test]
 fn it_refuses_composites_that_nest_too_deep() {
     let mut files = Files::new();
-    let nest = |file: &str| format!("{HEAD}[components.Inner]\nimplementation = {{ composite = \"{file}\" }}\n");
+    let nest = |file: &str| {
+        format!("{HEAD}[components.Inner]\nimplementation = {{ composite = \"{file}\" }}\n")
+    };
     files.add("main.toml", nest("c0.toml"));
     for n in 0..100 {
         files.add(&format!("c{n}.toml"), nest(&format!("c{}.toml", n + 1)));
@@ -103,7 +120,10 @@ fn it_refuses_composites_that_multiply() {
     for n in 0..25 {
         files.add(&format!("c{n}.toml"), twice(&format!("c{}.toml", n + 1)));
     }
-    files.add("c25.toml", format!("{HEAD}[components.X]\nimplementation = {{ process = \"x\" }}\n"));
+    files.add(
+        "c25.toml",
+        format!("{HEAD}[components.X]\nimplementation = {{ process = \"x\" }}\n"),
+    );
     assert_eq!(codes(&open(&files)), ["C082"]);
 }
 
@@ -111,11 +131,17 @@ fn it_refuses_composites_that_multiply() {
 fn it_refuses_types_that_multiply() {
     let mut types = "schema = \"composite-types/1\"\n".to_owned();
     for n in 0..40 {
-        types.push_str(&format!("[type.\"t/T{n}\"]\nfields = {{ a = \"t/T{m}\", b = \"t/T{m}\" }}\n", m = n + 1));
+        types.push_str(&format!(
+            "[type.\"t/T{n}\"]\nfields = {{ a = \"t/T{m}\", b = \"t/T{m}\" }}\n",
+            m = n + 1
+        ));
     }
     types.push_str("[type.\"t/T40\"]\nfields = { x = \"f64\" }\n");
     let mut files = Files::new();
-    files.add("main.toml", HEAD.replace("name =", "types = [\"types.toml\"]\nname ="));
+    files.add(
+        "main.toml",
+        HEAD.replace("name =", "types = [\"types.toml\"]\nname ="),
+    );
     files.add("types.toml", types);
     assert_eq!(codes(&open(&files)), ["C116"]);
 }
@@ -134,14 +160,20 @@ fn it_takes_a_large_composite_in_good_time() {
     let start = std::time::Instant::now();
     let opened = opened(&text);
     assert_eq!(codes(&opened), [""; 0]);
-    assert_eq!(opened.plan(None).map(|plan| plan.connections.len()), Some(3_000));
+    assert_eq!(
+        opened.plan(None).map(|plan| plan.connections.len()),
+        Some(3_000)
+    );
     assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
 }
 
 #[test]
 fn it_says_what_is_wrong_with_a_specification() {
     let mut files = Files::new();
-    files.add("main.toml", format!("{HEAD}[components.C]\nimplementation = {{ asm = \"c.asm\" }}\n"));
+    files.add(
+        "main.toml",
+        format!("{HEAD}[components.C]\nimplementation = {{ asm = \"c.asm\" }}\n"),
+    );
     files.add("c.asm", "asm c\nsignature:\n\tcontrolled\ndefinitions:\n");
     let opened = open(&files);
     assert!(opened.report.has_errors());

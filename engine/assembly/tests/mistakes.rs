@@ -1,5 +1,6 @@
 //! Every file of `tests/composites` has one planted mistake, with its code beside the line (`#~`).
 //! The rendered findings are snapshots that were read before they were accepted.
+#![allow(clippy::expect_used, reason = "tests")]
 
 mod support;
 
@@ -33,7 +34,13 @@ fn found(file: &str, opened: &assembly::Opened) -> BTreeSet<(usize, String)> {
 
 fn files() -> Vec<String> {
     let folder = std::fs::read_dir("tests/composites").expect("the folder of composites");
-    let names = folder.map(|entry| entry.expect("an entry").file_name().into_string().expect("a name"));
+    let names = folder.map(|entry| {
+        entry
+            .expect("an entry")
+            .file_name()
+            .into_string()
+            .expect("a name")
+    });
     let mut files: Vec<String> = names.filter(|name| name.ends_with(".toml")).collect();
     files.sort();
     files
@@ -48,7 +55,9 @@ fn it_finds_every_planted_mistake_and_nothing_else() {
         let (expected, found) = (expected(&text), found(&file, &opened));
         let rendered = support::render::report(&opened.sources, &opened.report);
         if expected != found {
-            wrong.push(format!("{file}: expected {expected:?}, found {found:?}\n{rendered}\n"));
+            wrong.push(format!(
+                "{file}: expected {expected:?}, found {found:?}\n{rendered}\n"
+            ));
         }
         let name = file.trim_end_matches(".toml");
         insta::with_settings!({ prepend_module_to_snapshot => false, omit_expression => true }, {
@@ -68,10 +77,14 @@ fn it_has_a_planted_mistake_for_every_code() {
     // no small file shows these: see `tests/hostile.rs`
     let elsewhere = ["C081", "C082", "C116"];
     let codes = assembly::CODES.iter().map(|(code, _)| *code);
-    let missing: Vec<&str> =
-        codes.filter(|code| !planted.contains(*code) && !elsewhere.contains(code)).collect();
+    let missing: Vec<&str> = codes
+        .filter(|code| !planted.contains(*code) && !elsewhere.contains(code))
+        .collect();
     assert!(missing.is_empty(), "no composite shows {missing:?}");
     for code in planted {
-        assert!(assembly::CODES.iter().any(|(known, _)| *known == code), "{code} is not listed");
+        assert!(
+            assembly::CODES.iter().any(|(known, _)| *known == code),
+            "{code} is not listed"
+        );
     }
 }

@@ -1,5 +1,6 @@
 //! The composites of `shared/specs`: no error in any profile, and the five mistakes of robotics
 //! §4.4 when they are planted in them. Left out, with a notice, where the folder is not there.
+#![allow(clippy::expect_used, reason = "tests")]
 
 mod support;
 
@@ -58,7 +59,9 @@ fn open(loader: &dyn Loader, file: &str) -> Opened {
 fn errors(opened: &Opened) -> Vec<String> {
     let errors = opened.report.diagnostics.iter();
     let errors = errors.filter(|finding| finding.severity == Severity::Error);
-    errors.map(|finding| format!("{}: {}", finding.code, finding.message)).collect()
+    errors
+        .map(|finding| format!("{}: {}", finding.code, finding.message))
+        .collect()
 }
 
 #[test]
@@ -76,10 +79,18 @@ fn it_finds_no_error_in_any_of_them() {
         });
         let profiles: Vec<Option<&str>> = match opened.profiles.is_empty() {
             true => vec![None],
-            false => opened.profiles.iter().map(|name| Some(name.as_str())).collect(),
+            false => opened
+                .profiles
+                .iter()
+                .map(|name| Some(name.as_str()))
+                .collect(),
         };
         for profile in profiles {
-            let plan = opened.plan(profile).expect("a plan").to_toml().expect("TOML");
+            let plan = opened
+                .plan(profile)
+                .expect("a plan")
+                .to_toml()
+                .expect("TOML");
             let name = format!("plan_{file}_{}", profile.unwrap_or("any"));
             insta::with_settings!({ prepend_module_to_snapshot => false, omit_expression => true }, {
                 insta::assert_snapshot!(name, plan);
@@ -88,8 +99,40 @@ fn it_finds_no_error_in_any_of_them() {
     }
 }
 
+#[test]
+fn it_finds_no_error_in_the_composites_of_this_repository() {
+    let specs = Path::new("../../specs");
+    let Ok(folders) = std::fs::read_dir(specs) else {
+        eprintln!("left out: there is no {}", specs.display());
+        return;
+    };
+    for folder in folders {
+        let folder = folder.expect("an entry").path();
+        let Ok(entries) = std::fs::read_dir(&folder) else {
+            continue;
+        };
+        for entry in entries {
+            let name = entry
+                .expect("an entry")
+                .file_name()
+                .into_string()
+                .expect("a name");
+            if name.ends_with(".composite.toml") {
+                let opened = open(&Files::new(&folder.to_string_lossy()), &name);
+                let rendered = support::render::report(&opened.sources, &opened.report);
+                assert_eq!(errors(&opened), [""; 0], "{rendered}");
+            }
+        }
+    }
+}
+
 fn planted(path: &str, from: &str, to: &str, file: &str) -> Vec<String> {
-    let loader = Changed { files: Files::new(FOLDER), path, from, to };
+    let loader = Changed {
+        files: Files::new(FOLDER),
+        path,
+        from,
+        to,
+    };
     errors(&open(&loader, file))
 }
 
@@ -99,7 +142,12 @@ fn it_finds_a_misspelt_port_and_the_input_that_nobody_drives() {
         return;
     }
     let path = "youbot_driver.composite.toml";
-    let found = planted(path, "to     = \"youBotDriver.commands\"", "to = \"youBotDriver.command\"", path);
+    let found = planted(
+        path,
+        "to     = \"youBotDriver.commands\"",
+        "to = \"youBotDriver.command\"",
+        path,
+    );
     assert_eq!(
         found,
         [
@@ -115,7 +163,12 @@ fn it_finds_a_clash_of_types() {
         return;
     }
     let path = "youbot_driver.composite.toml";
-    let found = planted(path, "to     = \"youBotDriver.commands\"", "to = \"youBotDriver.period\"", path);
+    let found = planted(
+        path,
+        "to     = \"youBotDriver.commands\"",
+        "to = \"youBotDriver.period\"",
+        path,
+    );
     assert_eq!(
         found,
         [
@@ -132,10 +185,17 @@ fn it_finds_a_misspelt_rename() {
         return;
     }
     let path = "navigation.composite.toml";
-    let found = planted(path, "{ trajectory = \"plan\"", "{ trajectroy = \"plan\"", path);
+    let found = planted(
+        path,
+        "{ trajectory = \"plan\"",
+        "{ trajectroy = \"plan\"",
+        path,
+    );
     assert_eq!(
         found,
-        ["C052: `TrajectoryPlanner` neither subscribes nor publishes `trajectroy`, so it cannot be renamed"]
+        [
+            "C052: `TrajectoryPlanner` neither subscribes nor publishes `trajectroy`, so it cannot be renamed"
+        ]
     );
     // the connection that dangles because of it
     let loader = Changed {
@@ -145,7 +205,11 @@ fn it_finds_a_misspelt_rename() {
         to: "{ trajectroy = \"plan\"",
     };
     let opened = open(&loader, path);
-    let silent = opened.report.diagnostics.iter().any(|it| it.message == "nobody publishes `plan`");
+    let silent = opened
+        .report
+        .diagnostics
+        .iter()
+        .any(|it| it.message == "nobody publishes `plan`");
     assert!(silent);
 }
 
@@ -157,5 +221,8 @@ fn it_finds_a_forgotten_wire() {
     let wire = "[[wires]]\nreference = \"Monitor.period\"\nservice   = \"Driver.settingPeriod\"\nbinding   = \"amqp\"\n";
     let path = "youbot.composite.toml";
     let found = planted(path, wire, "", path);
-    assert_eq!(found, ["C031: reference `Monitor.period` is neither wired nor promoted"]);
+    assert_eq!(
+        found,
+        ["C031: reference `Monitor.period` is neither wired nor promoted"]
+    );
 }

@@ -1,5 +1,5 @@
 //! From a composite to a running system, in simulated time.
-#![allow(missing_docs, reason = "tests")]
+#![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
 
 mod support;
 
@@ -53,7 +53,13 @@ impl Component for Starter {
         self.cycles += 1;
         if self.cycles == 3 {
             let code = cycle.property(self.code).clone();
-            cycle.write(self.event, Event { code, detail: String::new() });
+            cycle.write(
+                self.event,
+                Event {
+                    code,
+                    detail: String::new(),
+                },
+            );
         }
         Ok(())
     }
@@ -98,11 +104,16 @@ const COMPONENTS: &[(&str, Constructor)] = &[
         })
     }),
     ("test::Doubler", |interface: &mut Interface| {
-        Box::new(Doubler { double: interface.serve("sums", "doubles") })
+        Box::new(Doubler {
+            double: interface.serve("sums", "doubles"),
+        })
     }),
     ("test::Echo", |interface: &mut Interface| {
         let input = interface.input("number", "in");
-        Box::new(Echo { input, output: interface.output("number", "out") })
+        Box::new(Echo {
+            input,
+            output: interface.output("number", "out"),
+        })
     }),
 ];
 
@@ -231,8 +242,12 @@ fn open(files: &Files, settings: &[(String, String)]) -> Opened {
 }
 
 fn start(files: &Files, plan: &plan::Plan) -> Result<System, StartError> {
-    let mut workshop =
-        Standard { catalogue: &BUILD, loader: files, seed: 1, builtins: &mut |_, _| None };
+    let mut workshop = Standard {
+        catalogue: &BUILD,
+        loader: files,
+        seed: 1,
+        builtins: &mut |_, _| None,
+    };
     assembly::start(plan, &mut workshop)
 }
 
@@ -245,7 +260,10 @@ fn echoes(composite: &str, settings: &[(String, String)]) -> Vec<i64> {
     let log = Log::new();
     system.observe(log.clone());
     system.simulate().run_for(1.s());
-    log.samples::<Number>("Nested/Echo.number").into_iter().map(|(_, number)| number.n).collect()
+    log.samples::<Number>("Nested/Echo.number")
+        .into_iter()
+        .map(|(_, number)| number.n)
+        .collect()
 }
 
 #[test]
@@ -255,7 +273,10 @@ fn it_runs_from_an_event_over_a_call_to_a_message_in_a_nested_composite() {
 
 #[test]
 fn it_takes_properties_from_outside() {
-    assert_eq!(echoes(COMPOSITE, &[("n".to_owned(), "50".to_owned())]), [100]);
+    assert_eq!(
+        echoes(COMPOSITE, &[("n".to_owned(), "50".to_owned())]),
+        [100]
+    );
 }
 
 #[test]
@@ -283,8 +304,13 @@ fn it_refuses_to_start_without_its_variables() {
     let composite = COMPOSITE.replace("code = \"GO\"", "code = \"${ROBOT_CODE}\"");
     let files = files(&composite);
     let opened = open(&files, &[]);
-    let error = start(&files, opened.plan(None).expect("a plan")).map(|_| ()).unwrap_err();
-    assert_eq!(error.to_string(), "these environment variables are not set: ROBOT_CODE");
+    let error = start(&files, opened.plan(None).expect("a plan"))
+        .map(|_| ())
+        .unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "these environment variables are not set: ROBOT_CODE"
+    );
 }
 
 #[test]
@@ -292,7 +318,9 @@ fn it_refuses_to_start_what_is_not_in_the_build() {
     let composite = COMPOSITE.replace("rust = \"test::Starter\"", "process = \"starter\"");
     let files = files(&composite);
     let opened = open(&files, &[]);
-    let error = start(&files, opened.plan(None).expect("a plan")).map(|_| ()).unwrap_err();
+    let error = start(&files, opened.plan(None).expect("a plan"))
+        .map(|_| ())
+        .unwrap_err();
     assert_eq!(
         error.to_string(),
         "`Starter` cannot be made: other programs cannot be started yet"
@@ -313,8 +341,14 @@ fn it_puts_the_binding_into_the_plan_without_places_and_substitutions() {
         panic!("a call");
     };
     let n = binding::Argument::Value(assembly::Value::Integer(21));
-    assert_eq!(call.with, binding::Argument::Record(vec![("n".to_owned(), n)]));
-    assert_eq!(plan.start_order, ["Nested/Doubler", "Starter", "Brain", "Nested/Echo"]);
+    assert_eq!(
+        call.with,
+        binding::Argument::Record(vec![("n".to_owned(), n)])
+    );
+    assert_eq!(
+        plan.start_order,
+        ["Starter", "Nested/Doubler", "Brain", "Nested/Echo"]
+    );
 }
 
 #[test]
@@ -331,9 +365,42 @@ fn it_keeps_secrets_out_of_everything_that_is_shown() {
     let plan = opened.plan(None).expect("a plan");
     let shown = format!("{plan:?}{}", plan.to_toml().expect("TOML"));
     let json = serde_json::to_string(plan).expect("JSON");
-    assert!(!shown.contains("geheim") && !json.contains("geheim"), "{shown}");
+    assert!(
+        !shown.contains("geheim") && !json.contains("geheim"),
+        "{shown}"
+    );
     let url = plan.brokers[0].url.as_ref().expect("an address");
     assert_eq!(url.reveal(), "amqp://robot:geheim@h:5672");
     assert_eq!(url.shown(), "amqp://robot:***@h:5672");
     assert!(start(&files, plan).is_ok());
+}
+
+#[test]
+fn it_takes_paths_from_the_folder_of_the_file_they_are_written_in() {
+    let inner = "schema = \"composite/1\"\n[composite]\nname = \"inner\"\n\
+        [properties]\nmap = { type = \"path\", default = \"own.png\" }\n\
+        [components.X]\nimplementation = { process = \"x\" }\nproperties = { map = \"${properties.map}\" }\n";
+    let outer = |set: &str| {
+        format!(
+            "schema = \"composite/1\"\n[composite]\nname = \"outer\"\n\
+             [properties]\nmaps = {{ type = \"path\", default = \"maps\" }}\n\
+             [components.In]\nimplementation = {{ composite = \"deep/inner.toml\" }}\n{set}"
+        )
+    };
+    let map = |set: &str| {
+        let mut files = Files::new();
+        files.add("here/main.toml", outer(set));
+        files.add("here/deep/inner.toml", inner);
+        let opened = assembly::open("here/main.toml", &Context::files(&files));
+        let plan = opened.plan(None).expect("a plan");
+        let map = plan.components[0].properties.get("map").expect("a map");
+        map.to_string()
+    };
+    assert_eq!(map(""), "\"here/deep/own.png\"");
+    assert_eq!(map("properties = { map = \"a.png\" }\n"), "\"here/a.png\"");
+    assert_eq!(map("properties = { map = \"/a.png\" }\n"), "\"/a.png\"");
+    assert_eq!(
+        map("properties = { map = \"${properties.maps}\" }\n"),
+        "\"here/maps\""
+    );
 }

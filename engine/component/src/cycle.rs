@@ -167,7 +167,8 @@ impl<'a> Cycle<'a> {
             .collect()
     }
 
-    /// The value of a property, as of the beginning of the cycle.
+    /// The value of a property, as of the beginning of the cycle: a copy, so big ones are better read in
+    /// [`Component::configure`](crate::Component::configure).
     pub fn property<T: PropertyValue>(&self, property: Property<T>) -> T {
         self.body.value(property).unwrap_or_else(|| {
             self.refuse("property");

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use datum::Sample;
+use datum::{DatumError, Sample};
 
 use crate::connection::Delivery;
 use crate::outside::Outside;
@@ -123,13 +123,19 @@ impl Doors {
     }
 
     /// Counts a sample that nobody could read.
-    pub(crate) fn refuse(&mut self, place: Place, now: Time, outside: &mut dyn Outside) {
+    pub(crate) fn refuse(
+        &mut self,
+        place: Place,
+        reason: &DatumError,
+        now: Time,
+        outside: &mut dyn Outside,
+    ) {
         let doors = match place {
             Place::Port(port) => std::slice::from_mut(&mut self.ports[port]),
             Place::Topic(topic) => self.topics[topic].1.as_mut_slice(),
         };
         for door in doors {
-            door.drop_one(now, outside);
+            door.drop_one(Some(reason), now, outside);
         }
     }
 }
@@ -166,11 +172,11 @@ impl Door {
             outside.trigger(self.component);
         }
         if delivery != Ok(Delivery::Stored) {
-            self.drop_one(now, outside);
+            self.drop_one(delivery.as_ref().err(), now, outside);
         }
     }
 
-    fn drop_one(&mut self, now: Time, outside: &mut dyn Outside) {
+    fn drop_one(&mut self, reason: Option<&DatumError>, now: Time, outside: &mut dyn Outside) {
         self.dropped += 1;
         outside.emit(
             now,
@@ -179,6 +185,7 @@ impl Door {
                 port: "outside",
                 to: &self.name,
                 total: self.dropped,
+                reason,
             },
         );
     }

@@ -5,7 +5,7 @@ mod owned;
 
 pub(crate) use owned::Owned;
 
-use datum::{Datum, Sample};
+use datum::{Datum, DatumError, Sample};
 
 use crate::{CallError, CallId, Fault, State, Time};
 
@@ -120,14 +120,16 @@ pub enum Event<'a> {
     },
     /// A connection was full, or could not carry the sample.
     Dropped {
-        /// The writer.
+        /// The writer; empty for one outside.
         component: &'a str,
         /// Its port.
         port: &'a str,
         /// The connection's other end.
         to: &'a str,
-        /// All samples this connection has dropped so far.
+        /// All that this connection has dropped so far.
         total: u64,
+        /// Why the reader cannot read the sample; absent if the connection was full.
+        reason: Option<&'a DatumError>,
     },
     /// Properties changed, all at once.
     Property {

@@ -75,7 +75,7 @@ impl Exchange {
                 }
                 match envelope.payload.to_sample() {
                     Ok(sample) => self.doors.give(*place, &sample, now, outside),
-                    Err(_) => self.doors.refuse(*place, now, outside),
+                    Err(reason) => self.doors.refuse(*place, &reason, now, outside),
                 }
             }
         }

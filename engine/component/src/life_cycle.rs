@@ -88,7 +88,7 @@ impl Transition {
         Self::ResetException,
     ];
 
-    /// Where it leads from a state when its hook succeeds; `None` where RTT refuses it.
+    /// Where it leads from a state when its hook succeeds; `None` where RTT refuses it: from all states not named here.
     pub fn target(self, from: State) -> Option<State> {
         match (self, from) {
             (Self::Configure, State::PreOperational | State::Stopped) => Some(State::Stopped),

@@ -58,15 +58,16 @@ impl Log {
 
 impl Observer for Log {
     fn observe(&mut self, at: Time, event: &Event<'_>) {
-        let published = match event {
-            Event::Published {
-                component,
-                port,
-                sample,
-                ..
-            } => Some((format!("{component}.{port}"), sample.to_shared())),
-            _other => None,
-        };
+        let mut published = None;
+        if let Event::Published {
+            component,
+            port,
+            sample,
+            ..
+        } = event
+        {
+            published = Some((format!("{component}.{port}"), sample.to_shared()));
+        }
         self.entries().push(Entry {
             at,
             line: event.to_string(),

@@ -20,7 +20,8 @@ pub trait Run {
     /// Lets time pass until then.
     fn run_until(&mut self, until: Time);
 
-    /// Lets time pass until something has happened, at the longest until `limit`. Says whether it has.
+    /// Lets time pass until something has happened, at the longest until `limit`. Says whether it has. What happened
+    /// before does not count.
     fn run_until_event(
         &mut self,
         limit: Time,

@@ -113,7 +113,15 @@ fn what_others_publish_comes_in_typed_or_encoded_and_what_does_not_fit_is_counte
         log.lines_with("heard"),
         ["0 s Teller: heard: 100", "0 s Teller: heard: 101"]
     );
-    assert_eq!(log.lines_with("2 dropped").len(), 1);
+    let dropped = log.lines_with("dropped");
+    assert!(
+        dropped[0].contains("1 dropped: unknown field `words`"),
+        "{dropped:?}"
+    );
+    assert!(
+        dropped[1].contains("2 dropped: malformed CBOR"),
+        "{dropped:?}"
+    );
 }
 
 #[test]

@@ -62,10 +62,10 @@ impl<'de> Deserializer<'de> for From<'de> {
     }
 
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, DatumError> {
-        match self.0 {
-            Datum::Null => visitor.visit_none(),
-            _some => visitor.visit_some(self),
+        if *self.0 == Datum::Null {
+            return visitor.visit_none();
         }
+        visitor.visit_some(self)
     }
 
     fn deserialize_unit<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, DatumError> {
@@ -98,13 +98,11 @@ impl<'de> Deserializer<'de> for From<'de> {
     }
 
     fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, DatumError> {
-        match self.0 {
-            Datum::Bytes(_) => visitor.visit_seq(Elements {
-                of: self.0,
-                next: 0,
-            }),
-            _other => self.deserialize_any(visitor),
+        if let Datum::Bytes(_) = self.0 {
+            let next = 0;
+            return visitor.visit_seq(Elements { of: self.0, next });
         }
+        self.deserialize_any(visitor)
     }
 
     fn deserialize_tuple<V: Visitor<'de>>(

@@ -31,7 +31,8 @@ impl Message for Datum {
     }
 }
 
-/// Declares message types: the struct, its serde, its [`Default`] and its [`Message`].
+/// Declares message types: the struct, its serde, its [`Default`] and its [`Message`]. The crate that uses it knows
+/// this one by the name `datum`.
 ///
 /// Fields keep the order of the ROS definition; each documents its unit. A field starts at zero, or at the value
 /// given after `=`. On reading, an omitted field has that value, and an unknown field is an error.

@@ -16,7 +16,9 @@ use crate::read::error::ReadError;
 
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum MapError {
-    #[error("an operation with `mode = \"{mode}\"` needs an {wanted} of the target, and `{port}` is an {found}")]
+    #[error(
+        "an operation with `mode = \"{mode}\"` needs an {wanted} of the target, and `{port}` is an {found}"
+    )]
     Direction {
         mode: ProxyMode,
         wanted: &'static str,
@@ -26,17 +28,39 @@ pub(crate) enum MapError {
         declared: Option<Span>,
     },
     #[error("`{port}` is no port of the target `{target}`")]
-    Elsewhere { port: String, target: String, at: Span, target_at: Span },
+    Elsewhere {
+        port: String,
+        target: String,
+        at: Span,
+        target_at: Span,
+    },
     #[error("`{name}` goes {direction}, so it must stand under `{list}`")]
-    NotListed { name: String, direction: &'static str, list: &'static str, kind: String, at: Span },
+    NotListed {
+        name: String,
+        direction: &'static str,
+        list: &'static str,
+        kind: String,
+        at: Span,
+    },
     #[error("`{name}` is `{here}` here and `{there}` there")]
-    Types { name: String, here: String, there: String, at: Span, declared: Option<Span> },
+    Types {
+        name: String,
+        here: String,
+        there: String,
+        at: Span,
+        declared: Option<Span>,
+    },
 }
 
 impl Finding for MapError {
     fn diagnostic(&self) -> Diagnostic {
         match self {
-            Self::Direction { at, declared, found, .. } => {
+            Self::Direction {
+                at,
+                declared,
+                found,
+                ..
+            } => {
                 let diagnostic = Diagnostic::error("C120", self).label(*at, "named here");
                 match declared {
                     Some(declared) => diagnostic.label(*declared, format!("an {found}")),
@@ -46,7 +70,13 @@ impl Finding for MapError {
             Self::Elsewhere { at, target_at, .. } => Diagnostic::error("C121", self)
                 .label(*at, "a port of another component")
                 .label(*target_at, "the target"),
-            Self::NotListed { name, list, kind, at, .. } => Diagnostic::error("C122", self)
+            Self::NotListed {
+                name,
+                list,
+                kind,
+                at,
+                ..
+            } => Diagnostic::error("C122", self)
                 .label(*at, format!("not under `{list}`"))
                 .help(format!("add `{list} = {{ {name} = \"{kind}\" }}`")),
             Self::Types { at, declared, .. } => {
@@ -65,8 +95,12 @@ pub(crate) fn check(scene: &mut Scene<'_>, report: &mut Report) {
     let mut faces: Vec<(usize, Face)> = Vec::new();
     for (index, part) in scene.parts.iter().enumerate() {
         let component = part.component;
-        let Some(Implementation::Builtin { kind: Some(kind), target, bridge, .. }) =
-            &component.implementation
+        let Some(Implementation::Builtin {
+            kind: Some(kind),
+            target,
+            bridge,
+            ..
+        }) = &component.implementation
         else {
             continue;
         };
@@ -101,7 +135,13 @@ fn proxy(
     report: &mut Report,
 ) -> Option<Face> {
     let Some(target) = target else {
-        missing(component, "target", "\"youBotDriver\"", "a port-proxy", report);
+        missing(
+            component,
+            "target",
+            "\"youBotDriver\"",
+            "a port-proxy",
+            report,
+        );
         return None;
     };
     scene.part(target, report)?;
@@ -168,7 +208,10 @@ fn mirror(
         Way::In => Way::Out,
         Way::Out => Way::In,
     };
-    if face.port(&entry.port.name, mirror).is_some_and(|(found, _)| found == mirror) {
+    if face
+        .port(&entry.port.name, mirror)
+        .is_some_and(|(found, _)| found == mirror)
+    {
         return;
     }
     let mirrored = Port {
@@ -187,9 +230,13 @@ fn mirror(
 fn operation(scene: &Scene<'_>, entry: &ProxyEntry, interface: &str, report: &mut Report) {
     let name = &entry.operation.name;
     if let Some(operations) = scene.catalogue.operations(interface)
-        && !operations.iter().any(|operation| operation.name == name.value)
+        && !operations
+            .iter()
+            .any(|operation| operation.name == name.value)
     {
-        let known = operations.iter().map(|operation| (operation.name.as_str(), None));
+        let known = operations
+            .iter()
+            .map(|operation| (operation.name.as_str(), None));
         report.found(unknown("operation", name, nearest(name, known)));
     }
 }
@@ -202,7 +249,11 @@ fn notify(scene: &Scene<'_>, told: &Notify, face: &Face, report: &mut Report) {
     for path in told.idle.iter().flat_map(|idle| [&idle.of, &idle.on]) {
         field(scene, path, face, report);
     }
-    for path in told.refresh.iter().filter_map(|condition| condition.path.as_ref()) {
+    for path in told
+        .refresh
+        .iter()
+        .filter_map(|condition| condition.path.as_ref())
+    {
         // `port.new` is no field: it says that a message came
         let mut path = path.clone();
         if path.steps.last().is_some_and(|step| step.value == "new") {
@@ -210,7 +261,11 @@ fn notify(scene: &Scene<'_>, told: &Notify, face: &Face, report: &mut Report) {
         }
         field(scene, &path, face, report);
     }
-    for path in told.fault.iter().filter_map(|condition| condition.path.as_ref()) {
+    for path in told
+        .fault
+        .iter()
+        .filter_map(|condition| condition.path.as_ref())
+    {
         field(scene, path, face, report);
     }
 }
@@ -241,7 +296,9 @@ fn ros_bridge(
     match bridge {
         None => missing(component, "bridge", "\"ros\"", "a ros-bridge", report),
         Some(name) if !bridges.iter().any(|bridge| bridge.name.value == name.value) => {
-            let known = bridges.iter().map(|it| (it.name.value.as_str(), Some(it.name.span)));
+            let known = bridges
+                .iter()
+                .map(|it| (it.name.value.as_str(), Some(it.name.span)));
             report.found(unknown("bridge", name, nearest(name, known)));
         }
         Some(_) => {}
@@ -258,7 +315,10 @@ fn ros_entry(scene: &Scene<'_>, component: &Component, entry: &RosEntry, report:
         Direction::ToRos => (&component.subscribe, "subscribe", "to ROS"),
         Direction::FromRos => (&component.publish, "publish", "from ROS"),
     };
-    match list.iter().find(|listed| listed.name.value == entry.from.value) {
+    match list
+        .iter()
+        .find(|listed| listed.name.value == entry.from.value)
+    {
         None => report.found(MapError::NotListed {
             name: entry.from.value.clone(),
             direction,
@@ -266,9 +326,7 @@ fn ros_entry(scene: &Scene<'_>, component: &Component, entry: &RosEntry, report:
             kind: entry.kind.value.clone(),
             at: entry.from.span,
         }),
-        Some(listed)
-            if entry.convert.is_none()
-                && !scene.types.same(&listed.kind, &entry.kind) => {
+        Some(listed) if entry.convert.is_none() && !scene.types.same(&listed.kind, &entry.kind) => {
             report.found(MapError::Types {
                 name: entry.from.value.clone(),
                 here: listed.kind.value.clone(),
@@ -289,6 +347,14 @@ fn missing(
     of: &'static str,
     report: &mut Report,
 ) {
-    let at = component.implementation.as_ref().map_or(component.name.span, Implementation::span);
-    report.found(ReadError::MissingKey { key, of, at, example: example.to_owned() });
+    let at = component
+        .implementation
+        .as_ref()
+        .map_or(component.name.span, Implementation::span);
+    report.found(ReadError::MissingKey {
+        key,
+        of,
+        at,
+        example: example.to_owned(),
+    });
 }

@@ -3,115 +3,17 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-use source::{Diagnostic, Report, Span};
+use source::{Report, Span};
 
+use super::component_error::ComponentError;
+use super::declared::declared;
 use super::face::{Face, Kind, Named, Port, Service, Way};
 use super::scene::{NameError, Part, Scene};
 use crate::At;
 use crate::choice::Choice;
-use component::declaration::{
-    Declaration, PortDeclaration, ReferenceDeclaration, ServiceDeclaration,
-};
-use crate::finding::{Finding, Findings};
+use crate::finding::Findings;
 use crate::model::{Builtin, Component, Implementation, Listed, Wanted};
-use crate::nearest::{Nearest, Suggest, nearest, nearest_name};
-use crate::read::error::has;
-
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum ComponentError {
-    #[error("`{component}` has two {way}s `{name}`")]
-    PortTwice { way: &'static str, component: String, name: String, at: Span, first: Span },
-    #[error("two components have the id `{id}`")]
-    SameId { id: String, at: Span, first: Span },
-    #[error("this build has no {what} `{name}`")]
-    UnknownImplementation { what: &'static str, name: String, at: Span, nearest: Option<Nearest> },
-    #[error("{what} `{name}` is not in this build")]
-    NotInBuild { what: &'static str, name: String, at: Span },
-    #[error("`{implementation}` has no {what} `{name}`")]
-    NotDeclared {
-        implementation: String,
-        what: &'static str,
-        name: String,
-        at: Span,
-        made_of: Span,
-        known: Vec<String>,
-    },
-    #[error("{what} `{name}` of `{implementation}` is `{declared}`, not `{written}`")]
-    DeclaredOtherwise {
-        implementation: String,
-        what: &'static str,
-        name: String,
-        declared: String,
-        written: String,
-        at: Span,
-        made_of: Span,
-    },
-    #[error("`{component}` has no property `{name}`")]
-    UnknownProperty {
-        component: String,
-        name: String,
-        at: Span,
-        made_of: Span,
-        known: Vec<Named>,
-    },
-    #[error("`{implementation}` has no input `{name}`, so nobody reads what comes there")]
-    NeverRead {
-        implementation: String,
-        name: String,
-        at: Span,
-        made_of: Span,
-        known: Vec<String>,
-    },
-}
-
-impl Finding for ComponentError {
-    fn diagnostic(&self) -> Diagnostic {
-        match self {
-            Self::PortTwice { at, first, .. } => Diagnostic::error("C018", self)
-                .label(*at, "again here")
-                .label(*first, "first here")
-                .help("`ports.in` and `subscribe` share one set of names, and so do `ports.out` and `publish`"),
-            Self::SameId { at, first, .. } => Diagnostic::error("C023", self)
-                .label(*at, "again here")
-                .label(*first, "first here")
-                .help("the id names the component's queue, log and metrics; without `task.id` it is the component's name"),
-            Self::UnknownImplementation { at, nearest, .. } => Diagnostic::error("C024", self)
-                .label(*at, "not known")
-                .suggest(*at, nearest),
-            Self::NotInBuild { at, .. } => Diagnostic::warning("C025", self)
-                .label(*at, "what the composite says of it is believed")
-                .note("the composite can be checked, but not started here"),
-            Self::NotDeclared { name, what, at, made_of, known, .. } => {
-                Diagnostic::error("C026", self)
-                    .label(*at, "not declared by the component")
-                    .label(*made_of, "the component")
-                    .suggest_or(
-                        *at,
-                        &nearest_name(name, known.iter().map(String::as_str)),
-                        has(what, known.iter().map(String::as_str)),
-                    )
-            }
-            Self::DeclaredOtherwise { declared, at, made_of, .. } => {
-                Diagnostic::error("C027", self)
-                    .label(*at, "written here")
-                    .label(*made_of, format!("the component declares `{declared}`"))
-                    .fix("write what the component declares", *at, declared)
-            }
-            Self::UnknownProperty { name, at, made_of, known, .. } => {
-                let names = known.iter().map(|it| it.text.as_str());
-                let all = known.iter().map(|it| (it.text.as_str(), it.at));
-                Diagnostic::error("C028", self)
-                    .label(*at, "no such property")
-                    .label(*made_of, "the component")
-                    .suggest_or(*at, &nearest(name, all), has("property", names))
-            }
-            Self::NeverRead { at, made_of, known, .. } => Diagnostic::warning("C029", self)
-                .label(*at, "never read")
-                .label(*made_of, "the component")
-                .help(has("input", known.iter().map(String::as_str))),
-        }
-    }
-}
+use crate::nearest::{Nearest, nearest_name};
 
 /// The components that take part, with what they show.
 pub(crate) fn parts<'s>(
@@ -152,7 +54,11 @@ fn id(component: &Component, ids: &mut BTreeMap<String, Span>, report: &mut Repo
     let id = component.pace.as_ref().and_then(|pace| pace.id.as_ref());
     let id = id.unwrap_or(&component.name);
     if let Some(first) = ids.insert(id.value.clone(), id.span) {
-        report.found(ComponentError::SameId { id: id.value.clone(), at: id.span, first });
+        report.found(ComponentError::SameId {
+            id: id.value.clone(),
+            at: id.span,
+            first,
+        });
     }
 }
 
@@ -176,7 +82,10 @@ fn face(
     report: &mut Report,
 ) -> Face {
     let Some(implementation) = &component.implementation else {
-        return Face { blank: true, ..listed(component, report) };
+        return Face {
+            blank: true,
+            ..listed(component, report)
+        };
     };
     match implementation {
         Implementation::Composite(file) => match nested.get(&file.value) {
@@ -185,7 +94,10 @@ fn face(
                 properties(component, &face, implementation.span(), report);
                 face
             }
-            None => Face { blank: true, ..Face::default() },
+            None => Face {
+                blank: true,
+                ..Face::default()
+            },
         },
         Implementation::Rust(name) => {
             let face = listed(component, report);
@@ -223,16 +135,15 @@ fn absent(scene: &Scene<'_>, name: &At<String>, report: &mut Report) {
             at,
             nearest,
         }),
-        None => report.found(ComponentError::NotInBuild { what, name: name.value.clone(), at }),
+        None => report.found(ComponentError::NotInBuild {
+            what,
+            name: name.value.clone(),
+            at,
+        }),
     }
 }
 
-fn builtin(
-    scene: &Scene<'_>,
-    name: &At<String>,
-    kind: Option<Builtin>,
-    report: &mut Report,
-) {
+fn builtin(scene: &Scene<'_>, name: &At<String>, kind: Option<Builtin>, report: &mut Report) {
     match kind {
         Some(kind) if scene.catalogue.has(kind) => {}
         Some(_) => report.found(ComponentError::NotInBuild {
@@ -274,7 +185,9 @@ fn listed(component: &Component, report: &mut Report) -> Face {
                     Way::In => &mut face.inputs,
                     Way::Out => &mut face.outputs,
                 };
-                let known = ports.iter_mut().find(|port| port.name.text == entry.name.value);
+                let known = ports
+                    .iter_mut()
+                    .find(|port| port.name.text == entry.name.value);
                 if let Some(port) = known.filter(|_| on_topic) {
                     port.topic = Some(topic(component, &entry.name));
                 }
@@ -299,14 +212,20 @@ fn listed(component: &Component, report: &mut Report) -> Face {
 
 /// The topic that a name of a component is on: the name itself, or what it is renamed to.
 pub(crate) fn topic(component: &Component, name: &str) -> String {
-    let rename = component.rename.iter().find(|rename| rename.from.value == name);
+    let rename = component
+        .rename
+        .iter()
+        .find(|rename| rename.from.value == name);
     rename.map_or_else(|| name.to_owned(), |rename| rename.to.value.clone())
 }
 
 fn provided(listed: &Listed) -> Service {
     Service {
         name: Named::new(&listed.name.value, Some(listed.name.span)),
-        interface: Kind { text: listed.kind.value.clone(), at: Some(listed.kind.span) },
+        interface: Kind {
+            text: listed.kind.value.clone(),
+            at: Some(listed.kind.span),
+        },
         optional: false,
     }
 }
@@ -314,158 +233,11 @@ fn provided(listed: &Listed) -> Service {
 fn wanted(wanted: &Wanted) -> Service {
     Service {
         name: Named::new(&wanted.name.value, Some(wanted.name.span)),
-        interface: Kind { text: wanted.interface.value.clone(), at: Some(wanted.interface.span) },
+        interface: Kind {
+            text: wanted.interface.value.clone(),
+            at: Some(wanted.interface.span),
+        },
         optional: wanted.optional,
-    }
-}
-
-/// Holds what the composite lists against what the component declares, and adds what is not listed.
-fn declared(
-    scene: &Scene<'_>,
-    listed: Face,
-    implementation: &At<String>,
-    declaration: &Declaration,
-    report: &mut Report,
-) -> Face {
-    let mut compare = Compare { scene, implementation, report };
-    let services: Vec<Declared> = declaration.services.iter().map(Declared::service).collect();
-    let references: Vec<Declared> =
-        declaration.references.iter().map(Declared::reference).collect();
-    let properties = &declaration.properties;
-    Face {
-        inputs: compare.ports(listed.inputs, Way::In, &declaration.inputs),
-        outputs: compare.ports(listed.outputs, Way::Out, &declaration.outputs),
-        services: compare.services(listed.services, "service", &services),
-        references: compare.services(listed.references, "reference", &references),
-        topics: Vec::new(),
-        properties: Some(properties.iter().map(|it| Named::new(&it.name, None)).collect()),
-        blank: false,
-    }
-}
-
-/// What services and references have in common.
-struct Declared<'d> {
-    name: &'d str,
-    interface: &'d str,
-    optional: bool,
-}
-
-impl<'d> Declared<'d> {
-    fn service(declaration: &'d ServiceDeclaration) -> Self {
-        let ServiceDeclaration { name, interface, .. } = declaration;
-        Self { name, interface, optional: false }
-    }
-
-    fn reference(declaration: &'d ReferenceDeclaration) -> Self {
-        let ReferenceDeclaration { name, interface, optional, .. } = declaration;
-        Self { name, interface, optional: *optional }
-    }
-}
-
-struct Compare<'c> {
-    scene: &'c Scene<'c>,
-    implementation: &'c At<String>,
-    report: &'c mut Report,
-}
-
-impl Compare<'_> {
-    fn ports(&mut self, listed: Vec<Port>, way: Way, declared: &[PortDeclaration]) -> Vec<Port> {
-        for port in &listed {
-            let Some(declared) = declared.iter().find(|it| it.name == port.name.text) else {
-                self.undeclared(port, way, declared);
-                continue;
-            };
-            if let Some(kind) = &port.kind
-                && !self.scene.types.means(&kind.text, &declared.schema)
-            {
-                let is = declared.schema.to_string();
-                self.otherwise(way.word(), &port.name, is, kind);
-            }
-        }
-        let mut ports = listed;
-        for declared in declared {
-            if !ports.iter().any(|port| port.name.text == declared.name) {
-                ports.push(Port {
-                    name: Named::new(&declared.name, None),
-                    kind: Kind::declared(&declared.schema),
-                    topic: None,
-                    listed: false,
-                });
-            }
-        }
-        ports
-    }
-
-    /// An output that is not there leaves its readers waiting for ever; an input that is not there
-    /// merely is not read, unless its name was meant to be another one.
-    fn undeclared(&mut self, port: &Port, way: Way, declared: &[PortDeclaration]) {
-        let known: Vec<String> = declared.iter().map(|port| port.name.clone()).collect();
-        let resembles = nearest_name(&port.name.text, known.iter().map(String::as_str)).is_some();
-        if way == Way::In && !resembles {
-            self.report.found(ComponentError::NeverRead {
-                implementation: self.implementation.value.clone(),
-                name: port.name.text.clone(),
-                at: port.name.at.unwrap_or(self.implementation.span),
-                made_of: self.implementation.span,
-                known,
-            });
-            return;
-        }
-        self.not_declared(way.word(), &port.name, known);
-    }
-
-    fn services(
-        &mut self,
-        listed: Vec<Service>,
-        what: &'static str,
-        declared: &[Declared<'_>],
-    ) -> Vec<Service> {
-        let mut services = listed;
-        for service in &mut services {
-            let Some(declared) = declared.iter().find(|it| it.name == service.name.text) else {
-                let known = declared.iter().map(|it| it.name.to_owned()).collect();
-                self.not_declared(what, &service.name, known);
-                continue;
-            };
-            service.optional |= declared.optional;
-            if service.interface.text != declared.interface {
-                let is = declared.interface.to_owned();
-                self.otherwise(what, &service.name, is, &service.interface);
-            }
-        }
-        for declared in declared {
-            if !services.iter().any(|service| service.name.text == declared.name) {
-                services.push(Service {
-                    name: Named::new(declared.name, None),
-                    interface: Kind { text: declared.interface.to_owned(), at: None },
-                    optional: declared.optional,
-                });
-            }
-        }
-        services
-    }
-
-    fn not_declared(&mut self, what: &'static str, name: &Named, known: Vec<String>) {
-        self.report.found(ComponentError::NotDeclared {
-            implementation: self.implementation.value.clone(),
-            what,
-            name: name.text.clone(),
-            at: name.at.unwrap_or(self.implementation.span),
-            made_of: self.implementation.span,
-            known,
-        });
-    }
-
-    fn otherwise(&mut self, what: &'static str, name: &Named, declared: String, written: &Kind) {
-        self.report.found(ComponentError::DeclaredOtherwise {
-            implementation: self.implementation.value.clone(),
-            what,
-            name: name.text.clone(),
-            declared,
-            written: written.text.clone(),
-            at: written.at.unwrap_or(self.implementation.span),
-            made_of: self.implementation.span,
-        });
     }
 }
 
@@ -475,7 +247,10 @@ fn properties(component: &Component, face: &Face, made_of: Span, report: &mut Re
         return;
     };
     for setting in &component.properties {
-        if !known.iter().any(|property| property.text == setting.name.value) {
+        if !known
+            .iter()
+            .any(|property| property.text == setting.name.value)
+        {
             report.found(ComponentError::UnknownProperty {
                 component: component.name.value.clone(),
                 name: setting.name.value.clone(),
@@ -493,5 +268,10 @@ pub(crate) fn unknown(
     name: &At<String>,
     nearest: Option<Nearest>,
 ) -> NameError {
-    NameError::Unknown { what, name: name.value.clone(), at: name.span, nearest }
+    NameError::Unknown {
+        what,
+        name: name.value.clone(),
+        at: name.span,
+        nearest,
+    }
 }

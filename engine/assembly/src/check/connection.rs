@@ -3,110 +3,15 @@
 
 use std::collections::BTreeMap;
 
-use source::{Diagnostic, Report, Span};
+use source::{Report, Span};
 
+use super::connection_error::ConnectionError;
 use super::face::{Kind, Way};
 use super::scene::{Part, Scene};
 use super::wire::own_place;
-use crate::finding::{Finding, Findings};
+use crate::finding::Findings;
 use crate::model::{Connection, Delivery, End, Flow, Lock, Policy, Promoted, Terminal};
 use crate::read::error::ReadError;
-
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum ConnectionError {
-    #[error("`{end}` is an {is}, so a connection cannot {use_} it")]
-    Direction {
-        end: String,
-        is: &'static str,
-        use_: &'static str,
-        at: Span,
-        declared: Option<Span>,
-    },
-    #[error("a connection from a topic to a topic joins no component")]
-    Relay { from: Span, to: Span },
-    #[error("`{from}` is `{}`, but `{to}` is `{}`", from_kind.text, to_kind.text)]
-    Types {
-        from: String,
-        from_kind: Kind,
-        from_at: Span,
-        to: String,
-        to_kind: Kind,
-        to_at: Span,
-    },
-    #[error("`{port}` keeps the last value, and two write it")]
-    TwoWriters { port: String, at: Span, first: Span },
-    #[error("`{from}` and `{to}` are joined twice")]
-    Twice { from: String, to: String, at: Span, first: Span },
-    #[error("a connection of type `{kind}` needs a `size`")]
-    NoSize { kind: Flow, at: Span },
-    #[error("nothing is connected to input `{component}.{port}`")]
-    Undriven { component: String, port: String, kind: String, nested: bool, at: Span },
-    #[error("`{component}` also has the input `{port}`, which the composite leaves open")]
-    Open { component: String, port: String, kind: String, at: Span },
-    #[error("`lock = \"unsync\"` needs both ends in one thread")]
-    Threads { from: String, to: String, at: Span, ends: Span },
-    #[error("`{key}` says nothing here")]
-    Idle { key: &'static str, at: Span, reason: &'static str },
-}
-
-impl Finding for ConnectionError {
-    fn diagnostic(&self) -> Diagnostic {
-        match self {
-            Self::Direction { is, use_, at, declared, .. } => {
-                let diagnostic =
-                    Diagnostic::error("C040", self).label(*at, format!("cannot {use_} an {is}"));
-                match declared {
-                    Some(declared) => diagnostic.label(*declared, "declared here"),
-                    None => diagnostic,
-                }
-            }
-            Self::Relay { from, to } => Diagnostic::error("C041", self)
-                .label(*to, "a topic")
-                .label(*from, "a topic, too")
-                .help("rename the topic where it is published or subscribed"),
-            Self::Types { from_kind, from_at, to_kind, to_at, .. } => {
-                let mut diagnostic = Diagnostic::error("C042", self)
-                    .label(*to_at, format!("takes `{}`", to_kind.text))
-                    .label(*from_at, format!("gives `{}`", from_kind.text));
-                for place in [from_kind.at, to_kind.at].into_iter().flatten() {
-                    diagnostic = diagnostic.label(place, "declared here");
-                }
-                diagnostic
-            }
-            Self::TwoWriters { at, first, .. } => Diagnostic::error("C043", self)
-                .label(*at, "the second writer")
-                .label(*first, "the first writer")
-                .help("queue both with `type = \"buffer\"` and a `size`, or leave one out"),
-            Self::Twice { at, first, .. } => Diagnostic::error("C049", self)
-                .label(*at, "again here")
-                .label(*first, "first here"),
-            Self::NoSize { kind, at } => Diagnostic::error("C044", self)
-                .label(*at, "how long is the queue?")
-                .help(format!("for example `policy = {{ type = \"{kind}\", size = 16 }}`")),
-            Self::Undriven { component, port, kind, nested, at } => {
-                let or = match nested {
-                    true => "",
-                    false => ", or move it to `subscribe`",
-                };
-                let help = format!("connect an output of type `{kind}` to `{component}.{port}`{or}");
-                Diagnostic::error("C045", self).label(*at, "would never see a message").help(help)
-            }
-            Self::Open { component, port, kind, at } => Diagnostic::warning("C046", self)
-                .label(*at, "would never see a message there")
-                .help(format!("connect an output of type `{kind}` to `{component}.{port}`")),
-            Self::Threads { from, to, at, ends } => Diagnostic::error("C047", self)
-                .label(*at, "not safe here")
-                .label(*ends, "two threads meet")
-                .help(format!(
-                    "use `lock_free`, or cycle one after the other: `activity.master` of `{to}` \
-                     or `{from}`"
-                )),
-            Self::Idle { at, reason, .. } => {
-                Diagnostic::warning("C048", self).label(*at, *reason)
-            }
-        }
-    }
-}
 
 /// A connection that leads somewhere: a port and a topic.
 pub(crate) struct TopicLink {
@@ -132,7 +37,9 @@ pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) -> Vec<TopicLink> {
         if let Promoted::Port(end) = &promotion.what
             && scene.active(&promotion.profiles)
         {
-            drivers.elsewhere.push((end.component.value.clone(), end.name.value.clone()));
+            drivers
+                .elsewhere
+                .push((end.component.value.clone(), end.name.value.clone()));
         }
     }
     for part in &scene.parts {
@@ -168,7 +75,12 @@ fn connection(
             if let Some(first) = drivers.joined.insert(key, target.terminal.span()) {
                 let (from, to) = (source.terminal.to_string(), target.terminal.to_string());
                 let at = target.terminal.span();
-                report.found(ConnectionError::Twice { from, to, at, first });
+                report.found(ConnectionError::Twice {
+                    from,
+                    to,
+                    at,
+                    first,
+                });
                 continue;
             }
             pair(scene, connection, (source, target), links, report);
@@ -189,7 +101,9 @@ fn connection(
         }
         if misnamed {
             // somebody was meant to write it: one finding for one mistake
-            drivers.elsewhere.push((end.component.value.clone(), end.name.value.clone()));
+            drivers
+                .elsewhere
+                .push((end.component.value.clone(), end.name.value.clone()));
         }
     }
 }
@@ -209,7 +123,10 @@ fn terminals<'s>(
     let mut joints = Vec::new();
     for terminal in terminals {
         let Terminal::Port(end) = terminal else {
-            joints.push(Joint { terminal, kind: None });
+            joints.push(Joint {
+                terminal,
+                kind: None,
+            });
             continue;
         };
         let Some((part, way, port)) = scene.port(end, wanted, report) else {
@@ -224,11 +141,17 @@ fn terminals<'s>(
                     Way::Out => "read",
                 },
                 at: end.span(),
-                declared: port.name.at.filter(|at| at.file == part.component.name.span.file),
+                declared: port
+                    .name
+                    .at
+                    .filter(|at| at.file == part.component.name.span.file),
             });
             continue;
         }
-        joints.push(Joint { terminal, kind: port.kind.clone() });
+        joints.push(Joint {
+            terminal,
+            kind: port.kind.clone(),
+        });
     }
     joints
 }
@@ -284,7 +207,11 @@ fn drive(
     drivers: &mut Drivers,
     report: &mut Report,
 ) {
-    let flow = connection.policy.kind.as_ref().map_or(Flow::Data, |kind| kind.value);
+    let flow = connection
+        .policy
+        .kind
+        .as_ref()
+        .map_or(Flow::Data, |kind| kind.value);
     let key = (to.component.value.clone(), to.name.value.clone());
     let at = source.terminal.span();
     let subscribed = scene
@@ -301,7 +228,11 @@ fn drive(
     if let Some((first, first_flow)) = earlier
         && (flow == Flow::Data || first_flow == Flow::Data)
     {
-        report.found(ConnectionError::TwoWriters { port: to.to_string(), at, first });
+        report.found(ConnectionError::TwoWriters {
+            port: to.to_string(),
+            at,
+            first,
+        });
     }
 }
 
@@ -316,26 +247,46 @@ fn undriven(part: &Part<'_>, drivers: &Drivers, report: &mut Report) {
         }
         let (component, port_name) = key;
         let at = own_place(part, port.name.at);
-        let kind = port.kind.as_ref().map_or("any", |kind| &kind.text).to_owned();
+        let kind = port
+            .kind
+            .as_ref()
+            .map_or("any", |kind| &kind.text)
+            .to_owned();
         report.found(match port.listed {
             true => {
                 let nested = super::nested(part.component).is_some();
-                ConnectionError::Undriven { component, port: port_name, kind, nested, at }
+                ConnectionError::Undriven {
+                    component,
+                    port: port_name,
+                    kind,
+                    nested,
+                    at,
+                }
             }
-            false => ConnectionError::Open { component, port: port_name, kind, at },
+            false => ConnectionError::Open {
+                component,
+                port: port_name,
+                kind,
+                at,
+            },
         });
     }
 }
 
 /// Without any lock both ends must run one after the other.
 fn threads(scene: &Scene<'_>, policy: &Policy, from: &End, to: &End, report: &mut Report) {
-    let Some(lock) = policy.lock.as_ref().filter(|lock| lock.value == Lock::Unsync) else {
+    let Some(lock) = policy
+        .lock
+        .as_ref()
+        .filter(|lock| lock.value == Lock::Unsync)
+    else {
         return;
     };
     let thread = |name: &str| {
         let component = scene.composite.component(name);
         let pace = component.and_then(|component| component.pace.as_ref());
-        pace.and_then(|pace| pace.master.clone()).map_or(name.to_owned(), |master| master.value)
+        pace.and_then(|pace| pace.master.clone())
+            .map_or(name.to_owned(), |master| master.value)
     };
     if thread(&from.component) != thread(&to.component) {
         report.found(ConnectionError::Threads {
@@ -359,7 +310,12 @@ fn policy(policy: &Policy, report: &mut Report) {
         (Flow::Buffer | Flow::Circular, Some(_)) | (Flow::Data, None) => {}
     }
     if let (Some(on_stale), None) = (&policy.on_stale, &policy.max_age_ms) {
-        idle("on_stale", on_stale.span, "nothing gets stale without `max_age_ms`", report);
+        idle(
+            "on_stale",
+            on_stale.span,
+            "nothing gets stale without `max_age_ms`",
+            report,
+        );
     }
     let delivery = policy.delivery.as_ref();
     if let (Some(delivery), None) = (delivery, &policy.poll_ms)

@@ -13,13 +13,25 @@ use crate::nearest::{Nearest, Suggest, nearest_name};
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum DeployError {
     #[error("`{component}` is placed twice")]
-    Twice { component: String, at: Span, first: Span },
+    Twice {
+        component: String,
+        at: Span,
+        first: Span,
+    },
     #[error("`{component}` is placed in no process")]
-    Nowhere { component: String, at: Span, deploy: Span },
+    Nowhere {
+        component: String,
+        at: Span,
+        deploy: Span,
+    },
     #[error("two processes are called `{name}`")]
     SameName { name: String, at: Span, first: Span },
     #[error("no topic matches `{topic}`, so nothing is recorded of it")]
-    NoTopic { topic: String, at: Span, nearest: Option<Nearest> },
+    NoTopic {
+        topic: String,
+        at: Span,
+        nearest: Option<Nearest>,
+    },
 }
 
 impl Finding for DeployError {
@@ -29,7 +41,11 @@ impl Finding for DeployError {
                 .label(*at, "again here")
                 .label(*first, "first here")
                 .help("a component runs in one process"),
-            Self::Nowhere { component, at, deploy } => Diagnostic::error("C071", self)
+            Self::Nowhere {
+                component,
+                at,
+                deploy,
+            } => Diagnostic::error("C071", self)
                 .label(*at, "declared here")
                 .label(*deploy, format!("no process has `{component}`"))
                 .help("add it to the `components` of a process"),
@@ -81,7 +97,11 @@ fn place<'s>(
         }
         if let Some(first) = places.insert(name, name.span) {
             let (component, at) = (name.value.clone(), name.span);
-            report.found(DeployError::Twice { component, at, first });
+            report.found(DeployError::Twice {
+                component,
+                at,
+                first,
+            });
         }
     }
 }

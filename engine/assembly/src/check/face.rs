@@ -88,7 +88,10 @@ impl Way {
 
 impl Named {
     pub(crate) fn new(text: impl Into<String>, at: Option<Span>) -> Self {
-        Self { text: text.into(), at }
+        Self {
+            text: text.into(),
+            at,
+        }
     }
 }
 
@@ -96,7 +99,10 @@ impl Kind {
     /// A type that a component declares.
     pub(crate) fn declared(schema: &datum::Schema) -> Option<Self> {
         let unknown = schema.shape == datum::Shape::Any && schema.name.is_empty();
-        (!unknown).then(|| Self { text: schema.to_string(), at: None })
+        (!unknown).then(|| Self {
+            text: schema.to_string(),
+            at: None,
+        })
     }
 
     /// A type that was written somewhere; the empty one is no type at all.
@@ -114,7 +120,10 @@ impl Face {
                 Way::In => &self.inputs,
                 Way::Out => &self.outputs,
             };
-            ports.iter().find(|port| port.name.text == name).map(|port| (way, port))
+            ports
+                .iter()
+                .find(|port| port.name.text == name)
+                .map(|port| (way, port))
         };
         find(wanted).or_else(|| find(wanted.other()))
     }
@@ -122,7 +131,10 @@ impl Face {
     /// The port that a misspelt name resembles.
     pub(crate) fn nearest_port(&self, name: &str) -> Option<Nearest> {
         let ports = self.inputs.iter().chain(&self.outputs);
-        nearest(name, ports.map(|port| (port.name.text.as_str(), port.name.at)))
+        nearest(
+            name,
+            ports.map(|port| (port.name.text.as_str(), port.name.at)),
+        )
     }
 }
 
@@ -133,5 +145,10 @@ pub(crate) fn find<'s>(services: &'s [Service], name: &str) -> Option<&'s Servic
 
 /// The service or reference that a misspelt name resembles.
 pub(crate) fn nearest_service(services: &[Service], name: &str) -> Option<Nearest> {
-    nearest(name, services.iter().map(|service| (service.name.text.as_str(), service.name.at)))
+    nearest(
+        name,
+        services
+            .iter()
+            .map(|service| (service.name.text.as_str(), service.name.at)),
+    )
 }

@@ -6,7 +6,10 @@
 mod binding;
 mod builtin;
 mod component;
+mod component_error;
 mod connection;
+mod connection_error;
+mod declared;
 mod deploy;
 mod endpoint;
 pub(crate) mod face;
@@ -20,10 +23,10 @@ use std::rc::Rc;
 
 use source::Report;
 
-use self::face::Face;
-use self::scene::Scene;
 pub(crate) use self::binding::chosen_field;
 pub(crate) use self::component::topic;
+use self::face::Face;
+use self::scene::Scene;
 pub(crate) use self::scene::{NameError, nested, takes_part};
 pub(crate) use self::wire::{DEFAULT_TIMEOUT_MS, waits};
 use crate::catalogue::Catalogue;
@@ -75,7 +78,10 @@ impl<'c> Checker<'c> {
             return face.clone();
         }
         let Some(types) = self.types.get(path) else {
-            return Rc::new(Face { blank: true, ..Face::default() });
+            return Rc::new(Face {
+                blank: true,
+                ..Face::default()
+            });
         };
         let mut nested = BTreeMap::new();
         for component in &member.composite.components {
@@ -105,7 +111,9 @@ impl<'c> Checker<'c> {
         binding::check(&scene, report);
         let face = Rc::new(promote::check(&scene, &topics, report));
         let parts = scene.parts.into_iter();
-        let faces = parts.map(|part| (part.component.name.value.clone(), part.face)).collect();
+        let faces = parts
+            .map(|part| (part.component.name.value.clone(), part.face))
+            .collect();
         self.faces.insert(path.to_owned(), faces);
         self.promoted.insert(path.to_owned(), face.clone());
         face

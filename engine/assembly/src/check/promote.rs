@@ -15,7 +15,12 @@ use crate::read::error::ReadError;
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum PromoteError {
     #[error("two things are promoted as {what} `{name}`")]
-    Twice { what: &'static str, name: String, at: Span, first: Span },
+    Twice {
+        what: &'static str,
+        name: String,
+        at: Span,
+        first: Span,
+    },
 }
 
 impl Finding for PromoteError {
@@ -44,10 +49,19 @@ pub(crate) fn check(scene: &Scene<'_>, topics: &Topics, report: &mut Report) -> 
         let (what, name) = (promotion.what.kind(), &promotion.name);
         if let Some(first) = names.insert((what, name), name.span) {
             let (name, at) = (name.value.clone(), name.span);
-            report.found(PromoteError::Twice { what, name, at, first });
+            report.found(PromoteError::Twice {
+                what,
+                name,
+                at,
+                first,
+            });
         }
         optional(promotion, report);
-        scene.broker(promotion.binding.as_ref(), promotion.broker.as_ref(), report);
+        scene.broker(
+            promotion.binding.as_ref(),
+            promotion.broker.as_ref(),
+            report,
+        );
         self::promotion(scene, promotion, topics, &mut face, &mut properties, report);
     }
     face.properties = Some(properties);
@@ -67,19 +81,32 @@ fn promotion(
         Promoted::Service(end) => {
             if let Some((_, service)) = scene.service(end, report) {
                 let interface = service.interface.clone();
-                face.services.push(Service { name, interface, optional: false });
+                face.services.push(Service {
+                    name,
+                    interface,
+                    optional: false,
+                });
             }
         }
         Promoted::Reference(end) => {
             if let Some((_, reference)) = scene.reference(end, report) {
                 let optional = promotion.optional || reference.optional;
                 let interface = reference.interface.clone();
-                face.references.push(Service { name, interface, optional });
+                face.references.push(Service {
+                    name,
+                    interface,
+                    optional,
+                });
             }
         }
         Promoted::Port(end) => {
             if let Some((_, way, port)) = scene.port(end, Way::In, report) {
-                let port = Port { name, kind: port.kind.clone(), topic: None, listed: true };
+                let port = Port {
+                    name,
+                    kind: port.kind.clone(),
+                    topic: None,
+                    listed: true,
+                };
                 match way {
                     Way::In => face.inputs.push(port),
                     Way::Out => face.outputs.push(port),
@@ -94,17 +121,20 @@ fn promotion(
         Promoted::Topic(topic) => match topics.get(&topic.value) {
             Some(roles) => face.topics.push(Topic {
                 name,
-                kind: roles.iter().find_map(|role| role.kind.clone()).map(|kind| Kind {
-                    at: kind.at,
-                    text: kind.text,
-                }),
+                kind: roles
+                    .iter()
+                    .find_map(|role| role.kind.clone())
+                    .map(|kind| Kind {
+                        at: kind.at,
+                        text: kind.text,
+                    }),
                 published: roles.iter().any(|role| role.published),
                 subscribed: roles.iter().any(|role| role.subscribed),
             }),
             None => {
-                let known = topics.iter().filter_map(|(name, roles)| {
-                    Some((name.as_str(), roles.first().map(|role| role.at)))
-                });
+                let known = topics
+                    .iter()
+                    .map(|(name, roles)| (name.as_str(), roles.first().map(|role| role.at)));
                 report.found(NameError::Unknown {
                     what: "topic",
                     name: topic.value.clone(),
@@ -138,7 +168,9 @@ fn property(scene: &Scene<'_>, end: &End, report: &mut Report) -> bool {
     };
     let found = known.iter().any(|property| property.text == end.name.value);
     if !found {
-        let known = known.iter().map(|property| (property.text.as_str(), property.at));
+        let known = known
+            .iter()
+            .map(|property| (property.text.as_str(), property.at));
         let nearest = nearest(&end.name, known);
         scene.unknown_part(part, "property", end, nearest, report);
     }

@@ -34,7 +34,12 @@ pub(crate) struct Part<'s> {
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum NameError {
     #[error("there is no {what} `{name}`")]
-    Unknown { what: &'static str, name: String, at: Span, nearest: Option<Nearest> },
+    Unknown {
+        what: &'static str,
+        name: String,
+        at: Span,
+        nearest: Option<Nearest>,
+    },
     #[error("`{component}` has no {what} `{name}`")]
     UnknownPart {
         what: &'static str,
@@ -53,17 +58,29 @@ pub(crate) enum NameError {
 impl Finding for NameError {
     fn diagnostic(&self) -> Diagnostic {
         match self {
-            Self::Unknown { what, at, nearest, .. } => Diagnostic::error("C020", self)
+            Self::Unknown {
+                what, at, nearest, ..
+            } => Diagnostic::error("C020", self)
                 .label(*at, "not known here")
                 .suggest_or(*at, nearest, way_out(what)),
-            Self::UnknownPart { what, at, instead, nearest, known, name, .. } => {
+            Self::UnknownPart {
+                what,
+                at,
+                instead,
+                nearest,
+                known,
+                name,
+                ..
+            } => {
                 let diagnostic = Diagnostic::error("C021", self);
                 let known = has(what, known.iter().map(String::as_str));
                 match instead {
-                    Some(instead) => {
-                        diagnostic.label(*at, format!("`{name}` is {instead}")).help(known)
-                    }
-                    None => diagnostic.label(*at, "not known").suggest_or(*at, nearest, known),
+                    Some(instead) => diagnostic
+                        .label(*at, format!("`{name}` is {instead}"))
+                        .help(known),
+                    None => diagnostic
+                        .label(*at, "not known")
+                        .suggest_or(*at, nearest, known),
                 }
             }
             Self::NoBroker { at, .. } => Diagnostic::error("C022", self)
@@ -103,7 +120,10 @@ fn names<'n>(named: impl Iterator<Item = &'n Named>) -> Vec<String> {
 
 /// Whether something with these profiles takes part.
 pub(crate) fn takes_part(profiles: &[At<String>], profile: Option<&str>) -> bool {
-    profiles.is_empty() || profiles.iter().any(|own| Some(own.value.as_str()) == profile)
+    profiles.is_empty()
+        || profiles
+            .iter()
+            .any(|own| Some(own.value.as_str()) == profile)
 }
 
 impl<'s> Scene<'s> {
@@ -114,7 +134,10 @@ impl<'s> Scene<'s> {
 
     /// The component of this name, if it takes part; reports a name that no component has.
     pub(crate) fn part(&self, name: &At<String>, report: &mut Report) -> Option<&Part<'s>> {
-        let found = self.parts.iter().find(|part| part.component.name.value == name.value);
+        let found = self
+            .parts
+            .iter()
+            .find(|part| part.component.name.value == name.value);
         if found.is_none() && self.composite.component(name).is_none() {
             self.unknown_component(name, report);
         }
@@ -152,11 +175,7 @@ impl<'s> Scene<'s> {
     }
 
     /// The service an end names.
-    pub(crate) fn service(
-        &self,
-        end: &End,
-        report: &mut Report,
-    ) -> Option<(&Part<'s>, &Service)> {
+    pub(crate) fn service(&self, end: &End, report: &mut Report) -> Option<(&Part<'s>, &Service)> {
         let part = self.part(&end.component, report)?;
         let found = find(&part.face.services, &end.name);
         if found.is_none() {
@@ -205,7 +224,10 @@ impl<'s> Scene<'s> {
             component: end.component.value.clone(),
             name: name.to_owned(),
             at: end.name.span,
-            instead: instead.into_iter().find(|(_, is)| *is).map(|(what, _)| what),
+            instead: instead
+                .into_iter()
+                .find(|(_, is)| *is)
+                .map(|(what, _)| what),
             nearest,
             known: match what {
                 "service" => names(face.services.iter().map(|it| &it.name)),
@@ -226,7 +248,9 @@ impl<'s> Scene<'s> {
         let brokers = &self.composite.brokers;
         if let Some(name) = broker {
             if !brokers.iter().any(|broker| broker.name.value == name.value) {
-                let known = brokers.iter().map(|it| (it.name.value.as_str(), Some(it.name.span)));
+                let known = brokers
+                    .iter()
+                    .map(|it| (it.name.value.as_str(), Some(it.name.span)));
                 report.found(NameError::Unknown {
                     what: "broker",
                     name: name.value.clone(),
@@ -244,6 +268,9 @@ impl<'s> Scene<'s> {
             1 => return,
             _ => "this composite has several",
         };
-        report.found(NameError::NoBroker { at: binding.span, reason });
+        report.found(NameError::NoBroker {
+            at: binding.span,
+            reason,
+        });
     }
 }

@@ -16,23 +16,56 @@ use crate::nearest::{Nearest, Suggest, nearest};
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum TopicError {
     #[error("topic `{topic}` has two types: `{kind}` and `{other}`")]
-    TwoTypes { topic: String, kind: String, other: String, at: Span, other_at: Span },
+    TwoTypes {
+        topic: String,
+        kind: String,
+        other: String,
+        at: Span,
+        other_at: Span,
+    },
     #[error("nobody publishes `{topic}`")]
-    Silent { topic: String, at: Span, written: Written, nearest: Option<Nearest> },
+    Silent {
+        topic: String,
+        at: Span,
+        written: Written,
+        nearest: Option<Nearest>,
+    },
     #[error("`{component}` neither subscribes nor publishes `{name}`, so it cannot be renamed")]
-    UnknownRename { component: String, name: String, at: Span, known: Vec<(String, Span)> },
+    UnknownRename {
+        component: String,
+        name: String,
+        at: Span,
+        known: Vec<(String, Span)>,
+    },
     #[error("output `{port}` is on two topics: `{first}` and `{second}`")]
-    TwoTopics { port: String, first: String, first_at: Span, second: String, at: Span },
+    TwoTopics {
+        port: String,
+        first: String,
+        first_at: Span,
+        second: String,
+        at: Span,
+    },
 }
 
 impl Finding for TopicError {
     fn diagnostic(&self) -> Diagnostic {
         match self {
-            Self::TwoTypes { kind, other, at, other_at, .. } => Diagnostic::error("C050", self)
+            Self::TwoTypes {
+                kind,
+                other,
+                at,
+                other_at,
+                ..
+            } => Diagnostic::error("C050", self)
                 .label(*at, format!("`{kind}` here"))
                 .label(*other_at, format!("`{other}` here"))
                 .help("rename one of the two, or use one type"),
-            Self::Silent { topic, at, written, nearest } => {
+            Self::Silent {
+                topic,
+                at,
+                written,
+                nearest,
+            } => {
                 let diagnostic = Diagnostic::warning("C051", self).label(*at, "subscribed here");
                 let Some(Nearest { name, declared }) = nearest else {
                     return diagnostic.help(format!(
@@ -49,17 +82,22 @@ impl Finding for TopicError {
                     Written::At(span) => {
                         diagnostic.fix(format!("did you mean `{name}`?"), *span, name)
                     }
-                    Written::AsPort(port) => diagnostic
-                        .help(format!("did you mean `rename = {{ {port} = \"{name}\" }}`?")),
+                    Written::AsPort(port) => diagnostic.help(format!(
+                        "did you mean `rename = {{ {port} = \"{name}\" }}`?"
+                    )),
                 }
             }
-            Self::UnknownRename { name, at, known, .. } => {
+            Self::UnknownRename {
+                name, at, known, ..
+            } => {
                 let all = known.iter().map(|(name, at)| (name.as_str(), Some(*at)));
-                Diagnostic::error("C052", self).label(*at, "no such topic").suggest_or(
-                    *at,
-                    &nearest(name, all),
-                    "left is the name in the component, right the topic",
-                )
+                Diagnostic::error("C052", self)
+                    .label(*at, "no such topic")
+                    .suggest_or(
+                        *at,
+                        &nearest(name, all),
+                        "left is the name in the component, right the topic",
+                    )
             }
             Self::TwoTopics { at, first_at, .. } => Diagnostic::error("C053", self)
                 .label(*at, "the second topic")
@@ -163,7 +201,11 @@ fn collect(scene: &Scene<'_>, links: &[TopicLink]) -> Topics {
 
 /// A renamed topic stands in the rename.
 fn written(part: &Part<'_>, name: &str) -> Written {
-    let rename = part.component.rename.iter().find(|rename| rename.from.value == name);
+    let rename = part
+        .component
+        .rename
+        .iter()
+        .find(|rename| rename.from.value == name);
     match rename {
         Some(rename) => Written::At(rename.to.span),
         None => Written::AsPort(name.to_owned()),
@@ -171,7 +213,9 @@ fn written(part: &Part<'_>, name: &str) -> Written {
 }
 
 fn types(scene: &Scene<'_>, topic: &str, roles: &[Role], report: &mut Report) {
-    let mut typed = roles.iter().filter_map(|role| Some((role, role.kind.as_ref()?)));
+    let mut typed = roles
+        .iter()
+        .filter_map(|role| Some((role, role.kind.as_ref()?)));
     let Some((first_role, first)) = typed.next() else {
         return;
     };
@@ -211,10 +255,14 @@ fn renames(part: &Part<'_>, report: &mut Report) {
     }
     let component = part.component;
     let listed = component.subscribe.iter().chain(&component.publish);
-    let mut known: Vec<(String, Span)> =
-        listed.map(|entry| (entry.name.value.clone(), entry.name.span)).collect();
+    let mut known: Vec<(String, Span)> = listed
+        .map(|entry| (entry.name.value.clone(), entry.name.span))
+        .collect();
     for topic in &part.face.topics {
-        known.push((topic.name.text.clone(), topic.name.at.unwrap_or(component.name.span)));
+        known.push((
+            topic.name.text.clone(),
+            topic.name.at.unwrap_or(component.name.span),
+        ));
     }
     for rename in &component.rename {
         if !known.iter().any(|(name, _)| *name == rename.from.value) {
@@ -230,7 +278,9 @@ fn renames(part: &Part<'_>, report: &mut Report) {
 
 /// An output writes one topic.
 fn two_topics(topics: &Topics, report: &mut Report) {
-    let roles = topics.iter().flat_map(|(topic, roles)| roles.iter().map(move |it| (topic, it)));
+    let roles = topics
+        .iter()
+        .flat_map(|(topic, roles)| roles.iter().map(move |it| (topic, it)));
     let mut published: Vec<(&String, &Role)> = roles.filter(|(_, role)| role.published).collect();
     published.sort_by_key(|(_, role)| role.at);
     let mut first: BTreeMap<&(String, String), (&String, Span)> = BTreeMap::new();

@@ -21,9 +21,19 @@ pub(crate) enum WireError {
         reference_at: Span,
     },
     #[error("reference `{component}.{reference}` is neither wired nor promoted")]
-    Dangling { component: String, reference: String, interface: String, at: Span },
+    Dangling {
+        component: String,
+        reference: String,
+        interface: String,
+        at: Span,
+    },
     #[error("reference `{reference}` is {how}")]
-    Twice { reference: String, how: &'static str, at: Span, first: Span },
+    Twice {
+        reference: String,
+        how: &'static str,
+        at: Span,
+        first: Span,
+    },
     #[error("nobody says how long a call of `{reference}` may take")]
     NoTimeout { reference: String, at: Span },
 }
@@ -91,13 +101,7 @@ struct Joined {
 }
 
 impl Joined {
-    fn take(
-        &mut self,
-        key: (String, String),
-        at: Span,
-        wire: bool,
-        report: &mut Report,
-    ) {
+    fn take(&mut self, key: (String, String), at: Span, wire: bool, report: &mut Report) {
         let reference = format!("{}.{}", key.0, key.1);
         if let Some((first, first_wire)) = self.places.insert(key, (at, wire)) {
             let how = match (first_wire, wire) {
@@ -105,17 +109,27 @@ impl Joined {
                 (false, false) => "promoted twice",
                 (true, false) | (false, true) => "wired and promoted",
             };
-            report.found(WireError::Twice { reference, how, at, first });
+            report.found(WireError::Twice {
+                reference,
+                how,
+                at,
+                first,
+            });
         }
     }
 }
 
 fn wire(scene: &Scene<'_>, wire: &Wire, joined: &mut Joined, report: &mut Report) {
-    let reference = scene.reference(&wire.reference, report).map(|(_, reference)| reference);
+    let reference = scene
+        .reference(&wire.reference, report)
+        .map(|(_, reference)| reference);
     let mut answered = false;
     for end in &wire.services {
         let absent = scene.composite.component(&end.component).is_some()
-            && !scene.parts.iter().any(|part| part.component.name.value == end.component.value);
+            && !scene
+                .parts
+                .iter()
+                .any(|part| part.component.name.value == end.component.value);
         answered |= !absent;
         let Some((_, service)) = scene.service(end, report) else {
             continue;

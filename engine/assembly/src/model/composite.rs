@@ -39,6 +39,8 @@ pub struct Composite {
 impl Composite {
     /// The component of this name.
     pub fn component(&self, name: &str) -> Option<&Component> {
-        self.components.iter().find(|component| component.name.value == name)
+        self.components
+            .iter()
+            .find(|component| component.name.value == name)
     }
 }

@@ -12,8 +12,8 @@ mod setting;
 mod wiring;
 
 pub use component::{
-    Component, Condition, Direction, Idle, Listed, MapEntry, Notify, Path, Plot, ProxyEntry, ProxyMode,
-    Rename, RosEntry, Verify, Wanted,
+    Component, Condition, Direction, Idle, Listed, MapEntry, Notify, Path, Plot, ProxyEntry,
+    ProxyMode, Rename, RosEntry, Verify, Wanted,
 };
 pub use composite::Composite;
 pub use deploy::{Deploy, Process, Record, Restart, RestartPolicy};

@@ -1,13 +1,16 @@
 //! Values that may be set from outside: properties, substitutions, amounts.
 
+use std::fmt;
+
 use source::Span;
 
 use crate::At;
 use crate::choice::choice;
+use crate::plan::mask;
 use crate::tree::Node;
 
 /// A property of the composite.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Property {
     /// Its name.
     pub name: At<String>,
@@ -78,7 +81,7 @@ pub struct Setting {
 }
 
 /// A text with substitutions, as in `amqp://${AMQP_USER:-guest}@127.0.0.1`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct Template {
     /// Its parts in order.
     pub pieces: Vec<Piece>,
@@ -105,6 +108,34 @@ pub enum Piece {
         /// Where its name stands.
         span: Span,
     },
+}
+
+/// Without the default of a secret.
+impl fmt::Debug for Property {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let secret = self.kind.value.scalar == Scalar::Secret;
+        f.debug_struct("Property")
+            .field("name", &self.name)
+            .field("kind", &self.kind)
+            .field("default", &self.default.as_ref().filter(|_| !secret))
+            .field("min", &self.min)
+            .field("max", &self.max)
+            .field("doc", &self.doc)
+            .finish()
+    }
+}
+
+/// As it was written, without a password that stands in it.
+impl fmt::Debug for Template {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let pieces = self.pieces.iter().map(|piece| match piece {
+            Piece::Text(text) => text.clone(),
+            Piece::Property { name, .. } => format!("${{properties.{name}}}"),
+            Piece::Variable { name, .. } => format!("${{{name}}}"),
+        });
+        let written: String = pieces.collect();
+        fmt::Debug::fmt(&mask(&written), f)
+    }
 }
 
 impl Template {

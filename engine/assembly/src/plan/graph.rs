@@ -31,7 +31,12 @@ impl Plan {
         let nodes: BTreeMap<&str, NodeIndex> = self
             .components
             .iter()
-            .map(|component| (component.name.as_str(), graph.add_node(component.name.as_str())))
+            .map(|component| {
+                (
+                    component.name.as_str(),
+                    graph.add_node(component.name.as_str()),
+                )
+            })
             .collect();
         let mut add = |from: &str, to: &str, link: Link| {
             if let (Some(from), Some(to)) = (nodes.get(from), nodes.get(to)) {
@@ -41,7 +46,11 @@ impl Plan {
         for wire in &self.wires {
             for service in &wire.services {
                 let interface = wire.interface.clone();
-                add(&service.component, &wire.reference.component, Link::Calls { interface });
+                add(
+                    &service.component,
+                    &wire.reference.component,
+                    Link::Calls { interface },
+                );
             }
         }
         for connection in &self.connections {
@@ -49,7 +58,11 @@ impl Plan {
                 let writer = self.component(&from.component);
                 let port = writer.and_then(|it| it.outputs.iter().find(|it| it.name == from.name));
                 let kind = port.map_or(String::new(), |port| port.kind.clone());
-                add(&from.component, &to.component, Link::Reads { topic: None, kind });
+                add(
+                    &from.component,
+                    &to.component,
+                    Link::Reads { topic: None, kind },
+                );
             }
         }
         for topic in &self.topics {

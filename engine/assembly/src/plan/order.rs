@@ -17,7 +17,9 @@ pub(super) fn start_order(plan: &Plan) -> Vec<String> {
         let is_started = |node: NodeIndex| started.get(node.index()).copied().unwrap_or(true);
         let ready = waiting.iter().position(|node| {
             let needed = graph.edges_directed(*node, Direction::Incoming);
-            needed.map(|edge| edge.source()).all(|from| from == *node || is_started(from))
+            needed
+                .map(|edge| edge.source())
+                .all(|from| from == *node || is_started(from))
         });
         let next = waiting.remove(ready.unwrap_or(0));
         if let Some(done) = started.get_mut(next.index()) {

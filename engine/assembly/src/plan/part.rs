@@ -1,26 +1,24 @@
 //! One component, with its defaults filled in and its values put in place.
 
-use std::collections::BTreeMap;
-
 use datum::{Datum, Schema, Shape};
 use source::{Diagnostic, Span};
 
-use super::flatten::{amount, given, number};
+use super::fill::{amount, given, number};
 use super::{
     Asm, BuiltinSettings, Component, Idle, Implementation, Lifecycle, Notify, Pace, Plot, Port,
     ProxyEntry, RosEntry, Service, Settings, Verify,
 };
 use crate::binding::{Action, Argument, Binding, Call, Case, Effect, Monitored, Out};
 use crate::catalogue::Catalogue;
-use crate::check::face::{self, Face};
 use crate::check::chosen_field;
-use component::declaration::PropertyDeclaration;
+use crate::check::face::{self, Face};
 use crate::family::Member;
 use crate::finding::{Finding, Findings};
 use crate::model::{self, MapEntry, binding as written};
-use crate::scope::{Notes, Range, Scope, SettingError, within};
+use crate::scope::{Notes, Range, Scope, Set, SettingError, within};
 use crate::types::Types;
 use crate::value::Value;
+use component::declaration::PropertyDeclaration;
 
 /// What a component of the plan is made of.
 pub(super) struct Source<'p> {
@@ -37,14 +35,20 @@ pub(super) struct Source<'p> {
 #[derive(Debug, thiserror::Error)]
 enum ChoiceError {
     #[error("`{name}` cannot be {value}")]
-    NoChoice { name: String, value: String, choices: String, at: Option<Span> },
+    NoChoice {
+        name: String,
+        value: String,
+        choices: String,
+        at: Option<Span>,
+    },
 }
 
 impl Finding for ChoiceError {
     fn diagnostic(&self) -> Diagnostic {
         match self {
             Self::NoChoice { choices, at, .. } => {
-                let diagnostic = Diagnostic::error("C015", self).help(format!("it can be {choices}"));
+                let diagnostic =
+                    Diagnostic::error("C015", self).help(format!("it can be {choices}"));
                 match at {
                     Some(at) => diagnostic.label(*at, "not one of its values"),
                     None => diagnostic,
@@ -54,14 +58,14 @@ impl Finding for ChoiceError {
     }
 }
 
-/// Values of properties, `None` where one is not known.
-type Set = BTreeMap<String, (Option<Value>, Option<Span>)>;
-
 pub(super) fn component(source: &Source<'_>, set: Set, notes: &mut Notes) -> Component {
     let component = source.component;
     let name = format!("{}{}", source.prefix, component.name.value);
     let id = component.pace.as_ref().and_then(|pace| pace.id.as_ref());
-    let id = id.map_or_else(|| name.clone(), |id| format!("{}{}", source.prefix, id.value));
+    let id = id.map_or_else(
+        || name.clone(),
+        |id| format!("{}{}", source.prefix, id.value),
+    );
     Component {
         name,
         id,
@@ -85,13 +89,19 @@ pub(super) fn component(source: &Source<'_>, set: Set, notes: &mut Notes) -> Com
 fn port(port: &face::Port) -> Port {
     Port {
         name: port.name.text.clone(),
-        kind: port.kind.as_ref().map_or(String::new(), |kind| kind.text.clone()),
+        kind: port
+            .kind
+            .as_ref()
+            .map_or(String::new(), |kind| kind.text.clone()),
         topic: port.topic.clone(),
     }
 }
 
 fn service(service: &face::Service) -> Service {
-    Service { name: service.name.text.clone(), interface: service.interface.text.clone() }
+    Service {
+        name: service.name.text.clone(),
+        interface: service.interface.text.clone(),
+    }
 }
 
 fn implementation(source: &Source<'_>) -> Implementation {
@@ -107,7 +117,13 @@ fn implementation(source: &Source<'_>) -> Implementation {
             path: source.member.path(file).unwrap_or(file).to_owned(),
             main: main.as_ref().map(|main| main.value.clone()),
         }),
-        Some(Written::Builtin { kind: Some(kind), target, bridge, port, .. }) => {
+        Some(Written::Builtin {
+            kind: Some(kind),
+            target,
+            bridge,
+            port,
+            ..
+        }) => {
             let local = |name: &crate::At<String>| format!("{}{}", source.prefix, name.value);
             Implementation::Builtin(BuiltinSettings {
                 kind: *kind,
@@ -120,11 +136,17 @@ fn implementation(source: &Source<'_>) -> Implementation {
             let arguments = arguments.iter().map(|it| it.value.clone()).collect();
             Implementation::Process(list(command, arguments))
         }
-        Some(Written::Ros { package, executable }) => {
+        Some(Written::Ros {
+            package,
+            executable,
+        }) => {
             let executable = executable.iter().map(|it| it.value.clone()).collect();
             Implementation::Ros(list(package, executable))
         }
-        Some(Written::Orocos { component, name_service }) => {
+        Some(Written::Orocos {
+            component,
+            name_service,
+        }) => {
             let name_service = name_service.iter().map(|it| it.value.clone()).collect();
             Implementation::Orocos(list(component, name_service))
         }
@@ -149,8 +171,7 @@ fn pace(source: &Source<'_>, notes: &mut Notes) -> Pace {
         run_on_startup: pace
             .and_then(|pace| pace.run_on_startup.as_ref())
             .is_none_or(|run| run.value),
-        may_interrupt_if_running: pace
-            .is_some_and(|pace| given(&pace.may_interrupt_if_running)),
+        may_interrupt_if_running: pace.is_some_and(|pace| given(&pace.may_interrupt_if_running)),
         overrun: pace.map(|pace| given(&pace.overrun)).unwrap_or_default(),
         broker: pace.and_then(|pace| pace.broker.as_ref()).map(local),
         scheduler: pace.map(|pace| given(&pace.scheduler)).unwrap_or_default(),
@@ -160,7 +181,9 @@ fn pace(source: &Source<'_>, notes: &mut Notes) -> Pace {
             .flat_map(|pace| &pace.cpu)
             .filter_map(|cpu| u64::try_from(cpu.value).ok())
             .collect(),
-        on_deadline: pace.map(|pace| given(&pace.on_deadline)).unwrap_or_default(),
+        on_deadline: pace
+            .map(|pace| given(&pace.on_deadline))
+            .unwrap_or_default(),
         master: pace.and_then(|pace| pace.master.as_ref()).map(local),
     }
 }
@@ -170,7 +193,9 @@ fn lifecycle(written: Option<&model::Lifecycle>) -> Lifecycle {
     Lifecycle {
         autoconf: yes(written.and_then(|it| it.autoconf.as_ref())),
         autostart: yes(written.and_then(|it| it.autostart.as_ref())),
-        on_exception: written.map(|it| given(&it.on_exception)).unwrap_or_default(),
+        on_exception: written
+            .map(|it| given(&it.on_exception))
+            .unwrap_or_default(),
         max_resets: written.and_then(|it| number(&it.max_resets)).unwrap_or(3),
     }
 }
@@ -231,7 +256,11 @@ fn plot(plot: &model::Plot) -> Plot {
     Plot {
         title: plot.title.value.clone(),
         each: plot.each.as_ref().map(|each| each.value.clone()),
-        series: plot.series.iter().map(|series| series.value.clone()).collect(),
+        series: plot
+            .series
+            .iter()
+            .map(|series| series.value.clone())
+            .collect(),
         flags: plot.flags.as_ref().map(|flags| flags.value.clone()),
         window_s: number(&plot.window_s).unwrap_or(60),
     }
@@ -243,67 +272,94 @@ fn properties(source: &Source<'_>, mut set: Set, notes: &mut Notes) -> Settings 
         Some(model::Implementation::Rust(name)) => source.catalogue.declaration(name),
         _ => None,
     };
-    let order = source.component.properties.iter().map(|setting| setting.name.value.clone());
+    let order = source
+        .component
+        .properties
+        .iter()
+        .map(|setting| setting.name.value.clone());
     let names: Vec<String> = order.collect();
-    let later: Vec<String> = set.keys().filter(|name| !names.contains(name)).cloned().collect();
+    let later: Vec<String> = set
+        .keys()
+        .filter(|name| !names.contains(name))
+        .cloned()
+        .collect();
     let mut settings = Settings::default();
     for name in names.into_iter().chain(later) {
         let Some((Some(value), at)) = set.remove(&name) else {
             continue;
         };
         let declared = declaration.as_ref().and_then(|declaration| {
-            declaration.properties.iter().find(|property| property.name == name)
+            declaration
+                .properties
+                .iter()
+                .find(|property| property.name == name)
         });
-        if declared.is_none_or(|declared| lawful(declared, &value, at, notes)) {
-            settings.0.push((name, value));
-        }
+        let value = match declared {
+            Some(declared) => lawful(declared, value, at, notes),
+            None => Some(value),
+        };
+        settings.0.extend(value.map(|value| (name, value)));
     }
     settings
 }
 
-/// Whether a property can have a value.
+/// The value as the property takes it; `None` where it cannot have it.
 fn lawful(
     declared: &PropertyDeclaration,
-    value: &Value,
+    value: Value,
     at: Option<Span>,
     notes: &mut Notes,
-) -> bool {
+) -> Option<Value> {
     let name = declared.name.clone();
-    if !fits(value, &declared.schema) {
+    let found = value.describe();
+    let Some(value) = conform(value, &declared.schema) else {
         notes.found(SettingError::WrongType {
             name,
             wanted: format!("`{}`", declared.schema),
-            found: value.describe(),
+            found,
             at,
             declared: None,
         });
-        return false;
-    }
+        return None;
+    };
     if let Some((least, greatest)) = &declared.range {
         let (min, max) = (least.as_float(), greatest.as_float());
-        let range = Range { min, max, unit: declared.unit.clone() };
-        if !within(&name, value, &range, at, None, notes) {
-            return false;
+        let range = Range {
+            min,
+            max,
+            unit: declared.unit.clone(),
+        };
+        if !within(&name, &value, &range, at, None, notes) {
+            return None;
         }
     }
-    let chosen = value.datum();
-    if declared.choices.is_empty() || declared.choices.contains(&chosen) {
-        return true;
+    if declared.choices.is_empty() || declared.choices.contains(&value.datum()) {
+        return Some(value);
     }
     let choices: Vec<String> = declared.choices.iter().map(Datum::to_string).collect();
     let (value, choices) = (value.to_string(), choices.join(", "));
-    notes.found(ChoiceError::NoChoice { name, value, choices, at });
-    false
+    notes.found(ChoiceError::NoChoice {
+        name,
+        value,
+        choices,
+        at,
+    });
+    None
 }
 
-/// Whether a value has this type.
-fn fits(value: &Value, schema: &Schema) -> bool {
+/// A value of this type: a whole number where a broken one is wanted becomes one.
+fn conform(value: Value, schema: &Schema) -> Option<Value> {
+    let each = |items: Vec<Value>, item: &Schema| {
+        let items = items.into_iter().map(|value| conform(value, item));
+        items.collect::<Option<_>>().map(Value::List)
+    };
     match (&schema.shape, value) {
-        (Shape::Any, _) => true,
-        (Shape::Bool, Value::Boolean(_)) => true,
-        (Shape::F32 | Shape::F64, Value::Integer(_) | Value::Real(_)) => true,
-        (Shape::Text, Value::Text(_) | Value::Secret(_)) => true,
-        (
+        (Shape::F32 | Shape::F64, Value::Integer(number)) => Some(Value::Real(number as f64)),
+        (Shape::Any, value)
+        | (Shape::Bool, value @ Value::Boolean(_))
+        | (Shape::F32 | Shape::F64, value @ Value::Real(_))
+        | (Shape::Text, value @ (Value::Text(_) | Value::Secret(_)))
+        | (
             Shape::I8
             | Shape::I16
             | Shape::I32
@@ -312,27 +368,37 @@ fn fits(value: &Value, schema: &Schema) -> bool {
             | Shape::U16
             | Shape::U32
             | Shape::U64,
-            Value::Integer(_),
-        ) => true,
-        (Shape::Option(inner), value) => fits(value, inner),
-        (Shape::List(item), Value::List(items)) => items.iter().all(|value| fits(value, item)),
-        (Shape::Array(item, count), Value::List(items)) => {
-            items.len() == *count && items.iter().all(|value| fits(value, item))
+            value @ Value::Integer(_),
+        ) => Some(value),
+        (Shape::Option(inner), value) => conform(value, inner),
+        (Shape::List(item), Value::List(items)) => each(items, item),
+        (Shape::Array(item, count), Value::List(items)) if items.len() == *count => {
+            each(items, item)
         }
-        (Shape::Record(fields), Value::Record(values)) => values.iter().all(|(name, value)| {
-            let field = fields.iter().find(|field| field.name == name.as_str());
-            field.is_some_and(|field| fits(value, &field.schema))
-        }),
-        (_, _) => false,
+        (Shape::Record(fields), Value::Record(values)) => {
+            let values = values.into_iter().map(|(name, value)| {
+                let field = fields.iter().find(|field| field.name == name.as_str())?;
+                Some((name, conform(value, &field.schema)?))
+            });
+            values.collect::<Option<_>>().map(Value::Record)
+        }
+        (_, _) => None,
     }
 }
 
 /// The binding without places, with everything substituted.
 fn binding(source: &Source<'_>, notes: &mut Notes) -> Option<Binding> {
     let bind = &source.component.bind;
-    let asm = matches!(source.component.implementation, Some(model::Implementation::Asm { .. }));
+    let asm = matches!(
+        source.component.implementation,
+        Some(model::Implementation::Asm { .. })
+    );
     asm.then(|| Binding {
-        monitored: bind.monitored.iter().map(|it| monitored(source, it, notes)).collect(),
+        monitored: bind
+            .monitored
+            .iter()
+            .map(|it| monitored(source, it, notes))
+            .collect(),
         out: bind.out.iter().map(|it| out(source, it, notes)).collect(),
     })
 }
@@ -340,7 +406,8 @@ fn binding(source: &Source<'_>, notes: &mut Notes) -> Option<Binding> {
 fn monitored(source: &Source<'_>, written: &written::Monitored, notes: &mut Notes) -> Monitored {
     let edge = written.receive.value == crate::binding::Receive::Edge;
     let mut value = |node: &Option<crate::tree::Node>| {
-        node.as_ref().and_then(|node| source.scope.node(node, notes))
+        node.as_ref()
+            .and_then(|node| source.scope.node(node, notes))
     };
     let (none, on_stale) = (value(&written.none), value(&written.on_stale));
     let mut field = written.field.as_ref().map(ToString::to_string);
@@ -385,7 +452,10 @@ fn out(source: &Source<'_>, written: &written::Out, notes: &mut Notes) -> Out {
                 .collect(),
         ),
     };
-    Out { function: written.function.value.clone(), effect }
+    Out {
+        function: written.function.value.clone(),
+        effect,
+    }
 }
 
 fn action(source: &Source<'_>, written: &written::Action, notes: &mut Notes) -> Action {
@@ -416,7 +486,10 @@ fn argument(source: &Source<'_>, written: &written::Argument, notes: &mut Notes)
         written::Argument::Kept { name, path } => {
             let steps: Vec<&str> = path.iter().map(|step| step.value.as_str()).collect();
             let path = (!steps.is_empty()).then(|| steps.join("."));
-            Argument::Kept { name: name.value.clone(), path }
+            Argument::Kept {
+                name: name.value.clone(),
+                path,
+            }
         }
         written::Argument::Record(_, fields) if fields.is_empty() => Argument::Default,
         written::Argument::Record(_, fields) => Argument::Record(
@@ -425,8 +498,9 @@ fn argument(source: &Source<'_>, written: &written::Argument, notes: &mut Notes)
                 .map(|(name, value)| (name.value.clone(), argument(source, value, notes)))
                 .collect(),
         ),
-        written::Argument::Value(node) => {
-            source.scope.node(node, notes).map_or(Argument::Default, Argument::Value)
-        }
+        written::Argument::Value(node) => source
+            .scope
+            .node(node, notes)
+            .map_or(Argument::Default, Argument::Value),
     }
 }

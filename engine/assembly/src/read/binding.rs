@@ -16,10 +16,15 @@ const PUBLISH: &str = "{ topic = \"command\", publish = \"on_update\" }";
 const ACTION: &str = "{ call = \"planner.plan\", ok = \"PATH_OK\", event = \"ev\" }";
 
 pub(crate) fn bind(keys: &mut Keys<'_, '_, '_>) -> Bind {
-    keys.table("bind", "`bind`", "{ monitored = { }, out = { } }", |mut keys| Bind {
-        monitored: keys.named("monitored", "{ }", monitored),
-        out: keys.named("out", "{ }", out),
-    })
+    keys.table(
+        "bind",
+        "`bind`",
+        "{ monitored = { }, out = { } }",
+        |mut keys| Bind {
+            monitored: keys.named("monitored", "{ }", monitored),
+            out: keys.named("out", "{ }", out),
+        },
+    )
     .unwrap_or_default()
 }
 
@@ -29,7 +34,12 @@ fn monitored(reader: &mut Reader<'_>, function: &At<String>, node: &Node) -> Opt
     let receive = receive(&mut keys, function);
     let (field, map) = (path(&mut keys, "field"), path(&mut keys, "map"));
     if let (Some((first_at, _)), Some((at, _))) = (keys.entry("field"), keys.entry("map")) {
-        excluded(&mut keys, ("field", first_at), ("map", at), "one field is the value");
+        excluded(
+            &mut keys,
+            ("field", first_at),
+            ("map", at),
+            "one field is the value",
+        );
     }
     let none = keys.node("none").cloned();
     let stale_ms = keys.whole("stale_ms", 1..=DAY_MS);
@@ -38,7 +48,16 @@ fn monitored(reader: &mut Reader<'_>, function: &At<String>, node: &Node) -> Opt
         keys.need("stale_ms", "300");
     }
     let function = function.clone();
-    Some(Monitored { function, topic: topic?, receive, field, map, none, stale_ms, on_stale })
+    Some(Monitored {
+        function,
+        topic: topic?,
+        receive,
+        field,
+        map,
+        none,
+        stale_ms,
+        on_stale,
+    })
 }
 
 /// `edge = true` is a way to receive; together with `receive` it would say two things.
@@ -48,7 +67,12 @@ fn receive(keys: &mut Keys<'_, '_, '_>, function: &At<String>) -> At<Receive> {
     match (edge, receive) {
         (Some(edge), Some(receive)) if receive.value != Receive::Edge => {
             let (first, second) = (("receive", receive.span), ("edge", edge.span));
-            excluded(keys, first, second, "an edge is true in the step in which a message came");
+            excluded(
+                keys,
+                first,
+                second,
+                "an edge is true in the step in which a message came",
+            );
             At::new(Receive::Edge, edge.span)
         }
         (Some(edge), _) => At::new(Receive::Edge, edge.span),
@@ -64,7 +88,13 @@ fn excluded(
     reason: &'static str,
 ) {
     let (first, second) = (first.to_owned(), second.to_owned());
-    keys.reader.report.found(ReadError::Excluded { first, first_at, second, at, reason });
+    keys.reader.report.found(ReadError::Excluded {
+        first,
+        first_at,
+        second,
+        at,
+        reason,
+    });
 }
 
 fn path(keys: &mut Keys<'_, '_, '_>, key: &'static str) -> Option<Path> {
@@ -84,26 +114,42 @@ fn out(reader: &mut Reader<'_>, function: &At<String>, node: &Node) -> Option<Ou
         let topic = keys.needed_text("topic", "\"command\"");
         let field = path(&mut keys, "field");
         let when = keys.word("publish");
-        return Some(Out { function, effect: Effect::Publish { topic: topic?, field, when } });
+        return Some(Out {
+            function,
+            effect: Effect::Publish {
+                topic: topic?,
+                field,
+                when,
+            },
+        });
     }
     let literals = table.entries.iter().map(|entry| {
         let actions = match &entry.node.value {
-            Branch::List(items) => {
-                items.iter().filter_map(|item| action(reader, &entry.key, item)).collect()
-            }
-            _ => action(reader, &entry.key, &entry.node).into_iter().collect(),
+            Branch::List(items) => items
+                .iter()
+                .filter_map(|item| action(reader, &entry.key, item))
+                .collect(),
+            _ => action(reader, &entry.key, &entry.node)
+                .into_iter()
+                .collect(),
         };
         (entry.key.clone(), actions)
     });
-    Some(Out { function, effect: Effect::Literals(literals.collect()) })
+    Some(Out {
+        function,
+        effect: Effect::Literals(literals.collect()),
+    })
 }
 
 /// Literals have tables as values; the keys of the short form have texts.
 fn is_publish(table: &Table) -> bool {
-    table.get("topic").or(table.get("publish")).is_some_and(|entry| match entry.node.value {
-        Branch::Text(_) | Branch::Integer(_) | Branch::Float(_) | Branch::Boolean(_) => true,
-        Branch::Date(_) | Branch::List(_) | Branch::Table(_) => false,
-    })
+    table
+        .get("topic")
+        .or(table.get("publish"))
+        .is_some_and(|entry| match entry.node.value {
+            Branch::Text(_) | Branch::Integer(_) | Branch::Float(_) | Branch::Boolean(_) => true,
+            Branch::Date(_) | Branch::List(_) | Branch::Table(_) => false,
+        })
 }
 
 fn action(reader: &mut Reader<'_>, literal: &At<String>, node: &Node) -> Option<Action> {
@@ -112,7 +158,12 @@ fn action(reader: &mut Reader<'_>, literal: &At<String>, node: &Node) -> Option<
     match (call, publish) {
         (Some((first_at, _)), Some((at, _))) => {
             let (first, second) = (("call", first_at), ("publish", at));
-            excluded(&mut keys, first, second, "an action does one thing; a list does several");
+            excluded(
+                &mut keys,
+                first,
+                second,
+                "an action does one thing; a list does several",
+            );
             self::call(&mut keys)
         }
         (Some(_), None) => self::call(&mut keys),
@@ -120,7 +171,10 @@ fn action(reader: &mut Reader<'_>, literal: &At<String>, node: &Node) -> Option<
             let topic = keys.text("publish", "\"plan\"");
             keys.need("value", "\"@path\"");
             let value = argument(&mut keys, "value");
-            Some(Action::Publish { topic: topic?, value: value? })
+            Some(Action::Publish {
+                topic: topic?,
+                value: value?,
+            })
         }
         (None, None) => {
             keys.need("call", "\"planner.plan\"");
@@ -143,7 +197,15 @@ fn call(keys: &mut Keys<'_, '_, '_>) -> Option<Action> {
         keys.need("event", "\"ev\"");
     }
     let operation = operation?;
-    Some(Action::Call(Box::new(Call { operation, with, keep, ok, failed, timeout, event })))
+    Some(Action::Call(Box::new(Call {
+        operation,
+        with,
+        keep,
+        ok,
+        failed,
+        timeout,
+        event,
+    })))
 }
 
 fn argument(keys: &mut Keys<'_, '_, '_>, key: &'static str) -> Option<Argument> {
@@ -156,7 +218,10 @@ fn value(reader: &mut Reader<'_>, key: &str, node: &Node) -> Argument {
     match &node.value {
         Branch::Text(text) if text.starts_with("@@") => {
             let plain = Branch::Text(text[1..].to_owned());
-            Argument::Value(Node { span: node.span, value: plain })
+            Argument::Value(Node {
+                span: node.span,
+                value: plain,
+            })
         }
         Branch::Text(text) if text.starts_with('@') => {
             let whole = At::new(text.clone(), node.span);
@@ -164,7 +229,10 @@ fn value(reader: &mut Reader<'_>, key: &str, node: &Node) -> Argument {
             match name::path(reader, &name) {
                 Some(mut path) => {
                     let name = path.steps.remove(0);
-                    Argument::Kept { name, path: path.steps }
+                    Argument::Kept {
+                        name,
+                        path: path.steps,
+                    }
                 }
                 None => Argument::Value(node.clone()),
             }

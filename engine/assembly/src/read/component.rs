@@ -10,8 +10,8 @@ use super::{binding, name, pace, setting};
 use crate::At;
 use crate::finding::Findings;
 use crate::model::{
-    Builtin, Component, Condition, Idle, Implementation, Listed, MapEntry, Notify, Pace, Path, Plot,
-    ProxyEntry, Rename, RosEntry, Verify, Wanted,
+    Builtin, Component, Condition, Idle, Implementation, Listed, MapEntry, Notify, Pace, Path,
+    Plot, ProxyEntry, Rename, RosEntry, Verify, Wanted,
 };
 use crate::tree::{Branch, Node};
 
@@ -27,7 +27,12 @@ pub(crate) fn component(
     keys.need("implementation", "{ rust = \"nav::MapServer\" }");
     let made_of = "{ rust = \"nav::MapServer\" }";
     let implementation = keys
-        .table("implementation", "an implementation", made_of, implementation)
+        .table(
+            "implementation",
+            "an implementation",
+            made_of,
+            implementation,
+        )
         .flatten();
     let ports = keys.table("ports", "`ports`", "{ in = { }, out = { } }", |mut keys| {
         (listed(&mut keys, "in"), listed(&mut keys, "out"))
@@ -37,7 +42,12 @@ pub(crate) fn component(
         profiles: keys.texts("profile", "\"sim\""),
         doc: keys.text("doc", "\"what it is for\""),
         pace: pace(&mut keys),
-        lifecycle: keys.table("lifecycle", "`lifecycle`", "{ autostart = true }", pace::lifecycle),
+        lifecycle: keys.table(
+            "lifecycle",
+            "`lifecycle`",
+            "{ autostart = true }",
+            pace::lifecycle,
+        ),
         inputs,
         outputs,
         subscribe: listed(&mut keys, "subscribe"),
@@ -72,7 +82,12 @@ fn pace(keys: &mut Keys<'_, '_, '_>) -> Option<Pace> {
         });
     }
     let task = keys.table("task", "a task", "{ period_ms = 50 }", pace::task);
-    let activity = keys.table("activity", "an activity", "{ period_ms = 50 }", pace::activity);
+    let activity = keys.table(
+        "activity",
+        "an activity",
+        "{ period_ms = 50 }",
+        pace::activity,
+    );
     task.or(activity)
 }
 
@@ -86,13 +101,19 @@ fn listed(keys: &mut Keys<'_, '_, '_>, key: &'static str) -> Vec<Listed> {
     keys.named(key, example, |reader, key, node| {
         let name = name::thing(reader, key);
         let kind = reader.text(key, node, "\"sensor_msgs/LaserScan\"");
-        Some(Listed { name: name?, kind: kind? })
+        Some(Listed {
+            name: name?,
+            kind: kind?,
+        })
     })
 }
 
 fn rename(reader: &mut Reader<'_>, key: &At<String>, node: &Node) -> Option<Rename> {
     let to = reader.text(key, node, "\"plan\"")?;
-    Some(Rename { from: key.clone(), to: name::topic(reader, &to)? })
+    Some(Rename {
+        from: key.clone(),
+        to: name::topic(reader, &to)?,
+    })
 }
 
 /// `maps = "nav/MapService"` or `maps = { interface = "nav/MapService", optional = true }`.
@@ -103,11 +124,18 @@ fn wanted(reader: &mut Reader<'_>, key: &At<String>, node: &Node) -> Option<Want
         Branch::Table(table) => {
             let mut keys = reader.keys(table, "a reference", node.span);
             let interface = keys.needed_text("interface", example);
-            (interface, keys.flag("optional").is_some_and(|optional| optional.value))
+            (
+                interface,
+                keys.flag("optional").is_some_and(|optional| optional.value),
+            )
         }
         _ => (reader.text(key, node, example), false),
     };
-    Some(Wanted { name: name?, interface: interface?, optional })
+    Some(Wanted {
+        name: name?,
+        interface: interface?,
+        optional,
+    })
 }
 
 fn verify(mut keys: Keys<'_, '_, '_>) -> Verify {
@@ -127,7 +155,8 @@ fn builtin(implementation: Option<&Implementation>) -> Option<Builtin> {
 }
 
 fn map(keys: &mut Keys<'_, '_, '_>, implementation: Option<&Implementation>) -> Vec<MapEntry> {
-    let ros = "[{ from = \"plan\", ros = \"/plan\", type = \"nav_msgs/Path\", direction = \"to_ros\" }]";
+    let ros =
+        "[{ from = \"plan\", ros = \"/plan\", type = \"nav_msgs/Path\", direction = \"to_ros\" }]";
     let proxy = "[{ operation = \"sending.set\", port = \"Driver.commands\", mode = \"oneway\" }]";
     match builtin(implementation) {
         Some(Builtin::RosBridge) => keys.items("map", "a list of tables", ros, |reader, node| {
@@ -149,7 +178,14 @@ fn ros_entry(mut keys: Keys<'_, '_, '_>) -> Option<RosEntry> {
     keys.need("direction", "\"to_ros\"");
     let direction = keys.word("direction");
     let convert = keys.text("convert", "\"event_from_string\"");
-    Some(RosEntry { span, from: from?, ros: ros?, kind: kind?, direction: direction?, convert })
+    Some(RosEntry {
+        span,
+        from: from?,
+        ros: ros?,
+        kind: kind?,
+        direction: direction?,
+        convert,
+    })
 }
 
 fn proxy_entry(mut keys: Keys<'_, '_, '_>) -> Option<ProxyEntry> {
@@ -161,7 +197,13 @@ fn proxy_entry(mut keys: Keys<'_, '_, '_>) -> Option<ProxyEntry> {
     keys.need("mode", "\"oneway\"");
     let mode = keys.word("mode");
     let field = path(&mut keys, "field");
-    Some(ProxyEntry { span, operation: operation?, port: port?, mode: mode?, field })
+    Some(ProxyEntry {
+        span,
+        operation: operation?,
+        port: port?,
+        mode: mode?,
+        field,
+    })
 }
 
 /// A path into a message.
@@ -170,10 +212,7 @@ fn path(keys: &mut Keys<'_, '_, '_>, key: &'static str) -> Option<Path> {
     name::path(keys.reader, &text)
 }
 
-fn notify(
-    keys: &mut Keys<'_, '_, '_>,
-    implementation: Option<&Implementation>,
-) -> Option<Notify> {
+fn notify(keys: &mut Keys<'_, '_, '_>, implementation: Option<&Implementation>) -> Option<Notify> {
     if builtin(implementation) != Some(Builtin::PortProxy) {
         return None;
     }
@@ -187,7 +226,15 @@ fn notify(
         let refresh = condition(&mut keys, "refresh", "\"jointStatus.new\"");
         let fault = condition(&mut keys, "fault", "\"jointStatus.error_flags != 0\"");
         let stale_ms = keys.whole("stale_ms", 1..=DAY_MS);
-        Some(Notify { span, reference: reference?, busy, idle, refresh, fault, stale_ms })
+        Some(Notify {
+            span,
+            reference: reference?,
+            busy,
+            idle,
+            refresh,
+            fault,
+            stale_ms,
+        })
     })
     .flatten()
 }
@@ -213,7 +260,12 @@ fn idle(mut keys: Keys<'_, '_, '_>) -> Option<Idle> {
     keys.need("on", "\"jointStatus.position\"");
     let on = path(&mut keys, "on");
     let for_ms = keys.whole("for_ms", 0..=DAY_MS);
-    Some(Idle { within: within?, of: of?, on: on?, for_ms })
+    Some(Idle {
+        within: within?,
+        of: of?,
+        on: on?,
+        for_ms,
+    })
 }
 
 fn plots(keys: &mut Keys<'_, '_, '_>, implementation: Option<&Implementation>) -> Vec<Plot> {
@@ -229,7 +281,13 @@ fn plots(keys: &mut Keys<'_, '_, '_>, implementation: Option<&Implementation>) -
         let series = keys.texts("series", "[\"velocity\"]");
         let flags = keys.text("flags", "\"error_flags\"");
         let window_s = keys.whole("window_s", 1..=86_400);
-        Some(Plot { title: title?, each, series, flags, window_s })
+        Some(Plot {
+            title: title?,
+            each,
+            series,
+            flags,
+            window_s,
+        })
     })
 }
 
@@ -252,8 +310,16 @@ fn belongs(keys: &mut Keys<'_, '_, '_>, component: &Component) {
             own(Builtin::RosBridge) || own(Builtin::PortProxy),
             "only the built-ins `ros-bridge` and `port-proxy` have a map",
         ),
-        ("notify", own(Builtin::PortProxy), "only the built-in `port-proxy` notifies"),
-        ("plots", own(Builtin::WebMonitor), "only the built-in `web-monitor` plots"),
+        (
+            "notify",
+            own(Builtin::PortProxy),
+            "only the built-in `port-proxy` notifies",
+        ),
+        (
+            "plots",
+            own(Builtin::WebMonitor),
+            "only the built-in `web-monitor` plots",
+        ),
         ("task", !nested, NESTED),
         ("activity", !nested, NESTED),
         ("lifecycle", !nested, NESTED),

@@ -17,13 +17,18 @@ pub(crate) fn composite(reader: &mut Reader<'_>, file: FileId, root: &Table) -> 
     let mut keys = reader.keys(root, "a composite file", top(file));
     schema(&mut keys, SCHEMA);
     keys.need("composite", "{ name = \"navigation\" }");
-    let head = keys.table("composite", "`composite`", "{ name = \"navigation\" }", |mut keys| {
-        let name = keys.needed_text("name", "\"navigation\"");
-        let version = keys.text("version", "\"1.0.0\"");
-        let doc = keys.text("doc", "\"what it is for\"");
-        let types = keys.texts("types", "[\"types.toml\"]");
-        (name, version, doc, types)
-    });
+    let head = keys.table(
+        "composite",
+        "`composite`",
+        "{ name = \"navigation\" }",
+        |mut keys| {
+            let name = keys.needed_text("name", "\"navigation\"");
+            let version = keys.text("version", "\"1.0.0\"");
+            let doc = keys.text("doc", "\"what it is for\"");
+            let types = keys.texts("types", "[\"types.toml\"]");
+            (name, version, doc, types)
+        },
+    );
     let (name, version, doc, types) = head.unwrap_or_default();
     Some(Composite {
         file,
@@ -36,7 +41,12 @@ pub(crate) fn composite(reader: &mut Reader<'_>, file: FileId, root: &Table) -> 
         bridges: keys.named("bridges", "{ }", endpoint::bridge),
         components: keys.named("components", "{ }", component::component),
         wires: keys.items("wires", "tables", "[[wires]]", wiring::wire),
-        connections: keys.items("connections", "tables", "[[connections]]", wiring::connection),
+        connections: keys.items(
+            "connections",
+            "tables",
+            "[[connections]]",
+            wiring::connection,
+        ),
         promotions: keys.items("promote", "tables", "[[promote]]", promote::promotion),
         deploy: keys.table("deploy", "`deploy`", "{ }", deploy::deploy),
     })
@@ -50,6 +60,8 @@ pub(crate) fn schema(keys: &mut Keys<'_, '_, '_>, wanted: &'static str) {
     };
     if found.value != wanted {
         let (found, at) = (found.value, found.span);
-        keys.reader.report.found(ReadError::UnknownSchema { found, wanted, at });
+        keys.reader
+            .report
+            .found(ReadError::UnknownSchema { found, wanted, at });
     }
 }

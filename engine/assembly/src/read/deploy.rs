@@ -12,7 +12,12 @@ pub(crate) fn deploy(mut keys: Keys<'_, '_, '_>) -> Deploy {
     Deploy {
         span: keys.span,
         processes: keys.items("processes", "a list of tables", example, process),
-        restart: keys.table("restart", "`restart`", "{ policy = \"on_failure\" }", restart),
+        restart: keys.table(
+            "restart",
+            "`restart`",
+            "{ policy = \"on_failure\" }",
+            restart,
+        ),
         record: keys.table("record", "`record`", "{ dir = \"runs/\" }", record),
     }
 }
@@ -28,7 +33,14 @@ fn process(reader: &mut Reader<'_>, node: &Node) -> Option<Process> {
     let scheduler = keys.word("scheduler");
     let priority = keys.whole("priority", 1..=99);
     let cpu = keys.wholes("cpu", 0..=1023, "[1]");
-    Some(Process { name: name?, host, components, scheduler, priority, cpu })
+    Some(Process {
+        name: name?,
+        host,
+        components,
+        scheduler,
+        priority,
+        cpu,
+    })
 }
 
 fn restart(mut keys: Keys<'_, '_, '_>) -> Restart {

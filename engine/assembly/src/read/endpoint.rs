@@ -19,7 +19,14 @@ pub(crate) fn broker(reader: &mut Reader<'_>, key: &At<String>, node: &Node) -> 
     let (codec, tls) = (keys.word("codec"), keys.word("tls"));
     let example = "{ first_ms = 100, max_ms = 5000, jitter = 0.2 }";
     let reconnect = keys.table("reconnect", "`reconnect`", example, reconnect);
-    Some(Broker { name, url: address?, exchange, codec, tls, reconnect })
+    Some(Broker {
+        name,
+        url: address?,
+        exchange,
+        codec,
+        tls,
+        reconnect,
+    })
 }
 
 fn reconnect(mut keys: Keys<'_, '_, '_>) -> Reconnect {
@@ -39,5 +46,12 @@ pub(crate) fn bridge(reader: &mut Reader<'_>, key: &At<String>, node: &Node) -> 
     let domain = keys.whole("domain", 0..=232);
     let url = keys.template("url", "\"ws://127.0.0.1:9090\"");
     let node = keys.text("node", "\"/composite_bridge\"");
-    Some(Bridge { name, kind: kind?, master, domain, url, node })
+    Some(Bridge {
+        name,
+        kind: kind?,
+        master,
+        domain,
+        url,
+        node,
+    })
 }

@@ -8,9 +8,17 @@ use crate::nearest::{Nearest, Suggest};
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum ReadError {
     #[error("this is not TOML: {message}")]
-    Syntax { message: String, at: Span, earlier: Option<Span> },
+    Syntax {
+        message: String,
+        at: Span,
+        earlier: Option<Span>,
+    },
     #[error("`{path}` cannot be read: {reason}")]
-    Unreadable { path: String, reason: String, at: Option<Span> },
+    Unreadable {
+        path: String,
+        reason: String,
+        at: Option<Span>,
+    },
     #[error("{of} has no key `{key}`")]
     UnknownKey {
         key: String,
@@ -20,7 +28,12 @@ pub(crate) enum ReadError {
         nearest: Option<Nearest>,
     },
     #[error("{of} needs the key `{key}`")]
-    MissingKey { key: &'static str, of: &'static str, at: Span, example: String },
+    MissingKey {
+        key: &'static str,
+        of: &'static str,
+        at: Span,
+        example: String,
+    },
     #[error("`{key}` takes {expected}, not {found}")]
     WrongType {
         key: String,
@@ -38,11 +51,26 @@ pub(crate) enum ReadError {
         nearest: Option<Nearest>,
     },
     #[error("`{key}` is {value}, but must lie between {least} and {greatest}")]
-    OutOfRange { key: String, value: String, least: String, greatest: String, at: Span },
+    OutOfRange {
+        key: String,
+        value: String,
+        least: String,
+        greatest: String,
+        at: Span,
+    },
     #[error("this file says it is `{found}`, which this version does not read")]
-    UnknownSchema { found: String, wanted: &'static str, at: Span },
+    UnknownSchema {
+        found: String,
+        wanted: &'static str,
+        at: Span,
+    },
     #[error("`{text}` cannot be {what}")]
-    NotAName { text: String, what: &'static str, rule: &'static str, at: Span },
+    NotAName {
+        text: String,
+        what: &'static str,
+        rule: &'static str,
+        at: Span,
+    },
     #[error("`{second}` cannot stand beside `{first}`")]
     Excluded {
         first: String,
@@ -76,31 +104,52 @@ impl Finding for ReadError {
                     None => diagnostic,
                 }
             }
-            Self::UnknownKey { at, known, nearest, .. } => {
+            Self::UnknownKey {
+                at, known, nearest, ..
+            } => {
                 let keys = format!("the keys are {}", enumerate(known));
                 Diagnostic::error("C003", self)
                     .label(*at, "unknown key")
                     .suggest_or(*at, nearest, keys)
             }
-            Self::MissingKey { key, at, example, .. } => Diagnostic::error("C004", self)
+            Self::MissingKey {
+                key, at, example, ..
+            } => Diagnostic::error("C004", self)
                 .label(*at, format!("`{key}` is missing here"))
                 .help(format!("for example `{key} = {example}`")),
-            Self::WrongType { key, expected, at, example, .. } => Diagnostic::error("C005", self)
+            Self::WrongType {
+                key,
+                expected,
+                at,
+                example,
+                ..
+            } => Diagnostic::error("C005", self)
                 .label(*at, format!("expected {expected}"))
                 .help(format!("for example `{key} = {example}`")),
-            Self::UnknownWord { at, known, nearest, .. } => Diagnostic::error("C006", self)
+            Self::UnknownWord {
+                at, known, nearest, ..
+            } => Diagnostic::error("C006", self)
                 .label(*at, "unknown word")
                 .help(format!("it can be {}", enumerate(known)))
                 .suggest(*at, nearest),
-            Self::OutOfRange { least, greatest, at, .. } => Diagnostic::error("C007", self)
+            Self::OutOfRange {
+                least,
+                greatest,
+                at,
+                ..
+            } => Diagnostic::error("C007", self)
                 .label(*at, format!("must lie in {least} ..= {greatest}")),
             Self::UnknownSchema { wanted, at, .. } => Diagnostic::error("C008", self)
                 .label(*at, "not known here")
                 .fix(format!("this version reads `{wanted}`"), *at, *wanted),
-            Self::NotAName { rule, at, .. } => {
-                Diagnostic::error("C009", self).label(*at, *rule)
-            }
-            Self::Excluded { first, first_at, at, reason, .. } => Diagnostic::error("C010", self)
+            Self::NotAName { rule, at, .. } => Diagnostic::error("C009", self).label(*at, *rule),
+            Self::Excluded {
+                first,
+                first_at,
+                at,
+                reason,
+                ..
+            } => Diagnostic::error("C010", self)
                 .label(*at, *reason)
                 .label(*first_at, format!("`{first}` stands here")),
             Self::NoSubstitution { at, .. } => Diagnostic::error("C011", self)

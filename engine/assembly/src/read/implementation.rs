@@ -10,7 +10,15 @@ use crate::model::{Builtin, Implementation};
 use crate::tree::Node;
 
 pub(crate) fn implementation(mut keys: Keys<'_, '_, '_>) -> Option<Implementation> {
-    let kinds = ["rust", "asm", "composite", "builtin", "process", "ros", "orocos"];
+    let kinds = [
+        "rust",
+        "asm",
+        "composite",
+        "builtin",
+        "process",
+        "ros",
+        "orocos",
+    ];
     let mut found: Vec<(&'static str, Span, &Node)> = Vec::new();
     for key in kinds {
         if let Some((span, node)) = keys.entry(key) {
@@ -45,19 +53,34 @@ pub(crate) fn implementation(mut keys: Keys<'_, '_, '_>) -> Option<Implementatio
             let port = keys.whole("port", 0..=65_535);
             let name = name?;
             let kind = Builtin::WORDS.iter().find(|(word, _)| *word == name.value);
-            Implementation::Builtin { kind: kind.map(|(_, kind)| *kind), name, target, bridge, port }
+            Implementation::Builtin {
+                kind: kind.map(|(_, kind)| *kind),
+                name,
+                target,
+                bridge,
+                port,
+            }
         }
         "process" => {
             let arguments = keys.texts("arguments", "[\"--verbose\"]");
-            Implementation::Process { command: name?, arguments }
+            Implementation::Process {
+                command: name?,
+                arguments,
+            }
         }
         "ros" => {
             let executable = keys.text("executable", "\"talker\"");
-            Implementation::Ros { package: name?, executable }
+            Implementation::Ros {
+                package: name?,
+                executable,
+            }
         }
         _ => {
             let name_service = keys.text("name_service", "\"corbaloc::127.0.0.1:2809\"");
-            Implementation::Orocos { component: name?, name_service }
+            Implementation::Orocos {
+                component: name?,
+                name_service,
+            }
         }
     })
 }

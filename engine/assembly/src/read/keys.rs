@@ -24,7 +24,10 @@ pub(crate) struct Reader<'t> {
 
 impl<'t> Reader<'t> {
     pub(crate) fn new(text: &'t str) -> Self {
-        Self { text, report: Report::new() }
+        Self {
+            text,
+            report: Report::new(),
+        }
     }
 
     /// Opens a table.
@@ -34,7 +37,13 @@ impl<'t> Reader<'t> {
         of: &'static str,
         span: Span,
     ) -> Keys<'r, 't, 'n> {
-        Keys { reader: self, table, of, span, asked: Vec::new() }
+        Keys {
+            reader: self,
+            table,
+            of,
+            span,
+            asked: Vec::new(),
+        }
     }
 
     /// Opens a value that must be a table.
@@ -61,7 +70,10 @@ impl<'t> Reader<'t> {
             return None;
         };
         if text.contains("${") {
-            self.report.found(ReadError::NoSubstitution { key: key.to_owned(), at: node.span });
+            self.report.found(ReadError::NoSubstitution {
+                key: key.to_owned(),
+                at: node.span,
+            });
             return None;
         }
         Some(At::new(text.clone(), node.span))
@@ -149,7 +161,9 @@ impl<'t> Reader<'t> {
 
     /// A word out of a list.
     pub(crate) fn word<T: Choice>(&mut self, key: &str, node: &Node) -> Option<At<T>> {
-        let example = T::WORDS.first().map_or(String::new(), |(word, _)| format!("\"{word}\""));
+        let example = T::WORDS
+            .first()
+            .map_or(String::new(), |(word, _)| format!("\"{word}\""));
         let word = self.text(key, node, &example)?;
         match T::WORDS.iter().find(|(known, _)| *known == word.value) {
             Some((_, choice)) => Some(At::new(*choice, word.span)),
@@ -187,7 +201,9 @@ impl<'n> Keys<'_, '_, 'n> {
     /// The place of a key and its value.
     pub(crate) fn entry(&mut self, key: &'static str) -> Option<(Span, &'n Node)> {
         self.asked.push(key);
-        self.table.get(key).map(|entry| (entry.key.span, &entry.node))
+        self.table
+            .get(key)
+            .map(|entry| (entry.key.span, &entry.node))
     }
 
     /// Says that the key is missing, if it is.
@@ -198,7 +214,12 @@ impl<'n> Keys<'_, '_, 'n> {
         if self.table.get(key).is_none() {
             let (of, at) = (self.of, self.span);
             let example = example.to_owned();
-            self.reader.report.found(ReadError::MissingKey { key, of, at, example });
+            self.reader.report.found(ReadError::MissingKey {
+                key,
+                of,
+                at,
+                example,
+            });
         }
     }
 
@@ -218,9 +239,10 @@ impl<'n> Keys<'_, '_, 'n> {
             return Vec::new();
         };
         match &node.value {
-            Branch::List(items) => {
-                items.iter().filter_map(|item| self.reader.text(key, item, example)).collect()
-            }
+            Branch::List(items) => items
+                .iter()
+                .filter_map(|item| self.reader.text(key, item, example))
+                .collect(),
             _ => self.reader.text(key, node, example).into_iter().collect(),
         }
     }
@@ -272,7 +294,8 @@ impl<'n> Keys<'_, '_, 'n> {
             Branch::Integer(number) => number as f64,
             Branch::Float(number) => number,
             _ => {
-                self.reader.wrong_type(key, "a number", node, &range.start().to_string());
+                self.reader
+                    .wrong_type(key, "a number", node, &range.start().to_string());
                 return None;
             }
         };
@@ -321,11 +344,14 @@ impl<'n> Keys<'_, '_, 'n> {
             return Vec::new();
         };
         let Branch::Table(table) = &node.value else {
-            self.reader.wrong_type(key, "a table of names", node, example);
+            self.reader
+                .wrong_type(key, "a table of names", node, example);
             return Vec::new();
         };
         let entries = table.entries.iter();
-        entries.filter_map(|entry| each(self.reader, &entry.key, &entry.node)).collect()
+        entries
+            .filter_map(|entry| each(self.reader, &entry.key, &entry.node))
+            .collect()
     }
 
     /// Every item of a list.
@@ -343,7 +369,10 @@ impl<'n> Keys<'_, '_, 'n> {
             self.reader.wrong_type(key, expected, node, example);
             return Vec::new();
         };
-        items.iter().filter_map(|item| each(self.reader, item)).collect()
+        items
+            .iter()
+            .filter_map(|item| each(self.reader, item))
+            .collect()
     }
 
     /// A table under a key, read as a whole.

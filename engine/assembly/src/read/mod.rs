@@ -52,14 +52,26 @@ fn read<T>(
     if text.len() > MAX_BYTES {
         let reason = format!("it has {} bytes, and {MAX_BYTES} is the most", text.len());
         let path = path.to_owned();
-        reader.report.found(ReadError::Unreadable { path, reason, at: None });
+        reader.report.found(ReadError::Unreadable {
+            path,
+            reason,
+            at: None,
+        });
         return (None, reader.report);
     }
     let (table, errors) = tree::parse(file, text);
     let damaged = !errors.is_empty();
     for error in errors.into_iter().take(MAX_SYNTAX_ERRORS) {
-        let tree::SyntaxError { message, span: at, earlier } = error;
-        reader.report.found(ReadError::Syntax { message, at, earlier });
+        let tree::SyntaxError {
+            message,
+            span: at,
+            earlier,
+        } = error;
+        reader.report.found(ReadError::Syntax {
+            message,
+            at,
+            earlier,
+        });
     }
     if damaged && table.entries.is_empty() {
         return (None, reader.report);

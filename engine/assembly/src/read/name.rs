@@ -11,7 +11,13 @@ pub(crate) fn thing(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<Str
     let rule = "a name has letters, digits, `_` and `-`, and begins with a letter";
     let starts = name.starts_with(|first: char| first.is_alphabetic() || first == '_');
     let letters = |letter: char| letter.is_alphanumeric() || letter == '_' || letter == '-';
-    accept(reader, name, starts && name.chars().all(letters), "a name", rule)
+    accept(
+        reader,
+        name,
+        starts && name.chars().all(letters),
+        "a name",
+        rule,
+    )
 }
 
 /// A topic: as a name, with `/` and `.` in it.
@@ -19,7 +25,13 @@ pub(crate) fn topic(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<Str
     let rule = "a topic has letters, digits, `_`, `-`, `/` and `.`";
     let letters =
         |letter: char| letter.is_alphanumeric() || matches!(letter, '_' | '-' | '/' | '.');
-    accept(reader, name, !name.is_empty() && name.chars().all(letters), "a topic", rule)
+    accept(
+        reader,
+        name,
+        !name.is_empty() && name.chars().all(letters),
+        "a topic",
+        rule,
+    )
 }
 
 fn accept(
@@ -31,7 +43,12 @@ fn accept(
 ) -> Option<At<String>> {
     if !good {
         let text: String = name.chars().take(60).collect();
-        reader.report.found(ReadError::NotAName { text, what, rule, at: name.span });
+        reader.report.found(ReadError::NotAName {
+            text,
+            what,
+            rule,
+            at: name.span,
+        });
         return None;
     }
     Some(name.clone())
@@ -88,5 +105,8 @@ pub(crate) fn path(reader: &mut Reader<'_>, text: &At<String>) -> Option<Path> {
         steps.push(At::new(step.to_owned(), reader.part(text, start..end)));
         start = end + 1;
     }
-    Some(Path { steps, span: text.span })
+    Some(Path {
+        steps,
+        span: text.span,
+    })
 }

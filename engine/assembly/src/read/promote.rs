@@ -20,7 +20,15 @@ pub(crate) fn promotion(reader: &mut Reader<'_>, node: &Node) -> Option<Promotio
     let profiles = keys.texts("profile", "\"sim\"");
     let (binding, broker) = (keys.word("binding"), keys.text("broker", "\"main\""));
     let optional = keys.flag("optional").is_some_and(|optional| optional.value);
-    Some(Promotion { span, profiles, what: what?, name: name?, binding, broker, optional })
+    Some(Promotion {
+        span,
+        profiles,
+        what: what?,
+        name: name?,
+        binding,
+        broker,
+        optional,
+    })
 }
 
 /// Which of the five keys names what is promoted, and what it names.

@@ -10,11 +10,7 @@ use crate::model::{Property, PropertyType, Scalar, Setting};
 use crate::nearest::nearest_name;
 use crate::tree::{Branch, Node};
 
-pub(crate) fn property(
-    reader: &mut Reader<'_>,
-    key: &At<String>,
-    node: &Node,
-) -> Option<Property> {
+pub(crate) fn property(reader: &mut Reader<'_>, key: &At<String>, node: &Node) -> Option<Property> {
     let name = name::thing(reader, key)?;
     let example = "{ type = \"f64\", default = 0.35, min = 0.0, max = 1.0 }";
     let mut keys = reader.keys_of(node, key, "a property", example)?;
@@ -27,7 +23,14 @@ pub(crate) fn property(
     }
     let (min, max) = (keys.real("min", any.clone()), keys.real("max", any));
     let doc = keys.text("doc", "\"what it is for\"");
-    Some(Property { name, kind: kind?, default, min, max, doc })
+    Some(Property {
+        name,
+        kind: kind?,
+        default,
+        min,
+        max,
+        doc,
+    })
 }
 
 /// `f64`, `string[]`.
@@ -39,7 +42,13 @@ fn kind(reader: &mut Reader<'_>, node: &Node) -> Option<At<PropertyType>> {
     };
     let known = Scalar::WORDS.iter().find(|(known, _)| *known == scalar);
     if let Some((_, scalar)) = known {
-        return Some(At::new(PropertyType { scalar: *scalar, list }, word.span));
+        return Some(At::new(
+            PropertyType {
+                scalar: *scalar,
+                list,
+            },
+            word.span,
+        ));
     }
     let known: Vec<&'static str> = Scalar::WORDS.iter().map(|(word, _)| *word).collect();
     reader.report.found(ReadError::UnknownWord {
@@ -55,7 +64,10 @@ fn kind(reader: &mut Reader<'_>, node: &Node) -> Option<At<PropertyType>> {
 /// A property of a component, with its value.
 pub(crate) fn setting(reader: &mut Reader<'_>, key: &At<String>, node: &Node) -> Option<Setting> {
     templates(reader, key, node);
-    Some(Setting { name: key.clone(), value: node.clone() })
+    Some(Setting {
+        name: key.clone(),
+        value: node.clone(),
+    })
 }
 
 /// Reads all substitutions in a value, only to say which are malformed.
@@ -66,7 +78,10 @@ pub(crate) fn templates(reader: &mut Reader<'_>, key: &str, node: &Node) {
         }
         Branch::List(items) => items.iter().for_each(|item| templates(reader, key, item)),
         Branch::Table(table) => {
-            table.entries.iter().for_each(|entry| templates(reader, key, &entry.node));
+            table
+                .entries
+                .iter()
+                .for_each(|entry| templates(reader, key, &entry.node));
         }
         Branch::Integer(_) | Branch::Float(_) | Branch::Boolean(_) | Branch::Date(_) => {}
     }

@@ -5,13 +5,13 @@ use source::Span;
 use crate::model::{Piece, Template};
 
 /// Reads the substitutions of a text; `exact` where its bytes stand in the file as they are.
-pub(crate) fn parse(
-    text: &str,
-    span: Span,
-    exact: bool,
-) -> Result<Template, (&'static str, Span)> {
+pub(crate) fn parse(text: &str, span: Span, exact: bool) -> Result<Template, (&'static str, Span)> {
     let place = |start: usize, end: usize| match exact {
-        true => Span::new(span.file, span.start as usize + start, span.start as usize + end),
+        true => Span::new(
+            span.file,
+            span.start as usize + start,
+            span.start as usize + end,
+        ),
         false => span,
     };
     let mut pieces = Vec::new();
@@ -38,7 +38,9 @@ pub(crate) fn parse(
             pieces.push(Piece::Text(std::mem::take(&mut plain)));
         }
         let start = dollar + 2;
-        pieces.push(piece(&rest[..length], |from, to| place(start + from, start + to))?);
+        pieces.push(piece(&rest[..length], |from, to| {
+            place(start + from, start + to)
+        })?);
         position = start + length + 1;
     }
     plain.push_str(&text[position..]);
@@ -49,13 +51,13 @@ pub(crate) fn parse(
 }
 
 /// What stands between the braces.
-fn piece(
-    inner: &str,
-    place: impl Fn(usize, usize) -> Span,
-) -> Result<Piece, (&'static str, Span)> {
+fn piece(inner: &str, place: impl Fn(usize, usize) -> Span) -> Result<Piece, (&'static str, Span)> {
     if let Some(name) = inner.strip_prefix("properties.") {
         let span = place(inner.len() - name.len(), inner.len());
-        return Ok(Piece::Property { name: name.to_owned(), span });
+        return Ok(Piece::Property {
+            name: name.to_owned(),
+            span,
+        });
     }
     let (name, default) = match inner.split_once(":-") {
         Some((name, default)) => (name, Some(default.to_owned())),
@@ -63,16 +65,19 @@ fn piece(
     };
     let span = place(0, name.len());
     let starts = name.starts_with(|first: char| first.is_ascii_uppercase() || first == '_');
-    let letters = |letter: char| {
-        letter.is_ascii_uppercase() || letter.is_ascii_digit() || letter == '_'
-    };
+    let letters =
+        |letter: char| letter.is_ascii_uppercase() || letter.is_ascii_digit() || letter == '_';
     if !starts || !name.chars().all(letters) {
         return Err((
             "it names neither a property nor an environment variable, which has capital letters",
             place(0, inner.len().max(1)),
         ));
     }
-    Ok(Piece::Variable { name: name.to_owned(), default, span })
+    Ok(Piece::Variable {
+        name: name.to_owned(),
+        default,
+        span,
+    })
 }
 
 #[cfg(test)]
@@ -84,7 +89,9 @@ mod tests {
 
     fn pieces(text: &str) -> Result<Vec<Piece>, &'static str> {
         let span = Span::new(FileId(0), 0, text.len());
-        parse(text, span, true).map(|template| template.pieces).map_err(|(reason, _)| reason)
+        parse(text, span, true)
+            .map(|template| template.pieces)
+            .map_err(|(reason, _)| reason)
     }
 
     #[test]
@@ -95,8 +102,15 @@ mod tests {
             read,
             [
                 Piece::Text("a".into()),
-                Piece::Property { name: "b".into(), span: at(14, 15) },
-                Piece::Variable { name: "C".into(), default: Some("d".into()), span: at(18, 19) },
+                Piece::Property {
+                    name: "b".into(),
+                    span: at(14, 15)
+                },
+                Piece::Variable {
+                    name: "C".into(),
+                    default: Some("d".into()),
+                    span: at(18, 19)
+                },
                 Piece::Text("${e}".into()),
             ]
         );

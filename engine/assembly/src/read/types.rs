@@ -31,7 +31,10 @@ fn definition(reader: &mut Reader<'_>, key: &At<String>, node: &Node) -> Option<
         let written = reader.text(key, node, "\"f64[5]\"")?;
         Some((key.clone(), type_text(reader, &written)?))
     });
-    Some(Definition { name: key.clone(), fields })
+    Some(Definition {
+        name: key.clone(),
+        fields,
+    })
 }
 
 fn type_text(reader: &mut Reader<'_>, written: &At<String>) -> Option<TypeText> {
@@ -45,5 +48,8 @@ fn type_text(reader: &mut Reader<'_>, written: &At<String>) -> Option<TypeText> 
         return None;
     };
     let span = reader.part(written, 0..base.len());
-    Some(TypeText { base: At::new(base.to_owned(), span), many })
+    Some(TypeText {
+        base: At::new(base.to_owned(), span),
+        many,
+    })
 }

@@ -14,11 +14,19 @@ pub(crate) fn wire(reader: &mut Reader<'_>, node: &Node) -> Option<Wire> {
     keys.need("service", "\"Planner.planning\"");
     let services = keys.texts("service", "\"Planner.planning\"");
     let reference = reference.and_then(|text| name::end(keys.reader, &text));
-    let services = services.iter().filter_map(|text| name::end(keys.reader, text)).collect();
+    let services = services
+        .iter()
+        .filter_map(|text| name::end(keys.reader, text))
+        .collect();
     let (profiles, binding) = (keys.texts("profile", "\"sim\""), keys.word("binding"));
     let broker = keys.text("broker", "\"main\"");
     let timeout_ms = keys.whole("timeout_ms", 1..=DAY_MS);
-    let retry = keys.table("retry", "`retry`", "{ attempts = 2, backoff_ms = 100 }", retry);
+    let retry = keys.table(
+        "retry",
+        "`retry`",
+        "{ attempts = 2, backoff_ms = 100 }",
+        retry,
+    );
     let (cancel, oneway) = (keys.word("cancel"), keys.flag("oneway"));
     let reference = reference?;
     Some(Wire {
@@ -49,15 +57,32 @@ pub(crate) fn connection(reader: &mut Reader<'_>, node: &Node) -> Option<Connect
     let from = terminals(&mut keys, "from", "\"Laser.scan\"");
     let to = terminals(&mut keys, "to", "\"topic:scan\"");
     let profiles = keys.texts("profile", "\"sim\"");
-    let policy = keys.table("policy", "a connection policy", "{ type = \"data\" }", policy);
-    let policy = policy.unwrap_or_else(|| Policy { span, ..Policy::default() });
-    Some(Connection { span, profiles, from, to, policy })
+    let policy = keys.table(
+        "policy",
+        "a connection policy",
+        "{ type = \"data\" }",
+        policy,
+    );
+    let policy = policy.unwrap_or_else(|| Policy {
+        span,
+        ..Policy::default()
+    });
+    Some(Connection {
+        span,
+        profiles,
+        from,
+        to,
+        policy,
+    })
 }
 
 fn terminals(keys: &mut Keys<'_, '_, '_>, key: &'static str, example: &str) -> Vec<Terminal> {
     keys.need(key, example);
     let texts = keys.texts(key, example);
-    texts.iter().filter_map(|text| name::terminal(keys.reader, text)).collect()
+    texts
+        .iter()
+        .filter_map(|text| name::terminal(keys.reader, text))
+        .collect()
 }
 
 fn policy(mut keys: Keys<'_, '_, '_>) -> Policy {

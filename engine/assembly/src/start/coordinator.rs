@@ -31,13 +31,18 @@ pub(super) fn make(
 
 fn interfaces(component: &plan::Component) -> Interfaces {
     let ports = |ports: &[plan::Port]| {
-        ports.iter().map(|port| (port.name.clone(), port.kind.clone())).collect()
+        ports
+            .iter()
+            .map(|port| (port.name.clone(), port.kind.clone()))
+            .collect()
     };
     let references = component.references.iter();
     Interfaces {
         inputs: ports(&component.inputs),
         outputs: ports(&component.outputs),
-        references: references.map(|it| (it.name.clone(), it.interface.clone())).collect(),
+        references: references
+            .map(|it| (it.name.clone(), it.interface.clone()))
+            .collect(),
     }
 }
 
@@ -95,9 +100,10 @@ fn effect(effect: &Effect) -> coordinator::Effect {
 
 fn action(action: &Action) -> coordinator::Action {
     match action {
-        Action::Publish { port, value } => {
-            coordinator::Action::Publish { port: port.clone(), value: argument(value) }
-        }
+        Action::Publish { port, value } => coordinator::Action::Publish {
+            port: port.clone(),
+            value: argument(value),
+        },
         Action::Call(call) => coordinator::Action::Call(coordinator::Call {
             reference: call.reference.clone(),
             operation: call.operation.clone(),
@@ -114,11 +120,15 @@ fn action(action: &Action) -> coordinator::Action {
 fn argument(written: &Argument) -> coordinator::Argument {
     match written {
         Argument::Default => coordinator::Argument::Default,
-        Argument::Kept { name, path } => {
-            coordinator::Argument::Kept { name: name.clone(), path: path.clone() }
-        }
+        Argument::Kept { name, path } => coordinator::Argument::Kept {
+            name: name.clone(),
+            path: path.clone(),
+        },
         Argument::Record(fields) => coordinator::Argument::Record(
-            fields.iter().map(|(name, value)| (name.clone(), argument(value))).collect(),
+            fields
+                .iter()
+                .map(|(name, value)| (name.clone(), argument(value)))
+                .collect(),
         ),
         Argument::Value(value) => coordinator::Argument::Value(value.datum()),
     }

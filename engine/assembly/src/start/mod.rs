@@ -62,9 +62,14 @@ pub const SUBSCRIPTION_SIZE: usize = 64;
 /// The first thing that stands in the way.
 pub fn start(plan: &Plan, workshop: &mut dyn Workshop) -> Result<System, StartError> {
     if !plan.missing.is_empty() {
-        return Err(StartError::Missing { variables: plan.missing.clone() });
+        return Err(StartError::Missing {
+            variables: plan.missing.clone(),
+        });
     }
-    let mut building = Building { plan, system: System::new() };
+    let mut building = Building {
+        plan,
+        system: System::new(),
+    };
     for component in &plan.components {
         building.component(component, workshop)?;
     }
@@ -91,15 +96,20 @@ impl Building<'_> {
         component: &plan::Component,
         workshop: &mut dyn Workshop,
     ) -> Result<(), StartError> {
-        let not_made = |reason| StartError::NotMade { component: component.name.clone(), reason };
+        let not_made = |reason| StartError::NotMade {
+            component: component.name.clone(),
+            reason,
+        };
         let make = workshop.make(component, self.plan).map_err(not_made)?;
         let mut failed = None;
-        let id = self.system.add(&component.name, self.activity(component), |interface| {
-            make(interface).unwrap_or_else(|reason| {
-                failed = Some(reason);
-                Box::new(Nothing)
-            })
-        })?;
+        let id = self
+            .system
+            .add(&component.name, self.activity(component), |interface| {
+                make(interface).unwrap_or_else(|reason| {
+                    failed = Some(reason);
+                    Box::new(Nothing)
+                })
+            })?;
         if let Some(reason) = failed {
             return Err(not_made(reason));
         }
@@ -139,24 +149,32 @@ impl Building<'_> {
         let connections = self.plan.connections.iter().filter(|connection| {
             connection.policy.delivery == model::Delivery::Poll && into(&connection.to)
         });
-        connections.filter_map(|connection| connection.policy.poll_ms).min()
+        connections
+            .filter_map(|connection| connection.policy.poll_ms)
+            .min()
     }
 
     /// Joins the ports that are on a topic by themselves.
     fn topics(&mut self, component: &plan::Component) -> Result<(), StartError> {
         for port in &component.outputs {
             if let Some(topic) = &port.topic
-                && self.has(&component.name, |declared| declared.output(&port.name).is_some())
+                && self.has(&component.name, |declared| {
+                    declared.output(&port.name).is_some()
+                })
             {
-                self.system.publish(&format!("{}.{}", component.name, port.name), topic)?;
+                self.system
+                    .publish(&format!("{}.{}", component.name, port.name), topic)?;
             }
         }
         for port in &component.inputs {
             if let Some(topic) = &port.topic
-                && self.has(&component.name, |declared| declared.input(&port.name).is_some())
+                && self.has(&component.name, |declared| {
+                    declared.input(&port.name).is_some()
+                })
             {
                 let end = format!("{}.{}", component.name, port.name);
-                self.system.subscribe(topic, &end, Policy::circular(SUBSCRIPTION_SIZE))?;
+                self.system
+                    .subscribe(topic, &end, Policy::circular(SUBSCRIPTION_SIZE))?;
             }
         }
         Ok(())
@@ -165,14 +183,16 @@ impl Building<'_> {
     /// Whether a component really has something; what it does not use it need not declare.
     fn has(&self, component: &str, what: impl Fn(&Declaration) -> bool) -> bool {
         let id: Option<ComponentId> = self.system.id(component);
-        id.and_then(|id| self.system.declaration(id)).is_some_and(what)
+        id.and_then(|id| self.system.declaration(id))
+            .is_some_and(what)
     }
 
     fn connection(&mut self, connection: &plan::Connection) -> Result<(), StartError> {
         let policy = policy(&connection.policy);
         match (&connection.from, &connection.to) {
             (Terminal::Port(from), Terminal::Port(to)) => {
-                self.system.connect(&from.to_string(), &to.to_string(), policy)?;
+                self.system
+                    .connect(&from.to_string(), &to.to_string(), policy)?;
             }
             (Terminal::Port(from), Terminal::Topic(topic)) => {
                 self.system.publish(&from.to_string(), topic)?;
@@ -188,12 +208,15 @@ impl Building<'_> {
 
     fn wire(&mut self, wire: &plan::Wire) -> Result<(), StartError> {
         let reference = &wire.reference;
-        if !self.has(&reference.component, |declared| declared.reference(&reference.name).is_some())
-        {
+        if !self.has(&reference.component, |declared| {
+            declared.reference(&reference.name).is_some()
+        }) {
             return Ok(());
         }
         let [service] = wire.services.as_slice() else {
-            return Err(StartError::FanOut { reference: reference.to_string() });
+            return Err(StartError::FanOut {
+                reference: reference.to_string(),
+            });
         };
         let how = Wire {
             timeout: Duration::from_millis(wire.timeout_ms),
@@ -201,7 +224,8 @@ impl Building<'_> {
             cancel_on_timeout: wire.cancel == model::Cancel::OnTimeout,
             one_way: wire.oneway,
         };
-        self.system.wire(&reference.to_string(), &service.to_string(), how)?;
+        self.system
+            .wire(&reference.to_string(), &service.to_string(), how)?;
         Ok(())
     }
 }

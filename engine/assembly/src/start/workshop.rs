@@ -37,15 +37,22 @@ impl Workshop for Standard<'_> {
         match &component.implementation {
             Implementation::Rust(name) => {
                 let constructor = self.catalogue.constructor(name);
-                constructor.map(of_build).ok_or(format!("`{name}` is not in this build"))
+                constructor
+                    .map(of_build)
+                    .ok_or(format!("`{name}` is not in this build"))
             }
             Implementation::Asm(asm) => {
-                let position = plan.components.iter().position(|it| it.name == component.name);
+                let position = plan
+                    .components
+                    .iter()
+                    .position(|it| it.name == component.name);
                 let seed = self.seed.wrapping_add(position.unwrap_or(0) as u64);
                 coordinator::make(component, asm, self.loader, seed)
             }
-            Implementation::Builtin(settings) => (self.builtins)(component, plan)
-                .ok_or(format!("the built-in `{}` is not in this build", settings.kind)),
+            Implementation::Builtin(settings) => (self.builtins)(component, plan).ok_or(format!(
+                "the built-in `{}` is not in this build",
+                settings.kind
+            )),
             Implementation::Process(_) => Err("other programs cannot be started yet".to_owned()),
             Implementation::Ros(_) => Err("ROS nodes cannot be started yet".to_owned()),
             Implementation::Orocos(_) => {

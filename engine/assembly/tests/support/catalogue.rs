@@ -1,11 +1,11 @@
 //! A build with a few components of the navigation architecture.
 
-use assembly::{Catalogue, Constructor};
 use assembly::declaration::{
     Declaration, OperationDeclaration, PortDeclaration, PropertyDeclaration, ReferenceDeclaration,
     ServiceDeclaration,
 };
 use assembly::model::Builtin;
+use assembly::{Catalogue, Constructor};
 use datum::{Datum, Field, Schema, Shape};
 
 /// A few components, messages and interfaces.
@@ -13,9 +13,16 @@ pub struct SmallBuild;
 
 impl Catalogue for SmallBuild {
     fn components(&self) -> Vec<String> {
-        ["nav::MapServer", "nav::Planner", "nav::Follower", "nav::Rover", "nav::Laser", "nav::Mixer"]
-            .map(str::to_owned)
-            .to_vec()
+        [
+            "nav::MapServer",
+            "nav::Planner",
+            "nav::Follower",
+            "nav::Rover",
+            "nav::Laser",
+            "nav::Mixer",
+        ]
+        .map(str::to_owned)
+        .to_vec()
     }
 
     fn constructor(&self, _: &str) -> Option<Constructor> {
@@ -47,8 +54,14 @@ impl Catalogue for SmallBuild {
                 ..Declaration::default()
             },
             "nav::Follower" => Declaration {
-                inputs: vec![port("path", "nav_msgs/Path"), port("odom", "nav_msgs/Odometry")],
-                outputs: vec![port("twist", "geometry_msgs/Twist"), port("event", "nav/Event")],
+                inputs: vec![
+                    port("path", "nav_msgs/Path"),
+                    port("odom", "nav_msgs/Odometry"),
+                ],
+                outputs: vec![
+                    port("twist", "geometry_msgs/Twist"),
+                    port("event", "nav/Event"),
+                ],
                 ..Declaration::default()
             },
             "nav::Rover" => Declaration {
@@ -70,7 +83,10 @@ impl Catalogue for SmallBuild {
     }
 
     fn has(&self, builtin: Builtin) -> bool {
-        matches!(builtin, Builtin::PortProxy | Builtin::RosBridge | Builtin::WebMonitor)
+        matches!(
+            builtin,
+            Builtin::PortProxy | Builtin::RosBridge | Builtin::WebMonitor
+        )
     }
 
     fn messages(&self) -> Vec<String> {
@@ -117,23 +133,38 @@ impl Catalogue for SmallBuild {
             }
             "sensor_msgs/LaserScan" => vec![field("ranges", Schema::many(float, None))],
             "nav/Event" => {
-                vec![field("stamp", time()), field("code", text()), field("detail", text())]
+                vec![
+                    field("stamp", time()),
+                    field("code", text()),
+                    field("detail", text()),
+                ]
             }
             "nav/Place" => vec![field("name", text())],
             "nav/PlanRequest" => {
                 let pose = self.schema("geometry_msgs/PoseStamped")?;
                 let map = self.schema("nav_msgs/OccupancyGrid")?;
-                vec![field("map", map), field("start", pose.clone()), field("goal", pose)]
+                vec![
+                    field("map", map),
+                    field("start", pose.clone()),
+                    field("goal", pose),
+                ]
             }
             _ => return None,
         };
-        Some(Schema { name: message.to_owned().into(), shape: Shape::Record(fields) })
+        Some(Schema {
+            name: message.to_owned().into(),
+            shape: Shape::Record(fields),
+        })
     }
 
     fn operations(&self, interface: &str) -> Option<Vec<OperationDeclaration>> {
         let operation = |name: &str, request, response| {
             let (request, response) = (self.schema(request)?, self.schema(response)?);
-            Some(vec![OperationDeclaration { name: name.to_owned(), request, response }])
+            Some(vec![OperationDeclaration {
+                name: name.to_owned(),
+                request,
+                response,
+            }])
         };
         match interface {
             "nav/MapService" => operation("getMap", "nav/Place", "nav_msgs/OccupancyGrid"),
@@ -144,17 +175,30 @@ impl Catalogue for SmallBuild {
 }
 
 fn field(name: &'static str, schema: Schema) -> Field {
-    Field { name: name.into(), doc: "".into(), schema }
+    Field {
+        name: name.into(),
+        doc: "".into(),
+        schema,
+    }
 }
 
 fn port(name: &str, message: &str) -> PortDeclaration {
     let schema = SmallBuild.schema(message).expect("a message of this build");
-    PortDeclaration { name: name.to_owned(), schema, doc: String::new() }
+    PortDeclaration {
+        name: name.to_owned(),
+        schema,
+        doc: String::new(),
+    }
 }
 
 fn service(name: &str, interface: &str) -> ServiceDeclaration {
     let (name, interface) = (name.to_owned(), interface.to_owned());
-    ServiceDeclaration { name, interface, doc: String::new(), operations: Vec::new() }
+    ServiceDeclaration {
+        name,
+        interface,
+        doc: String::new(),
+        operations: Vec::new(),
+    }
 }
 
 fn reference(name: &str, interface: &str) -> ReferenceDeclaration {

@@ -12,15 +12,19 @@ pub struct Files {
 
 impl Files {
     pub fn new(folder: &str) -> Self {
-        Self { folder: PathBuf::from(folder) }
+        Self {
+            folder: PathBuf::from(folder),
+        }
     }
 }
 
 impl Loader for Files {
     fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
         let text = std::fs::read_to_string(self.folder.join(path));
-        text.map(Arc::from)
-            .map_err(|error| LoadError { path: path.to_owned(), reason: error.kind().to_string() })
+        text.map(Arc::from).map_err(|error| LoadError {
+            path: path.to_owned(),
+            reason: error.kind().to_string(),
+        })
     }
 
     fn resolve(&self, from: &str, import: &str) -> Option<String> {
@@ -35,6 +39,9 @@ impl Loader for Files {
                 part => plain.push(part),
             }
         }
-        self.folder.join(&plain).is_file().then(|| plain.to_string_lossy().into_owned())
+        self.folder
+            .join(&plain)
+            .is_file()
+            .then(|| plain.to_string_lossy().into_owned())
     }
 }

@@ -41,10 +41,14 @@ impl Scanner {
         {
             let literals = literals.trim().trim_matches(['{', '}']).split('|');
             let literals = literals.map(|literal| literal.trim().to_owned()).collect();
-            self.domains.push((name.trim().to_owned(), literals, span(line.len())));
+            self.domains
+                .push((name.trim().to_owned(), literals, span(line.len())));
         }
         if let Some(rest) = line.strip_prefix("main rule ") {
-            let name: String = rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+            let name: String = rest
+                .chars()
+                .take_while(|c| c.is_alphanumeric() || *c == '_')
+                .collect();
             self.main = Some((name, span(line.len())));
         }
         let kinds = [
@@ -56,10 +60,12 @@ impl Scanner {
         ];
         for kind in kinds {
             if let Some(rest) = line.strip_prefix(kind.word())
-                && let Some((name, domains)) = rest.strip_prefix(' ').and_then(|it| it.split_once(':'))
+                && let Some((name, domains)) =
+                    rest.strip_prefix(' ').and_then(|it| it.split_once(':'))
             {
                 let domains = domains.trim().to_owned();
-                self.functions.push((kind, name.trim().to_owned(), domains, span(line.len())));
+                self.functions
+                    .push((kind, name.trim().to_owned(), domains, span(line.len())));
             }
         }
     }
@@ -84,16 +90,19 @@ impl Scanner {
 
 impl Signature for Scanner {
     fn functions(&self) -> Vec<FunctionInfo> {
-        let functions = self.functions.iter().map(|(kind, name, domains, declared)| {
-            let (domain, codomain) = domains.split_once(" -> ").unwrap_or(("", domains));
-            FunctionInfo {
-                name: name.clone(),
-                kind: *kind,
-                domain: domain.to_owned(),
-                codomain: self.codomain(codomain),
-                declared: *declared,
-            }
-        });
+        let functions = self
+            .functions
+            .iter()
+            .map(|(kind, name, domains, declared)| {
+                let (domain, codomain) = domains.split_once(" -> ").unwrap_or(("", domains));
+                FunctionInfo {
+                    name: name.clone(),
+                    kind: *kind,
+                    domain: domain.to_owned(),
+                    codomain: self.codomain(codomain),
+                    declared: *declared,
+                }
+            });
         functions.collect()
     }
 

@@ -76,7 +76,14 @@ impl fmt::Display for Event<'_> {
                 port,
                 to,
                 total,
-            } => write!(f, "{component}.{port} -> {to}: {total} dropped"),
+                reason,
+            } => {
+                write!(f, "{component}.{port} -> {to}: {total} dropped")?;
+                match reason {
+                    Some(reason) => write!(f, ": {reason}"),
+                    None => Ok(()),
+                }
+            }
             Self::Property {
                 component,
                 property,

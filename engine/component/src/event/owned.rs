@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use datum::{Datum, Sample};
+use datum::{Datum, DatumError, Sample};
 
 use super::Event;
 use crate::{CallError, CallId, Fault, State};
@@ -64,6 +64,7 @@ pub(crate) enum Owned {
         port: String,
         to: String,
         total: u64,
+        reason: Option<DatumError>,
     },
     Property {
         component: String,
@@ -167,11 +168,13 @@ impl Owned {
                 port,
                 to,
                 total,
+                reason,
             } => Self::Dropped {
                 component: component.into(),
                 port: port.into(),
                 to: to.into(),
                 total,
+                reason: reason.cloned(),
             },
             Event::Property {
                 component,
@@ -279,11 +282,13 @@ impl Owned {
                 port,
                 to,
                 total,
+                reason,
             } => Event::Dropped {
                 component,
                 port,
                 to,
                 total: *total,
+                reason: reason.as_ref(),
             },
             Self::Property {
                 component,

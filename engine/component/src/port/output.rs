@@ -125,6 +125,7 @@ impl Link {
             port,
             to: &self.to,
             total,
+            reason: delivery.as_ref().err(),
         });
         if !self.mandatory {
             return Ok(());

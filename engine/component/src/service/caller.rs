@@ -57,6 +57,8 @@ pub(crate) struct Caller {
     frozen: Vec<Ended>,
     /// Number of the last call.
     last: u64,
+    /// One-way calls that found nobody.
+    lost: u64,
 }
 
 /// Which operation of which reference.
@@ -93,6 +95,7 @@ impl Caller {
             ended: Vec::new(),
             frozen: Vec::new(),
             last: 0,
+            lost: 0,
         }
     }
 
@@ -134,12 +137,15 @@ impl Caller {
                 self.outstanding.push(call);
             }
             Err(_) if one_way => {
-                let reference = references.get(slot.port);
+                self.lost += 1;
+                let (port, _) = names(references, slot);
+                let wiring = wiring(references, slot);
                 leaving.emit(&Event::Dropped {
                     component: leaving.name,
-                    port: reference.map_or("", |reference| &reference.declaration.name),
-                    to: "the one-way call's provider",
-                    total: 1,
+                    port,
+                    to: wiring.map_or("", |wiring| &wiring.to),
+                    total: self.lost,
+                    reason: None,
                 });
             }
             Err(error) => self.end(references, number, slot, Err(error), leaving),
@@ -163,10 +169,7 @@ impl Caller {
             attempt: call.attempt,
             argument: &*call.argument,
         });
-        let wiring = references
-            .get(call.slot.port)
-            .and_then(|reference| reference.wiring.as_ref())
-            .ok_or(CallError::Unavailable)?;
+        let wiring = wiring(references, call.slot).ok_or(CallError::Unavailable)?;
         let operation = wiring.operations.get(call.slot.operation);
         wiring.inbox.post(Post::Ask(Ask {
             key: CallKey {
@@ -300,11 +303,12 @@ impl Caller {
     }
 }
 
+fn wiring(references: &[Reference], slot: Slot) -> Option<&Wiring> {
+    references.get(slot.port)?.wiring.as_ref()
+}
+
 fn wire_of(references: &[Reference], slot: Slot) -> Wire {
-    references
-        .get(slot.port)
-        .and_then(|reference| reference.wiring.as_ref())
-        .map_or_else(Wire::default, |wiring| wiring.wire)
+    wiring(references, slot).map_or_else(Wire::default, |wiring| wiring.wire)
 }
 
 fn names(references: &[Reference], slot: Slot) -> (&str, &str) {
@@ -319,8 +323,7 @@ fn names(references: &[Reference], slot: Slot) -> (&str, &str) {
 }
 
 fn tell_cancelled(references: &[Reference], call: &Outstanding, leaving: &mut Leaving<'_>) {
-    let reference = references.get(call.slot.port);
-    let Some(wiring) = reference.and_then(|reference| reference.wiring.as_ref()) else {
+    let Some(wiring) = wiring(references, call.slot) else {
         return;
     };
     let key = CallKey {

@@ -15,7 +15,10 @@ use crate::signature::FunctionKind;
 
 /// The functions that tell the ASM how calls ended.
 pub(super) fn events(bind: &Bind) -> Vec<&str> {
-    calls(bind).filter_map(|call| call.event.as_ref()).map(|event| event.value.as_str()).collect()
+    calls(bind)
+        .filter_map(|call| call.event.as_ref())
+        .map(|event| event.value.as_str())
+        .collect()
 }
 
 /// All calls of a binding.
@@ -24,10 +27,12 @@ pub(super) fn calls(bind: &Bind) -> impl Iterator<Item = &Call> {
         Effect::Publish { .. } => &[],
         Effect::Literals(cases) => cases.as_slice(),
     });
-    cases.flat_map(|(_, actions)| actions).filter_map(|action| match action {
-        Action::Call(call) => Some(call.as_ref()),
-        Action::Publish { .. } => None,
-    })
+    cases
+        .flat_map(|(_, actions)| actions)
+        .filter_map(|action| match action {
+            Action::Call(call) => Some(call.as_ref()),
+            Action::Publish { .. } => None,
+        })
 }
 
 pub(super) fn check(bound: &Bound<'_>, action: &Action, report: &mut Report) {
@@ -65,7 +70,10 @@ fn call(bound: &Bound<'_>, call: &Call, report: &mut Report) {
         });
         return;
     }
-    for literal in [&call.ok, &call.failed, &call.timeout].into_iter().flatten() {
+    for literal in [&call.ok, &call.failed, &call.timeout]
+        .into_iter()
+        .flatten()
+    {
         function::literal(&told, literal, report);
     }
 }
@@ -75,14 +83,25 @@ fn operation(bound: &Bound<'_>, call: &Call, report: &mut Report) -> Option<Sche
     let references = &bound.part.face.references;
     let name: &At<String> = &call.operation.component;
     let Some(reference) = find(references, name) else {
-        report.found(unknown("reference", name, nearest_service(references, name)));
+        report.found(unknown(
+            "reference",
+            name,
+            nearest_service(references, name),
+        ));
         return None;
     };
-    let operations = bound.scene.catalogue.operations(&reference.interface.text)?;
+    let operations = bound
+        .scene
+        .catalogue
+        .operations(&reference.interface.text)?;
     let name = &call.operation.name;
-    let found = operations.iter().find(|operation| operation.name == name.value);
+    let found = operations
+        .iter()
+        .find(|operation| operation.name == name.value);
     if found.is_none() {
-        let known = operations.iter().map(|operation| (operation.name.as_str(), None));
+        let known = operations
+            .iter()
+            .map(|operation| (operation.name.as_str(), None));
         report.found(unknown("operation", name, nearest(name, known)));
     }
     found.map(|operation| operation.request.clone())
@@ -93,10 +112,10 @@ pub(super) fn kept(bound: &Bound<'_>, name: &str) -> Option<Option<Schema>> {
     let keeps = |call: &&Call| call.keep.as_ref().is_some_and(|keep| keep.value == name);
     let call = calls(&bound.part.component.bind).find(keeps)?;
     let reference = find(&bound.part.face.references, &call.operation.component);
-    let operations =
-        reference.and_then(|it| bound.scene.catalogue.operations(&it.interface.text));
-    let operation = operations.into_iter().flatten().find(|operation| {
-        operation.name == call.operation.name.value
-    });
+    let operations = reference.and_then(|it| bound.scene.catalogue.operations(&it.interface.text));
+    let operation = operations
+        .into_iter()
+        .flatten()
+        .find(|operation| operation.name == call.operation.name.value);
     Some(operation.map(|operation| operation.response))
 }

@@ -40,14 +40,17 @@ fn kept(
     let inputs = &bound.part.face.inputs;
     let input = inputs.iter().find(|port| port.name.text == name.value);
     let message = match input {
-        Some(port) => {
-            port.kind.as_ref().and_then(|kind| bound.scene.types.schema(&kind.text))
-        }
+        Some(port) => port
+            .kind
+            .as_ref()
+            .and_then(|kind| bound.scene.types.schema(&kind.text)),
         None => match action::kept(bound, name) {
             Some(response) => response,
             None => {
                 let kept = action::calls(&bound.part.component.bind);
-                let kept = kept.filter_map(|call| call.keep.as_ref()).map(|it| it.value.clone());
+                let kept = kept
+                    .filter_map(|call| call.keep.as_ref())
+                    .map(|it| it.value.clone());
                 let known = inputs.iter().map(|port| port.name.text.clone()).chain(kept);
                 report.found(BindingError::UnknownKept {
                     name: name.value.clone(),
@@ -120,7 +123,9 @@ fn value(what: &At<String>, node: &Node, wanted: &Schema, report: &mut Report) {
         (Shape::Text, Branch::Text(_)) | (Shape::Bool, Branch::Boolean(_)) => true,
         (Shape::F32 | Shape::F64, Branch::Integer(_) | Branch::Float(_)) => true,
         (Shape::List(item) | Shape::Array(item, _), Branch::List(items)) => {
-            items.iter().for_each(|node| value(what, node, item, report));
+            items
+                .iter()
+                .for_each(|node| value(what, node, item, report));
             true
         }
         (

@@ -10,9 +10,18 @@ use crate::signature::FunctionInfo;
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum BindingError {
     #[error("the specification has no function `{name}`")]
-    UnknownFunction { name: String, at: Span, nearest: Option<Nearest> },
+    UnknownFunction {
+        name: String,
+        at: Span,
+        nearest: Option<Nearest>,
+    },
     #[error("`{}` is {}, so {reason}", function.name, function.kind.word())]
-    WrongKind { function: FunctionInfo, reason: &'static str, help: &'static str, at: Span },
+    WrongKind {
+        function: FunctionInfo,
+        reason: &'static str,
+        help: &'static str,
+        at: Span,
+    },
     #[error("`{}` has arguments, so one message cannot be its value", function.name)]
     HasArguments { function: FunctionInfo, at: Span },
     #[error("`{literal}` is no literal of `{domain}`")]
@@ -24,21 +33,49 @@ pub(crate) enum BindingError {
         declared: Span,
     },
     #[error("`{}` takes {}, not {found}", function.name, function.codomain.name())]
-    WrongValue { function: FunctionInfo, found: String, at: Span },
+    WrongValue {
+        function: FunctionInfo,
+        found: String,
+        at: Span,
+    },
     #[error("`{}` is {}, and {found} does not fit it", function.name, function.codomain.name())]
-    WrongField { function: FunctionInfo, found: String, at: Span, typed: Option<Span> },
+    WrongField {
+        function: FunctionInfo,
+        found: String,
+        at: Span,
+        typed: Option<Span>,
+    },
     #[error("which field of `{message}` belongs to `{function}`?")]
-    WhichField { function: String, message: String, fields: Vec<String>, at: Span },
+    WhichField {
+        function: String,
+        message: String,
+        fields: Vec<String>,
+        at: Span,
+    },
     #[error("nothing gives `{}` a value, so it stays undef", function.name)]
     UnboundMonitored { function: FunctionInfo, at: Span },
     #[error("nothing follows from updates of `{}`", function.name)]
     UnboundOut { function: FunctionInfo, at: Span },
     #[error("`@{name}` is neither an input nor kept from a reply")]
-    UnknownKept { name: String, at: Span, known: Vec<String> },
+    UnknownKept {
+        name: String,
+        at: Span,
+        known: Vec<String>,
+    },
     #[error("`{what}` takes `{wanted}`, but {given} is {found}")]
-    WrongArgument { what: String, wanted: String, given: String, found: String, at: Span },
+    WrongArgument {
+        what: String,
+        wanted: String,
+        given: String,
+        found: String,
+        at: Span,
+    },
     #[error("the main rule of the specification is not `{name}`")]
-    MainRule { name: String, at: Span, found: Option<(String, Span)> },
+    MainRule {
+        name: String,
+        at: Span,
+        found: Option<(String, Span)>,
+    },
 }
 
 impl Finding for BindingError {
@@ -47,15 +84,26 @@ impl Finding for BindingError {
             Self::UnknownFunction { at, nearest, .. } => Diagnostic::error("C090", self)
                 .label(*at, "bound here")
                 .suggest(*at, nearest),
-            Self::WrongKind { function, help, at, .. } => Diagnostic::error("C091", self)
+            Self::WrongKind {
+                function, help, at, ..
+            } => Diagnostic::error("C091", self)
                 .label(*at, "bound here")
-                .label(function.declared, format!("declared {} here", function.kind.word()))
+                .label(
+                    function.declared,
+                    format!("declared {} here", function.kind.word()),
+                )
                 .help(*help),
             Self::HasArguments { function, at } => Diagnostic::error("C092", self)
                 .label(*at, "bound here")
                 .label(function.declared, format!("from `{}`", function.domain))
                 .help("bind a function without arguments"),
-            Self::UnknownLiteral { literal, literals, at, declared, .. } => {
+            Self::UnknownLiteral {
+                literal,
+                literals,
+                at,
+                declared,
+                ..
+            } => {
                 let known: Vec<&str> = literals.iter().map(String::as_str).collect();
                 let nearest = nearest_name(literal, known.iter().copied());
                 Diagnostic::error("C093", self)
@@ -67,7 +115,12 @@ impl Finding for BindingError {
             Self::WrongValue { function, at, .. } => Diagnostic::error("C094", self)
                 .label(*at, format!("not of `{}`", function.codomain.name()))
                 .label(function.declared, "declared here"),
-            Self::WrongField { function, at, typed, .. } => {
+            Self::WrongField {
+                function,
+                at,
+                typed,
+                ..
+            } => {
                 let diagnostic = Diagnostic::error("C095", self)
                     .label(*at, "bound here")
                     .label(function.declared, "declared here");
@@ -85,11 +138,17 @@ impl Finding for BindingError {
             Self::UnboundMonitored { function, at } => Diagnostic::warning("C097", self)
                 .label(*at, format!("no binding for `{}`", function.name))
                 .label(function.declared, "monitored here")
-                .help(format!("add `{} = {{ topic = \"…\" }}` to `bind.monitored`", function.name)),
+                .help(format!(
+                    "add `{} = {{ topic = \"…\" }}` to `bind.monitored`",
+                    function.name
+                )),
             Self::UnboundOut { function, at } => Diagnostic::warning("C098", self)
                 .label(*at, format!("no binding for `{}`", function.name))
                 .label(function.declared, "declared out here")
-                .help(format!("add `{} = {{ topic = \"…\" }}` to `bind.out`", function.name)),
+                .help(format!(
+                    "add `{} = {{ topic = \"…\" }}` to `bind.out`",
+                    function.name
+                )),
             Self::UnknownKept { name, at, known } => {
                 let nearest = nearest_name(name, known.iter().map(String::as_str));
                 Diagnostic::error("C099", self)
@@ -103,9 +162,11 @@ impl Finding for BindingError {
             Self::MainRule { at, found, .. } => {
                 let diagnostic = Diagnostic::error("C101", self).label(*at, "named here");
                 match found {
-                    Some((name, declared)) => diagnostic
-                        .label(*declared, "the main rule")
-                        .fix(format!("did you mean `{name}`?"), *at, name),
+                    Some((name, declared)) => diagnostic.label(*declared, "the main rule").fix(
+                        format!("did you mean `{name}`?"),
+                        *at,
+                        name,
+                    ),
                     None => diagnostic.note("it has no main rule, so it is a module"),
                 }
             }

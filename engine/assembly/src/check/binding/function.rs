@@ -41,7 +41,10 @@ pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut R
 
 /// A function that takes its values from the environment, without arguments.
 fn read_by_asm(function: &FunctionInfo, at: Span, report: &mut Report) -> bool {
-    let monitored = matches!(function.kind, FunctionKind::Monitored | FunctionKind::Shared);
+    let monitored = matches!(
+        function.kind,
+        FunctionKind::Monitored | FunctionKind::Shared
+    );
     if !monitored {
         report.found(BindingError::WrongKind {
             function: function.clone(),
@@ -57,7 +60,10 @@ fn nullary(function: &FunctionInfo, at: Span, report: &mut Report) -> bool {
     if function.domain.is_empty() {
         return true;
     }
-    report.found(BindingError::HasArguments { function: function.clone(), at });
+    report.found(BindingError::HasArguments {
+        function: function.clone(),
+        at,
+    });
     false
 }
 
@@ -71,7 +77,12 @@ fn edge(function: Option<&FunctionInfo>, at: Span, path: Option<Span>, report: &
         let found = "an edge, which is true or false,".to_owned();
         let at = path.filter(|_| truth).unwrap_or(at);
         let function = function.clone();
-        report.found(BindingError::WrongField { function, found, at, typed: None });
+        report.found(BindingError::WrongField {
+            function,
+            found,
+            at,
+            typed: None,
+        });
     }
 }
 
@@ -81,11 +92,20 @@ pub(super) fn out(bound: &Bound<'_>, out: &Out, report: &mut Report) {
         written_by_asm(&found, out.function.span, report).then_some(found)
     });
     match &out.effect {
-        Effect::Publish { topic, field: path, .. } => {
+        Effect::Publish {
+            topic, field: path, ..
+        } => {
             let port = output(bound, topic, report);
             if let Some(kind) = port.and_then(|port| port.kind.as_ref()) {
                 let function = function.as_ref();
-                field(bound, function, &out.function, &kind.text, path.as_ref(), report);
+                field(
+                    bound,
+                    function,
+                    &out.function,
+                    &kind.text,
+                    path.as_ref(),
+                    report,
+                );
             }
         }
         Effect::Literals(cases) => {
@@ -157,7 +177,9 @@ fn port<'b>(
 ) -> Option<&'b Port> {
     let found = ports.iter().find(|port| port.name.text == name.value);
     if found.is_none() {
-        let known = ports.iter().map(|port| (port.name.text.as_str(), port.name.at));
+        let known = ports
+            .iter()
+            .map(|port| (port.name.text.as_str(), port.name.at));
         report.found(unknown(what, name, nearest(name, known)));
     }
     found
@@ -292,21 +314,35 @@ fn value(function: &FunctionInfo, node: &Node, report: &mut Report) {
     };
     if !fits {
         let found = node.value.describe().to_owned();
-        report.found(BindingError::WrongValue { function: function.clone(), found, at: node.span });
+        report.found(BindingError::WrongValue {
+            function: function.clone(),
+            found,
+            at: node.span,
+        });
     }
 }
 
 /// A literal that a function is to take, or is compared with.
 pub(super) fn literal(function: &FunctionInfo, literal: &At<String>, report: &mut Report) {
     let (domain, literals, declared) = match &function.codomain {
-        Codomain::Enum { name, literals, declared } => (name.clone(), literals.clone(), *declared),
-        Codomain::Boolean => {
-            ("Boolean".to_owned(), vec!["true".to_owned(), "false".to_owned()], None)
-        }
+        Codomain::Enum {
+            name,
+            literals,
+            declared,
+        } => (name.clone(), literals.clone(), *declared),
+        Codomain::Boolean => (
+            "Boolean".to_owned(),
+            vec!["true".to_owned(), "false".to_owned()],
+            None,
+        ),
         Codomain::Integer if literal.parse::<i64>().is_ok() => return,
         Codomain::Integer | Codomain::Real | Codomain::Text => {
             let (found, at) = (format!("the literal `{}`", literal.value), literal.span);
-            report.found(BindingError::WrongValue { function: function.clone(), found, at });
+            report.found(BindingError::WrongValue {
+                function: function.clone(),
+                found,
+                at,
+            });
             return;
         }
         Codomain::Other(_) => return,

@@ -21,7 +21,11 @@ pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) {
             continue;
         };
         let signature = scene.family.specification(scene.member, file);
-        let bound = Bound { scene, part, signature };
+        let bound = Bound {
+            scene,
+            part,
+            signature,
+        };
         if let (Some(signature), Some(main)) = (signature, main) {
             let found = signature.main_rule();
             if found.as_ref().is_none_or(|(name, _)| *name != main.value) {
@@ -52,12 +56,7 @@ pub(crate) struct Bound<'b> {
 }
 
 /// Functions of the specification that touch nothing of the world.
-fn unbound(
-    bound: &Bound<'_>,
-    signature: &dyn Signature,
-    file: source::Span,
-    report: &mut Report,
-) {
+fn unbound(bound: &Bound<'_>, signature: &dyn Signature, file: source::Span, report: &mut Report) {
     let bind = &bound.part.component.bind;
     let events = action::events(bind);
     for function in signature.functions() {

@@ -1,0 +1,216 @@
+//! Connections, wires and promotions, followed down to the components that run.
+
+use source::Span;
+
+use super::fill::{given, number};
+use super::flatten::{FlattenError, Flattener};
+use super::{Connection, End, Policy, Promoted, Terminal, Wire};
+use crate::At;
+use crate::check;
+use crate::finding::Findings;
+use crate::model::{self, Delivery, Flow, Transport};
+
+impl<'p> Flattener<'p, '_> {
+    /// Adds the connections and wires of a composite.
+    pub(super) fn join(&mut self, index: usize) {
+        let Some(composite) = self.composite(index) else {
+            return;
+        };
+        for connection in &composite.connections {
+            if check::takes_part(&connection.profiles, self.parts.profile) {
+                self.connection(index, connection);
+            }
+        }
+        for wire in &composite.wires {
+            if check::takes_part(&wire.profiles, self.parts.profile) {
+                self.wire(index, wire);
+            }
+        }
+    }
+
+    fn connection(&mut self, index: usize, connection: &model::Connection) {
+        let policy = policy(&connection.policy);
+        for from in &connection.from {
+            for to in &connection.to {
+                let source = self.terminal(index, from);
+                let target = self.terminal(index, to);
+                if let (Some(source), Some(target)) = (source, target) {
+                    let (from, to) = (source, target);
+                    self.poll(&from, &to, &policy, connection.policy.span);
+                    let policy = policy.clone();
+                    self.plan.connections.push(Connection { from, to, policy });
+                }
+            }
+        }
+    }
+
+    /// Whoever polls must look at least twice as often as somebody writes.
+    fn poll(&mut self, from: &Terminal, to: &Terminal, policy: &Policy, at: Span) {
+        let (Terminal::Port(end), Some(poll_ms)) = (from, policy.poll_ms) else {
+            return;
+        };
+        let writer = self.plan.component(&end.component);
+        let period_ms = writer.map_or(0, |component| component.pace.period_ms);
+        if policy.delivery == Delivery::Poll && period_ms > 0 && poll_ms * 2 > period_ms {
+            let (from, to) = (from.to_string(), to.to_string());
+            self.notes.found(FlattenError::PollTooSlow {
+                from,
+                to,
+                poll_ms,
+                period_ms,
+                at,
+            });
+        }
+    }
+
+    fn terminal(&self, index: usize, terminal: &model::Terminal) -> Option<Terminal> {
+        match terminal {
+            model::Terminal::Topic(topic) => Some(Terminal::Topic(self.topic(index, topic))),
+            model::Terminal::Port(end) => {
+                let port = |what: &'p model::Promoted| match what {
+                    model::Promoted::Port(end) => Some(end),
+                    _ => None,
+                };
+                self.inside(index, end, &port).map(Terminal::Port)
+            }
+        }
+    }
+
+    fn wire(&mut self, index: usize, wire: &'p model::Wire) {
+        let reference = |what: &'p model::Promoted| match what {
+            model::Promoted::Reference(end) => Some(end),
+            _ => None,
+        };
+        let service = |what: &'p model::Promoted| match what {
+            model::Promoted::Service(end) => Some(end),
+            _ => None,
+        };
+        let Some(reference) = self.inside(index, &wire.reference, &reference) else {
+            return;
+        };
+        let services: Vec<End> = wire
+            .services
+            .iter()
+            .filter_map(|end| self.inside(index, end, &service))
+            .collect();
+        if services.is_empty() {
+            return;
+        }
+        let binding = given(&wire.binding);
+        let interface = self
+            .plan
+            .component(&reference.component)
+            .and_then(|component| {
+                component
+                    .references
+                    .iter()
+                    .find(|known| known.name == reference.name)
+            });
+        let retry = wire.retry.as_ref();
+        self.plan.wires.push(Wire {
+            interface: interface.map_or(String::new(), |known| known.interface.clone()),
+            reference,
+            services,
+            binding,
+            broker: self.broker(index, binding, wire.broker.as_ref()),
+            timeout_ms: number(&wire.timeout_ms).unwrap_or(check::DEFAULT_TIMEOUT_MS),
+            retry_attempts: retry.and_then(|retry| number(&retry.attempts)).unwrap_or(0),
+            retry_backoff_ms: retry
+                .and_then(|retry| number(&retry.backoff_ms))
+                .unwrap_or(0),
+            cancel: given(&wire.cancel),
+            oneway: !check::waits(wire),
+        });
+    }
+
+    /// The broker that something goes over.
+    fn broker(
+        &self,
+        index: usize,
+        binding: Transport,
+        named: Option<&At<String>>,
+    ) -> Option<String> {
+        let instance = self.instances.get(index)?;
+        let only = || match instance.member.composite.brokers.as_slice() {
+            [only] if binding == Transport::Amqp => Some(&only.name),
+            _ => None,
+        };
+        let name = named.or_else(only)?;
+        Some(format!("{}{}", instance.prefix, name.value))
+    }
+
+    /// The component that runs, and its part, behind a name that may be promoted.
+    fn inside(
+        &self,
+        index: usize,
+        end: &model::End,
+        select: &impl Fn(&'p model::Promoted) -> Option<&'p model::End>,
+    ) -> Option<End> {
+        let instance = self.instances.get(index)?;
+        if let Some(child) = instance.children.get(end.component.value.as_str()) {
+            let promotions = &self.composite(*child)?.promotions;
+            let promotion = promotions.iter().find(|promotion| {
+                promotion.name.value == end.name.value
+                    && select(&promotion.what).is_some()
+                    && check::takes_part(&promotion.profiles, self.parts.profile)
+            })?;
+            return self.inside(*child, select(&promotion.what)?, select);
+        }
+        let component = format!("{}{}", instance.prefix, end.component.value);
+        self.plan.component(&component)?;
+        Some(End {
+            component,
+            name: end.name.value.clone(),
+        })
+    }
+
+    pub(super) fn promotion(&mut self, promotion: &'p model::Promotion) {
+        use crate::model::Promoted as What;
+        let own = |what: &'p What| match what {
+            What::Service(end) | What::Reference(end) | What::Property(end) | What::Port(end) => {
+                Some(end)
+            }
+            What::Topic(_) => None,
+        };
+        let kind = promotion.what.kind();
+        let same = |what: &'p What| own(what).filter(|_| what.kind() == kind);
+        let inside = match &promotion.what {
+            What::Topic(topic) => Some(topic.value.clone()),
+            what => own(what)
+                .and_then(|end| self.inside(0, end, &same))
+                .map(|end| end.to_string()),
+        };
+        let Some(inside) = inside else {
+            return;
+        };
+        let binding = given(&promotion.binding);
+        self.plan.promoted.push(Promoted {
+            what: promotion.what.kind(),
+            name: promotion.name.value.clone(),
+            inside,
+            binding,
+            broker: self.broker(0, binding, promotion.broker.as_ref()),
+        });
+    }
+}
+
+fn policy(policy: &model::Policy) -> Policy {
+    let kind = given(&policy.kind);
+    Policy {
+        kind,
+        size: match kind {
+            Flow::Data => 1,
+            Flow::Buffer | Flow::Circular => number(&policy.size).unwrap_or(1),
+        },
+        lock: given(&policy.lock),
+        init: given(&policy.init),
+        pull: given(&policy.pull),
+        mandatory: given(&policy.mandatory),
+        buffer: given(&policy.buffer),
+        max_threads: number(&policy.max_threads).unwrap_or(2),
+        max_age_ms: number(&policy.max_age_ms),
+        on_stale: given(&policy.on_stale),
+        delivery: given(&policy.delivery),
+        poll_ms: number(&policy.poll_ms),
+    }
+}

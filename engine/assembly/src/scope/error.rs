@@ -1,0 +1,120 @@
+//! What can be wrong with a value.
+
+use source::{Diagnostic, Span};
+
+use super::Range;
+use crate::environment::is_secret;
+use crate::finding::Finding;
+use crate::nearest::{Nearest, Suggest};
+
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum SettingError {
+    #[error("the composite has no property `{name}`")]
+    Unknown {
+        name: String,
+        at: Option<Span>,
+        nearest: Option<Nearest>,
+    },
+    #[error("the environment variable `{name}` is not set here")]
+    NotSet { name: String, at: Span },
+    #[error("`{path}`, which `{name}` names, cannot be read: {reason}")]
+    NoSecret {
+        name: String,
+        path: String,
+        reason: String,
+        at: Span,
+    },
+    #[error("`{name}` takes {wanted}, not {found}")]
+    WrongType {
+        name: String,
+        wanted: String,
+        found: &'static str,
+        at: Option<Span>,
+        declared: Option<Span>,
+    },
+    #[error("`{name}` is {value}, but must lie in {range}")]
+    OutOfRange {
+        name: String,
+        value: String,
+        range: Range,
+        at: Option<Span>,
+        declared: Option<Span>,
+    },
+    #[error("the property `{name}` must be set")]
+    MustBeSet { name: String, at: Span },
+    #[error("a password stands in the file")]
+    SecretInFile { at: Span },
+}
+
+impl Finding for SettingError {
+    fn diagnostic(&self) -> Diagnostic {
+        let label = |diagnostic: Diagnostic, at: &Option<Span>, text: String| match at {
+            Some(at) => diagnostic.label(*at, text),
+            None => diagnostic.note("set from outside the file"),
+        };
+        match self {
+            Self::Unknown { at, nearest, .. } => {
+                let diagnostic = label(
+                    Diagnostic::error("C013", self),
+                    at,
+                    "no such property".into(),
+                );
+                match at {
+                    Some(at) => diagnostic.suggest(*at, nearest),
+                    None => diagnostic,
+                }
+            }
+            Self::NotSet { name, at } => {
+                let help = match (name.ends_with("_FILE"), is_secret(name)) {
+                    (true, _) => "set it to the path of the file that holds the secret".to_owned(),
+                    (false, true) => "set it before the start".to_owned(),
+                    (false, false) => format!("set it, or give a default: `${{{name}:-default}}`"),
+                };
+                Diagnostic::warning("C014", self)
+                    .label(*at, "needed to start")
+                    .help(help)
+            }
+            Self::NoSecret { at, .. } => {
+                Diagnostic::warning("C014", self).label(*at, "needed to start")
+            }
+            Self::WrongType {
+                wanted,
+                at,
+                declared,
+                ..
+            } => {
+                let diagnostic = label(
+                    Diagnostic::error("C015", self),
+                    at,
+                    format!("expected {wanted}"),
+                );
+                match declared {
+                    Some(declared) => diagnostic.label(*declared, "declared here"),
+                    None => diagnostic,
+                }
+            }
+            Self::OutOfRange {
+                range,
+                at,
+                declared,
+                ..
+            } => {
+                let diagnostic = label(
+                    Diagnostic::error("C016", self),
+                    at,
+                    format!("must lie in {range}"),
+                );
+                match declared {
+                    Some(declared) => diagnostic.label(*declared, "the range is declared here"),
+                    None => diagnostic,
+                }
+            }
+            Self::MustBeSet { name, at } => Diagnostic::error("C017", self)
+                .label(*at, "has no default")
+                .help(format!("give it a `default`, or set `{name}` from outside")),
+            Self::SecretInFile { at } => Diagnostic::warning("C019", self)
+                .label(*at, "everybody who has the file has it")
+                .help("name a file with it in a variable: `${AMQP_PASSWORD_FILE}`"),
+        }
+    }
+}

@@ -1,0 +1,203 @@
+//! The types of properties and their ranges.
+
+use source::Span;
+
+use super::{Notes, SettingError};
+use crate::finding::Findings;
+use crate::model::{Property, PropertyType, Scalar};
+use crate::value::Value;
+
+/// A range of numbers; open where there is no limit.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Range {
+    pub min: Option<f64>,
+    pub max: Option<f64>,
+    /// A unit to show behind it; empty for none.
+    pub unit: String,
+}
+
+impl Range {
+    pub(crate) fn contains(&self, number: f64) -> bool {
+        self.min.is_none_or(|min| number >= min) && self.max.is_none_or(|max| number <= max)
+    }
+}
+
+impl std::fmt::Display for Range {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let space = if self.unit.is_empty() { "" } else { " " };
+        let unit = format!("{space}{}", self.unit);
+        match (self.min, self.max) {
+            (Some(min), Some(max)) => write!(f, "{min} ..= {max}{unit}"),
+            (Some(min), None) => write!(f, "{min} ..{unit}"),
+            (None, Some(max)) => write!(f, "..= {max}{unit}"),
+            (None, None) => f.write_str("any range"),
+        }
+    }
+}
+
+/// A value for a property of a composite, if it has its type and lies in its range.
+pub(super) fn accept(
+    property: &Property,
+    value: Value,
+    at: Option<Span>,
+    notes: &mut Notes,
+) -> Option<Value> {
+    let name = &property.name.value;
+    let declared = Some(property.kind.span);
+    let found = value.describe();
+    let Some(value) = of_type(value, property.kind.value) else {
+        notes.found(SettingError::WrongType {
+            name: name.clone(),
+            wanted: describe(property.kind.value),
+            found,
+            at,
+            declared,
+        });
+        return None;
+    };
+    let (least, greatest) = limits(property.kind.scalar);
+    let range = Range {
+        min: property.min.as_ref().map(|min| min.value).or(least),
+        max: property.max.as_ref().map(|max| max.value).or(greatest),
+        unit: String::new(),
+    };
+    let limit = property.min.as_ref().or(property.max.as_ref());
+    let declared = limit.map(|limit| limit.span).or(declared);
+    within(name, &value, &range, at, declared, notes).then_some(value)
+}
+
+/// Whether all numbers of a value lie in a range.
+pub(crate) fn within(
+    name: &str,
+    value: &Value,
+    range: &Range,
+    at: Option<Span>,
+    declared: Option<Span>,
+    notes: &mut Notes,
+) -> bool {
+    if let Value::List(items) = value {
+        return items
+            .iter()
+            .all(|item| within(name, item, range, at, declared, notes));
+    }
+    match value.number() {
+        Some(number) if !range.contains(number) => {
+            let (name, value) = (name.to_owned(), value.to_string());
+            let range = range.clone();
+            notes.found(SettingError::OutOfRange {
+                name,
+                value,
+                range,
+                at,
+                declared,
+            });
+            false
+        }
+        Some(_) | None => true,
+    }
+}
+
+/// What a property takes, for people.
+fn describe(kind: PropertyType) -> String {
+    let one = match kind.scalar {
+        Scalar::Text | Scalar::Uri | Scalar::Path | Scalar::Secret => "text",
+        Scalar::Boolean => "Boolean",
+        Scalar::F32 | Scalar::F64 => "number",
+        Scalar::I8
+        | Scalar::I16
+        | Scalar::I32
+        | Scalar::I64
+        | Scalar::U8
+        | Scalar::U16
+        | Scalar::U32
+        | Scalar::U64 => "whole number",
+    };
+    match kind.list {
+        true => format!("a list of {one}s"),
+        false => format!("a {one}"),
+    }
+}
+
+/// The numbers a type can hold.
+fn limits(scalar: Scalar) -> (Option<f64>, Option<f64>) {
+    match scalar {
+        Scalar::I8 => (Some(i8::MIN.into()), Some(i8::MAX.into())),
+        Scalar::I16 => (Some(i16::MIN.into()), Some(i16::MAX.into())),
+        Scalar::I32 => (Some(i32::MIN.into()), Some(i32::MAX.into())),
+        Scalar::U8 => (Some(0.0), Some(u8::MAX.into())),
+        Scalar::U16 => (Some(0.0), Some(u16::MAX.into())),
+        Scalar::U32 => (Some(0.0), Some(u32::MAX.into())),
+        Scalar::U64 => (Some(0.0), None),
+        Scalar::I64
+        | Scalar::F32
+        | Scalar::F64
+        | Scalar::Text
+        | Scalar::Boolean
+        | Scalar::Uri
+        | Scalar::Path
+        | Scalar::Secret => (None, None),
+    }
+}
+
+/// A value as a type wants it.
+fn of_type(value: Value, kind: PropertyType) -> Option<Value> {
+    if kind.list {
+        let Value::List(items) = value else {
+            return None;
+        };
+        let scalar = PropertyType {
+            list: false,
+            ..kind
+        };
+        let items = items.into_iter().map(|item| of_type(item, scalar));
+        return items.collect::<Option<_>>().map(Value::List);
+    }
+    match (kind.scalar, value) {
+        (
+            Scalar::Text | Scalar::Uri | Scalar::Path,
+            value @ (Value::Text(_) | Value::Secret(_)),
+        ) => Some(value),
+        (Scalar::Secret, Value::Text(text) | Value::Secret(text)) => Some(Value::Secret(text)),
+        (Scalar::Boolean, value @ Value::Boolean(_)) => Some(value),
+        (Scalar::F32 | Scalar::F64, Value::Integer(number)) => Some(Value::Real(number as f64)),
+        (Scalar::F32 | Scalar::F64, value @ Value::Real(_)) => Some(value),
+        (
+            Scalar::I8
+            | Scalar::I16
+            | Scalar::I32
+            | Scalar::I64
+            | Scalar::U8
+            | Scalar::U16
+            | Scalar::U32
+            | Scalar::U64,
+            value @ Value::Integer(_),
+        ) => Some(value),
+        (_, _) => None,
+    }
+}
+
+/// A text from outside, as a property of this type takes it.
+pub(crate) fn from_text(text: &str, kind: PropertyType) -> Option<Value> {
+    if kind.list {
+        let scalar = PropertyType {
+            list: false,
+            ..kind
+        };
+        let items = text.split(',').map(|item| from_text(item.trim(), scalar));
+        return items.collect::<Option<_>>().map(Value::List);
+    }
+    match kind.scalar {
+        Scalar::Text | Scalar::Uri | Scalar::Path => Some(Value::Text(text.to_owned())),
+        Scalar::Secret => Some(Value::Secret(text.to_owned())),
+        Scalar::Boolean => text.parse().ok().map(Value::Boolean),
+        Scalar::F32 | Scalar::F64 => text.parse().ok().map(Value::Real),
+        Scalar::I8
+        | Scalar::I16
+        | Scalar::I32
+        | Scalar::I64
+        | Scalar::U8
+        | Scalar::U16
+        | Scalar::U32
+        | Scalar::U64 => text.parse().ok().map(Value::Integer),
+    }
+}

@@ -1,0 +1,340 @@
+//! Values of properties, and what is substituted for them: the one place that asks the environment.
+
+mod error;
+mod kind;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use source::{Report, Sources, Span};
+
+pub(crate) use self::error::SettingError;
+use self::kind::accept;
+pub(crate) use self::kind::{Range, from_text, within};
+use crate::At;
+use crate::environment::{Environment, is_secret};
+use crate::finding::{Finding, Findings};
+use crate::model::{Amount, Piece, Property, PropertyType, Scalar, Template};
+use crate::nearest::nearest;
+use crate::read::template;
+use crate::tree::{Branch, Node};
+use crate::value::{REDACTED, Value};
+
+/// What comes up while values are put together.
+#[derive(Default)]
+pub(crate) struct Notes {
+    pub report: Report,
+    /// Environment variables that are not set.
+    pub missing: Vec<String>,
+}
+
+impl Notes {
+    fn missing(&mut self, name: &str) {
+        if !self.missing.iter().any(|known| known == name) {
+            self.missing.push(name.to_owned());
+        }
+    }
+}
+
+impl Findings for Notes {
+    fn found(&mut self, finding: impl Finding) {
+        self.report.found(finding);
+    }
+}
+
+/// Values that are set from outside: by the name of the property, `None` where one is not known,
+/// with the place where it was set, if that was in a file.
+pub(crate) type Set = BTreeMap<String, (Option<Value>, Option<Span>)>;
+
+/// The properties of one composite, as they hold in one place of the system.
+pub(crate) struct Scope<'s> {
+    /// `None` for a value that is not known, which was reported.
+    values: BTreeMap<String, (Option<Value>, Span)>,
+    environment: &'s dyn Environment,
+    sources: &'s Sources,
+}
+
+/// A text after substitution.
+#[derive(Clone, Debug)]
+pub(crate) struct Filled {
+    pub text: String,
+    /// The same with secrets blotted out.
+    pub shown: String,
+}
+
+impl Filled {
+    fn secret(&self) -> bool {
+        self.text != self.shown
+    }
+}
+
+impl<'s> Scope<'s> {
+    /// The properties of a composite, with the values that were `set` from outside.
+    pub(crate) fn new(
+        properties: &[Property],
+        mut set: Set,
+        environment: &'s dyn Environment,
+        sources: &'s Sources,
+        notes: &mut Notes,
+    ) -> Self {
+        let mut scope = Self {
+            values: BTreeMap::new(),
+            environment,
+            sources,
+        };
+        for property in properties {
+            let value = match (set.remove(&property.name.value), &property.default) {
+                (Some((value, at)), _) => {
+                    let value = value.and_then(|value| accept(property, value, at, notes));
+                    value.map(|value| beside(property.kind.value, value, at, sources))
+                }
+                (None, Some(default)) => {
+                    let value = scope.default(property, default, notes);
+                    let at = Some(default.span);
+                    let value = value.and_then(|value| accept(property, value, at, notes));
+                    value.map(|value| beside(property.kind.value, value, at, sources))
+                }
+                (None, None) => {
+                    let (name, at) = (property.name.value.clone(), property.name.span);
+                    notes.found(SettingError::MustBeSet { name, at });
+                    None
+                }
+            };
+            scope
+                .values
+                .insert(property.name.value.clone(), (value, property.name.span));
+        }
+        scope
+    }
+
+    /// The values that are known, by name.
+    pub(crate) fn value(&self, name: &str) -> Option<&Value> {
+        self.values.get(name)?.0.as_ref()
+    }
+
+    /// The value of a node, with everything substituted; `None` where something is missing.
+    pub(crate) fn node(&self, node: &Node, notes: &mut Notes) -> Option<Value> {
+        Some(match &node.value {
+            Branch::Text(text) => return self.text(text, node.span, notes),
+            Branch::Integer(number) => Value::Integer(*number),
+            Branch::Float(number) => Value::Real(*number),
+            Branch::Boolean(truth) => Value::Boolean(*truth),
+            Branch::Date(date) => Value::Text(date.clone()),
+            Branch::List(items) => {
+                let values: Vec<_> = items.iter().map(|item| self.node(item, notes)).collect();
+                Value::List(values.into_iter().collect::<Option<_>>()?)
+            }
+            Branch::Table(table) => {
+                let fields = table.entries.iter().map(|entry| {
+                    let value = self.node(&entry.node, notes)?;
+                    Some((entry.key.value.clone(), value))
+                });
+                let fields: Vec<_> = fields.collect();
+                Value::Record(fields.into_iter().collect::<Option<_>>()?)
+            }
+        })
+    }
+
+    /// A default; what the environment gives is text, also where a number is wanted.
+    fn default(&self, property: &Property, node: &Node, notes: &mut Notes) -> Option<Value> {
+        let value = self.node(node, notes)?;
+        match (&value, &node.value) {
+            (Value::Text(filled), Branch::Text(written)) if filled != written => {
+                from_text(filled, property.kind.value).or(Some(value))
+            }
+            _ => Some(value),
+        }
+    }
+
+    /// A text that is nothing but a property is that property, number or not.
+    fn text(&self, text: &str, span: Span, notes: &mut Notes) -> Option<Value> {
+        let exact = self.sources.snippet(span) == text;
+        let template = template::parse(text, span, exact).ok()?;
+        if let [Piece::Property { name, span }] = template.pieces.as_slice() {
+            return self.property(name, *span, notes).cloned();
+        }
+        let filled = self.fill(&template, notes)?;
+        Some(match filled.secret() {
+            true => Value::Secret(filled.text),
+            false => Value::Text(filled.text),
+        })
+    }
+
+    fn property(&self, name: &str, at: Span, notes: &mut Notes) -> Option<&Value> {
+        match self.values.get(name) {
+            Some((value, _)) => value.as_ref(),
+            None => {
+                let known = self
+                    .values
+                    .iter()
+                    .map(|(name, (_, at))| (name.as_str(), Some(*at)));
+                let nearest = nearest(name, known);
+                notes.found(SettingError::Unknown {
+                    name: name.to_owned(),
+                    at: Some(at),
+                    nearest,
+                });
+                None
+            }
+        }
+    }
+
+    /// A text with everything substituted; `None` where something is missing.
+    pub(crate) fn fill(&self, template: &Template, notes: &mut Notes) -> Option<Filled> {
+        let mut text = String::new();
+        let mut shown = String::new();
+        let mut complete = true;
+        for piece in &template.pieces {
+            let filled = match piece {
+                Piece::Text(plain) => Some((plain.clone(), false)),
+                Piece::Property { name, span } => self.property(name, *span, notes).map(plain),
+                Piece::Variable {
+                    name,
+                    default,
+                    span,
+                } => self.variable(name, default.as_deref(), *span, notes),
+            };
+            match filled {
+                Some((piece, secret)) => {
+                    shown.push_str(if secret { REDACTED } else { &piece });
+                    text.push_str(&piece);
+                }
+                None => complete = false,
+            }
+        }
+        complete.then_some(Filled { text, shown })
+    }
+
+    /// A variable, and whether it is a secret. One that ends in `_FILE` names a file with a secret.
+    fn variable(
+        &self,
+        name: &str,
+        default: Option<&str>,
+        at: Span,
+        notes: &mut Notes,
+    ) -> Option<(String, bool)> {
+        let value = self
+            .environment
+            .variable(name)
+            .filter(|value| !value.is_empty());
+        let Some(value) = value.or(default.map(str::to_owned)) else {
+            notes.missing(name);
+            notes.found(SettingError::NotSet {
+                name: name.to_owned(),
+                at,
+            });
+            return None;
+        };
+        if !name.ends_with("_FILE") {
+            return Some((value, is_secret(name)));
+        }
+        match self.environment.secret(&value) {
+            Ok(text) => Some((text.trim_end_matches(['\r', '\n']).to_owned(), true)),
+            Err(reason) => {
+                notes.missing(name);
+                let (name, path) = (name.to_owned(), value);
+                notes.found(SettingError::NoSecret {
+                    name,
+                    path,
+                    reason,
+                    at,
+                });
+                None
+            }
+        }
+    }
+
+    /// A whole number that may come from a property.
+    pub(crate) fn amount(
+        &self,
+        name: &str,
+        amount: &At<Amount>,
+        range: std::ops::RangeInclusive<i64>,
+        notes: &mut Notes,
+    ) -> Option<i64> {
+        let template = match &amount.value {
+            Amount::Number(number) => return Some(*number),
+            Amount::Template(template) => template,
+        };
+        let value = match template.pieces.as_slice() {
+            [Piece::Property { name, span }] => self.property(name, *span, notes)?.clone(),
+            _ => Value::Text(self.fill(template, notes)?.text),
+        };
+        let number = match &value {
+            Value::Integer(number) => Some(*number),
+            Value::Real(number) if number.fract() == 0.0 => Some(*number as i64),
+            Value::Text(text) => text.trim().parse().ok(),
+            Value::Real(_)
+            | Value::Boolean(_)
+            | Value::Secret(_)
+            | Value::List(_)
+            | Value::Record(_) => None,
+        };
+        let Some(number) = number else {
+            notes.found(SettingError::WrongType {
+                name: name.to_owned(),
+                wanted: "a whole number".to_owned(),
+                found: value.describe(),
+                at: Some(amount.span),
+                declared: None,
+            });
+            return None;
+        };
+        if !range.contains(&number) {
+            let (min, max) = (Some(*range.start() as f64), Some(*range.end() as f64));
+            notes.found(SettingError::OutOfRange {
+                name: name.to_owned(),
+                value: number.to_string(),
+                range: Range {
+                    min,
+                    max,
+                    unit: String::new(),
+                },
+                at: Some(amount.span),
+                declared: None,
+            });
+            return None;
+        }
+        Some(number)
+    }
+}
+
+/// A value as text, and whether it is a secret.
+fn plain(value: &Value) -> (String, bool) {
+    match value {
+        Value::Text(text) => (text.clone(), false),
+        Value::Secret(text) => (text.clone(), true),
+        Value::Boolean(_)
+        | Value::Integer(_)
+        | Value::Real(_)
+        | Value::List(_)
+        | Value::Record(_) => (value.to_string(), false),
+    }
+}
+
+/// A path counts from the folder of the file it is written in, wherever the run is begun. What was
+/// substituted is already where it belongs: a property of this type was read by these lines, and a
+/// variable comes from outside all files.
+fn beside(kind: PropertyType, value: Value, at: Option<Span>, sources: &Sources) -> Value {
+    let Some(at) =
+        at.filter(|at| kind.scalar == Scalar::Path && !sources.snippet(*at).contains("${"))
+    else {
+        return value;
+    };
+    match value {
+        Value::Text(path) if path.is_empty() => Value::Text(path),
+        Value::Text(path) => {
+            let folder = Path::new(sources.path(at.file))
+                .parent()
+                .unwrap_or(Path::new(""));
+            Value::Text(folder.join(path).display().to_string())
+        }
+        Value::List(paths) => {
+            let paths = paths
+                .into_iter()
+                .map(|path| beside(kind, path, Some(at), sources));
+            Value::List(paths.collect())
+        }
+        other => other,
+    }
+}

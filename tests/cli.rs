@@ -1,0 +1,197 @@
+//! The command line: what a person types, what comes back, and the exit code.
+
+use assert_cmd::Command;
+use serde_json::Value;
+use std::path::Path;
+
+fn asmotion() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    command.env_remove("NO_COLOR").env_remove("FORCE_COLOR").env_remove("CLICOLOR_FORCE");
+    command
+}
+
+/// Exit code, standard output, standard error.
+fn run(arguments: &[&str]) -> (i32, String, String) {
+    let output = asmotion().args(arguments).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+}
+
+/// Writes a file into a new folder; the folder and the path.
+fn file(name: &str, text: impl AsRef<[u8]>) -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, text).unwrap();
+    let path = path.display().to_string();
+    (folder, path)
+}
+
+const NAVIGATION: &str = "specs/navigation/navigation.composite.toml";
+
+#[test]
+fn the_demo_reaches_its_goal_and_says_so() {
+    let (code, out, err) = run(&["demo", "--speed", "0"]);
+    assert_eq!(code, 0, "{out}{err}");
+    assert!(out.starts_with("reached in ARRIVED"), "{out}");
+    assert!(err.contains("FOLLOWING → ARRIVED"), "{err}");
+    assert!(err.contains("BLOCKED"), "the demo shows a replan: {err}");
+}
+
+#[test]
+fn the_demo_goes_where_it_is_told() {
+    let (code, out, _) = run(&["demo", "--speed", "0", "--goal", "4.2,15.6", "--world", "plain", "--quiet"]);
+    assert_eq!(code, 0, "{out}");
+    let (code, out, _) = run(&["demo", "--speed", "0", "--goal", "21.1,17.2", "--quiet"]);
+    assert_eq!(code, 1, "the table of the meeting room cannot be reached: {out}");
+}
+
+#[test]
+fn a_goal_that_is_none_is_a_wrong_usage() {
+    let (code, _, err) = run(&["demo", "--goal", "kitchen"]);
+    assert_eq!(code, 2);
+    assert!(err.contains("two numbers are wanted"), "{err}");
+    let (code, _, _) = run(&["fly"]);
+    assert_eq!(code, 2);
+}
+
+#[test]
+fn a_composite_runs_from_any_folder_in_virtual_time() {
+    let composite = Path::new(env!("CARGO_MANIFEST_DIR")).join(NAVIGATION);
+    let elsewhere = tempfile::tempdir().unwrap();
+    let mut command = asmotion();
+    command.current_dir(elsewhere.path()).args(["run", "--quiet"]).arg(composite);
+    let output = command.output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+}
+
+#[test]
+fn a_composite_runs_in_wall_time() {
+    let (code, out, err) = run(&["run", NAVIGATION, "--clock", "wall", "--for", "3"]);
+    assert_eq!(code, 1, "three seconds are not enough: {out}{err}");
+    assert!(out.starts_with("time up in FOLLOWING"), "{out}{err}");
+    assert!(err.contains("WAIT_PATH → FOLLOWING"), "{err}");
+}
+
+#[test]
+fn results_as_json_stand_alone_on_standard_output() {
+    for arguments in [
+        &["run", NAVIGATION, "--json"][..],
+        &["sim", "specs/patrol/patrol.asm", "--json"],
+        &["check", NAVIGATION, "specs/patrol/patrol.asm", "--json"],
+    ] {
+        let (code, out, _) = run(arguments);
+        assert_eq!(code, 0, "{arguments:?}");
+        for line in out.lines() {
+            let object: Value = serde_json::from_str(line).unwrap();
+            assert_eq!(object["v"], 1, "{line}");
+            assert!(object["type"].is_string(), "{line}");
+        }
+    }
+}
+
+#[test]
+fn what_ships_has_no_findings() {
+    let files: Vec<String> = ["navigation", "allocation", "patrol", "recovery", "estop", "youbot"]
+        .iter()
+        .flat_map(|folder| std::fs::read_dir(format!("specs/{folder}")).unwrap())
+        .map(|entry| entry.unwrap().path().display().to_string())
+        .filter(|path| path.ends_with(".asm") || path.ends_with(".composite.toml"))
+        .collect();
+    assert!(files.len() >= 9, "{files:?}");
+    let mut arguments = vec!["check", "--format", "concise"];
+    arguments.extend(files.iter().map(String::as_str));
+    let (code, out, err) = run(&arguments);
+    assert_eq!(code, 0, "{out}{err}");
+    assert!(!out.contains("error["), "{out}");
+}
+
+#[test]
+fn sim_takes_its_inputs_by_name() {
+    let script = "[default]\nestop = false\ncancelArrived = false\ngoalArrived = false\nevent = \"NOTHING\"\n\
+                  [[step]]\ngoalArrived = true\n[[step]]\nevent = \"MAP_OK\"\n[[step]]\nevent = \"PATH_OK\"\n";
+    let (_folder, path) = file("inputs.toml", script);
+    let (code, out, err) = run(&["sim", "specs/navigation/navigate.asm", "--env", &path, "--quiet"]);
+    assert_eq!(code, 0, "{err}");
+    assert!(out.contains("mode = FOLLOWING") && out.contains("moving = true"), "{out}");
+}
+
+#[test]
+fn a_script_with_mistakes_says_where_they_are() {
+    let (_folder, path) = file("inputs.toml", "[default]\nestopp = false\nevent = \"NOTHIN\"\n");
+    let (code, _, err) = run(&["sim", "specs/navigation/navigate.asm", "--env", &path]);
+    assert_eq!(code, 2);
+    assert!(err.contains("did you mean `estop`?"), "{err}");
+    assert!(err.contains("inputs.toml:3:9"), "{err}");
+}
+
+#[test]
+fn the_same_seed_simulates_the_same_run() {
+    let sim = |seed: &str| run(&["sim", "specs/allocation/allocation.asm", "--steps", "40", "--seed", seed]).1;
+    assert_eq!(sim("3"), sim("3"));
+    assert_ne!(sim("3"), sim("4"));
+}
+
+#[test]
+fn a_step_that_fails_exits_with_3_and_shows_both_writers() {
+    let clash = "asm clash\nimport StandardLibrary\nsignature:\n  controlled x: Integer\ndefinitions:\n  \
+                 main rule r_Main = par x := 1 x := 2 endpar\n";
+    let (_folder, path) = file("clash.asm", clash);
+    let (code, _, err) = run(&["sim", &path]);
+    assert_eq!(code, 3);
+    assert!(err.contains("inconsistent update of `x` in step 1"), "{err}");
+    assert!(err.contains("this writes 2") && err.contains("this writes 1"), "{err}");
+}
+
+#[test]
+fn bad_input_gets_a_diagnostic_and_no_panic() {
+    let nested = format!(
+        "asm deep\nsignature:\ndefinitions:\n  main rule r_Main = x := {}1{}\n",
+        "(".repeat(10_000),
+        ")".repeat(10_000)
+    );
+    let noise: Vec<u8> = (0..10_000_000u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    let self_include = "schema = \"composite/1\"\n[composite]\nname = \"loop\"\n\
+                        [components.Again]\nimplementation = { composite = \"loop.composite.toml\" }\n";
+    for (name, text) in [
+        ("empty.asm", Vec::new()),
+        ("noise.asm", noise.clone()),
+        ("deep.asm", nested.into_bytes()),
+        ("again.asm", b"asm again\nimport again\nsignature:\ndefinitions:\n".to_vec()),
+        ("empty.composite.toml", Vec::new()),
+        ("noise.composite.toml", noise),
+        ("loop.composite.toml", self_include.as_bytes().to_vec()),
+    ] {
+        let (_folder, path) = file(name, text);
+        let (code, out, err) = run(&["check", "--format", "concise", &path]);
+        assert_eq!(code, 1, "{name}: {out}{err}");
+        assert!(out.contains("error["), "{name}: {out}{err}");
+        assert!(!err.contains("panicked"), "{name}: {err}");
+        assert!(out.len() < 200_000, "{name} has {} bytes of findings", out.len());
+    }
+}
+
+#[test]
+fn a_missing_file_is_a_finding_with_its_name() {
+    for command in ["check", "sim"] {
+        let (code, out, err) = run(&[command, "nowhere.asm"]);
+        assert_eq!(code, 1, "{out}{err}");
+        assert!(err.contains("nowhere.asm"), "{err}");
+    }
+    let (code, _, err) = run(&["run", "nowhere.composite.toml"]);
+    assert_eq!(code, 1);
+    assert!(err.contains("nowhere.composite.toml"), "{err}");
+}
+
+#[test]
+fn colour_follows_the_flag_and_the_variables() {
+    let coloured = |arguments: &[&str]| {
+        let (_, out, err) = run(arguments);
+        (out + &err).contains('\u{1b}')
+    };
+    let demo = ["demo", "--speed", "0", "--quiet"];
+    assert!(!coloured(&demo), "a pipe gets no colour");
+    assert!(coloured(&[&demo[..], &["--color", "always"]].concat()));
+    let output = asmotion().args(demo).args(["--color", "auto"]).env("NO_COLOR", "1").output().unwrap();
+    assert!(!String::from_utf8_lossy(&output.stdout).contains('\u{1b}'));
+}

@@ -1,0 +1,4 @@
+asm filename  //~ W002
+signature:
+definitions:
+  main rule r_Main = skip

@@ -1,0 +1,165 @@
+//! Missions of the rover, in virtual time: the story of each is a snapshot that a person has read.
+
+use asmotion::mission::{Ended, Mission, Outcome};
+use asmotion::trace::Trace;
+use datum::Datum;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex};
+
+/// Where the rover goes in most missions: the lobby.
+const TO_LOBBY: &str = "1 goal 26.4 4.2";
+
+fn navigation() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/navigation")
+}
+
+/// The navigation composite with an operator's script and unmapped obstacles.
+fn mission(script: &[&str], obstacles: &str) -> Mission {
+    let composite = navigation().join("navigation.composite.toml");
+    let mut mission = Mission::new(composite.display().to_string());
+    let script = Datum::List(script.iter().map(|line| Datum::text(*line)).collect());
+    mission.properties.push(("Operator".to_owned(), "script".to_owned(), script));
+    let obstacles: Datum = datum::json::decode(obstacles).unwrap();
+    mission.properties.push(("World".to_owned(), "obstacles".to_owned(), obstacles));
+    mission
+}
+
+fn seeded(mut mission: Mission, seed: u64) -> Mission {
+    mission.seed = seed;
+    mission.settings.push(("seed".to_owned(), seed.to_string()));
+    mission
+}
+
+/// Runs a mission; its story without the lines that only tell progress, and how it ended.
+fn tell(mission: &Mission) -> (String, Ended) {
+    let story = Arc::new(Mutex::new(String::new()));
+    let teller = story.clone();
+    let ended = mission
+        .run(
+            move |_, _, line| {
+                if let Some(line) = line.filter(|line| !line.contains("m from the goal")) {
+                    let plain = anstream::adapter::strip_str(line).to_string();
+                    *teller.lock().unwrap() += &format!("{plain}\n");
+                }
+            },
+            &AtomicBool::new(false),
+        )
+        .unwrap();
+    let mut story = story.lock().unwrap().clone();
+    let summary = &ended.summary;
+    story += &format!(
+        "\n{:?} in {} after {:.2} s, {:.1} m driven, {:.2} m from the goal\n",
+        ended.outcome,
+        summary.control_state.as_deref().unwrap_or("-"),
+        ended.time.as_secs_f64(),
+        summary.driven_m,
+        summary.to_goal_m.unwrap_or(f64::NAN),
+    );
+    (story, ended)
+}
+
+/// The trace of a mission, byte for byte.
+fn trace(mission: &Mission) -> String {
+    let trace = Arc::new(Mutex::new(Trace::new()));
+    let writer = trace.clone();
+    mission
+        .run(move |at, event, _| writer.lock().unwrap().note(at, event), &AtomicBool::new(false))
+        .unwrap();
+    let text = trace.lock().unwrap().text().to_owned();
+    text
+}
+
+const CLOSED_CORRIDOR: &str = r#"[{ "at_s": 12.0, "block": [15.0, 7.0, 0.4, 2.0, 0.0] }]"#;
+
+#[test]
+fn it_goes_straight_to_the_goal() {
+    let (story, ended) = tell(&mission(&[TO_LOBBY], "[]"));
+    assert_eq!(ended.outcome, Outcome::Reached);
+    insta::assert_snapshot!(story);
+}
+
+#[test]
+fn it_goes_around_what_stands_in_the_way() {
+    let (story, ended) = tell(&mission(&[TO_LOBBY], r#"[{ "disc": [19.0, 7.45, 0.25] }]"#));
+    assert_eq!(ended.outcome, Outcome::Reached);
+    assert_eq!(ended.summary.blocked, 0);
+    insta::assert_snapshot!(story);
+}
+
+#[test]
+fn it_plans_anew_where_the_corridor_is_closed() {
+    let (story, ended) = tell(&mission(&[TO_LOBBY], CLOSED_CORRIDOR));
+    assert_eq!(ended.outcome, Outcome::Reached);
+    assert_eq!(ended.summary.blocked, 1);
+    insta::assert_snapshot!(story);
+}
+
+#[test]
+fn it_stops_before_it_turns_to_a_new_goal() {
+    let (story, ended) = tell(&mission(&[TO_LOBBY, "20 goal 4.2 15.6"], "[]"));
+    assert_eq!(ended.outcome, Outcome::Reached);
+    insta::assert_snapshot!(story);
+}
+
+#[test]
+fn it_stops_at_the_estop_and_goes_on_with_a_new_goal() {
+    let script = [TO_LOBBY, "15 estop on", "18 estop off", "20 goal 26.4 4.2"];
+    let (story, ended) = tell(&mission(&script, "[]"));
+    assert_eq!(ended.outcome, Outcome::Reached);
+    insta::assert_snapshot!(story);
+}
+
+#[test]
+fn it_gives_up_where_there_is_no_path() {
+    // the table of the meeting room
+    let (story, ended) = tell(&mission(&["1 goal 21.1 17.2"], "[]"));
+    assert_eq!(ended.outcome, Outcome::Failed);
+    insta::assert_snapshot!(story);
+}
+
+#[test]
+fn it_asks_a_late_planner_again_until_the_bound() {
+    // a planner that looks at its requests once a minute, and a wire that waits for a second
+    let folder = tempfile::tempdir().unwrap();
+    let composite = std::fs::read_to_string(navigation().join("navigation.composite.toml")).unwrap();
+    let punctual = r#"id = "planner", period_ms = 100, delay_ms = 0"#;
+    let late = composite.replace(punctual, r#"id = "planner", period_ms = 60000, delay_ms = 60000"#);
+    assert_ne!(composite, late, "the composite has changed: adapt this test");
+    let path = folder.path().join("navigation.composite.toml");
+    std::fs::write(&path, late).unwrap();
+    std::fs::create_dir(folder.path().join("maps")).unwrap();
+    for file in ["navigate.asm", "maps/office.geojson"] {
+        std::fs::copy(navigation().join(file), folder.path().join(file)).unwrap();
+    }
+    let (story, ended) = tell(&Mission::new(path.display().to_string()));
+    assert_eq!(ended.outcome, Outcome::Failed);
+    // once, and again three times: maxTries
+    assert_eq!(ended.summary.calls, [("maps.getMap".to_owned(), 1), ("planner.plan".to_owned(), 4)]);
+    insta::assert_snapshot!(story);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_trace_byte_for_byte() {
+    let mission = seeded(mission(&[TO_LOBBY], CLOSED_CORRIDOR), 7);
+    let first = trace(&mission);
+    assert!(first.contains("U mode = ARRIVED"));
+    assert_eq!(first, trace(&mission));
+}
+
+#[test]
+fn another_seed_gives_another_trace() {
+    let mission = mission(&[TO_LOBBY], "[]");
+    assert_ne!(trace(&seeded(mission.clone(), 1)), trace(&seeded(mission, 2)));
+}
+
+#[test]
+fn every_seed_reaches_the_goal() {
+    for seed in 0..50 {
+        let mission = seeded(mission(&[TO_LOBBY], CLOSED_CORRIDOR), seed);
+        let (story, ended) = tell(&mission);
+        assert_eq!(ended.outcome, Outcome::Reached, "seed {seed}:\n{story}");
+        assert!(ended.summary.to_goal_m.unwrap() < 0.15, "seed {seed}:\n{story}");
+        assert!(!story.contains("COLLISION"), "seed {seed}:\n{story}");
+    }
+}
