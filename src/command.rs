@@ -5,6 +5,8 @@ mod demo;
 mod run;
 mod sim;
 
+pub use demo::BLOCKED_CORRIDOR;
+
 use crate::exit::Exit;
 use crate::terminal::Terminal;
 use clap::Subcommand;

@@ -13,6 +13,7 @@ mod terminal;
 pub mod trace;
 
 pub use build::{Build, Variables};
+pub use command::BLOCKED_CORRIDOR;
 pub use exit::Exit;
 pub use files::Disk;
 

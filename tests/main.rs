@@ -7,3 +7,4 @@ mod cli;
 mod house;
 mod language;
 mod missions;
+mod pictures;

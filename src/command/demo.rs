@@ -48,19 +48,21 @@ impl World {
         match self {
             Self::Plain => "[]",
             Self::Cluttered => CLUTTERED,
-            Self::Blocked => BLOCKED,
+            Self::Blocked => BLOCKED_CORRIDOR,
         }
     }
 }
 
 const CLUTTERED: &str = r#"[
-    { "at_s": 0.0, "disc": [12.0, 7.2, 0.25] },
-    { "at_s": 0.0, "disc": [19.0, 6.8, 0.3] }
+    { "at_s": 0.0, "disc": [14.5, 7.3, 0.25] },
+    { "at_s": 0.0, "disc": [19.0, 6.6, 0.25] },
+    { "at_s": 0.0, "disc": [23.5, 7.4, 0.25] }
 ]"#;
 
-const BLOCKED: &str = r#"[
-    { "at_s": 0.0, "disc": [8.0, 7.2, 0.25] },
-    { "at_s": 12.0, "block": [15.0, 7.0, 0.4, 2.0, 0.0] }
+/// What closes the corridor of the demo, and something on the way around.
+pub const BLOCKED_CORRIDOR: &str = r#"[
+    { "at_s": 0.0, "disc": [20.0, 12.8, 0.25] },
+    { "at_s": 12.0, "block": [17.0, 7.0, 0.4, 2.0, 0.0] }
 ]"#;
 
 impl Demo {

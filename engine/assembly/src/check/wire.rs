@@ -58,10 +58,15 @@ impl Finding for WireError {
                          it, or say `{reference} = {{ interface = \"{interface}\", optional = true }}`"
                     ))
             }
-            Self::Twice { at, first, .. } => Diagnostic::error("C032", self)
+            Self::Twice { how, at, first, .. } => Diagnostic::error("C032", self)
                 .label(*at, "again here")
                 .label(*first, "first here")
-                .help("one wire may lead to several services: `service = [\"A.x\", \"B.x\"]`"),
+                .help(match *how {
+                    WIRED_TWICE => {
+                        "one wire may lead to several services: `service = [\"A.x\", \"B.x\"]`"
+                    }
+                    _ => "leave one of the two out",
+                }),
             Self::NoTimeout { at, .. } => Diagnostic::warning("C033", self)
                 .label(*at, format!("{DEFAULT_TIMEOUT_MS} ms are taken"))
                 .help("add `timeout_ms = 2000`, or `oneway = true` where no reply is awaited"),
@@ -91,6 +96,8 @@ pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) {
     }
 }
 
+const WIRED_TWICE: &str = "wired twice";
+
 /// How long a call may take where the wire does not say.
 pub(crate) const DEFAULT_TIMEOUT_MS: u64 = 1000;
 
@@ -105,7 +112,7 @@ impl Joined {
         let reference = format!("{}.{}", key.0, key.1);
         if let Some((first, first_wire)) = self.places.insert(key, (at, wire)) {
             let how = match (first_wire, wire) {
-                (true, true) => "wired twice",
+                (true, true) => WIRED_TWICE,
                 (false, false) => "promoted twice",
                 (true, false) | (false, true) => "wired and promoted",
             };

@@ -58,8 +58,11 @@ impl Finding for TypeError {
                     *at,
                     "not described in any file of `types`, nor known to this build",
                 )
-                .help("for example `f64`, `u16[5]`, `string`, `time`, `geometry_msgs/Pose[]`")
-                .suggest(*at, nearest),
+                .suggest_or(
+                    *at,
+                    nearest,
+                    "for example `f64`, `u16[5]`, `string`, `time`, `geometry_msgs/Pose[]`",
+                ),
             Self::Recursive { at, .. } => {
                 Diagnostic::error("C111", self).label(*at, "so no message of this type ever ends")
             }
