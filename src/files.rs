@@ -14,10 +14,17 @@ pub struct Disk;
 
 impl Loader for Disk {
     fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
-        let failed = |reason: String| LoadError { path: path.to_owned(), reason };
-        let length = std::fs::metadata(path).map_err(|error| failed(error.to_string()))?.len();
+        let failed = |reason: String| LoadError {
+            path: path.to_owned(),
+            reason,
+        };
+        let length = std::fs::metadata(path)
+            .map_err(|error| failed(error.to_string()))?
+            .len();
         if length > MAX_BYTES {
-            return Err(failed(format!("it has {length} bytes; at most {MAX_BYTES} are read")));
+            return Err(failed(format!(
+                "it has {length} bytes; at most {MAX_BYTES} are read"
+            )));
         }
         let bytes = std::fs::read(path).map_err(|error| failed(error.to_string()))?;
         // what is no UTF-8 is shown as such by the lexer, at its place
@@ -25,10 +32,21 @@ impl Loader for Disk {
     }
 
     fn resolve(&self, from: &str, import: &str) -> Option<String> {
-        let near = Path::new(from).parent().unwrap_or(Path::new("")).join(import.replace('\\', "/"));
+        let near = Path::new(from)
+            .parent()
+            .unwrap_or(Path::new(""))
+            .join(import.replace('\\', "/"));
         let with_suffix = |path: &Path| PathBuf::from(format!("{}.asm", path.display()));
-        let candidates = [near.clone(), with_suffix(&near), PathBuf::from(import), with_suffix(Path::new(import))];
-        candidates.iter().find(|path| path.is_file()).map(|path| tidy(path))
+        let candidates = [
+            near.clone(),
+            with_suffix(&near),
+            PathBuf::from(import),
+            with_suffix(Path::new(import)),
+        ];
+        candidates
+            .iter()
+            .find(|path| path.is_file())
+            .map(|path| tidy(path))
     }
 }
 

@@ -12,7 +12,6 @@ pub mod story;
 mod terminal;
 pub mod trace;
 
-pub use build::{Build, Variables};
 pub use command::BLOCKED_CORRIDOR;
 pub use exit::Exit;
 pub use files::Disk;
@@ -47,7 +46,11 @@ pub fn main() -> ExitCode {
         Err(error) => {
             // help and version are no errors; a failing standard output has nobody to tell
             let _ = error.print();
-            return if error.use_stderr() { Exit::Usage.into() } else { Exit::Ok.into() };
+            return if error.use_stderr() {
+                Exit::Usage.into()
+            } else {
+                Exit::Ok.into()
+            };
         }
     };
     let mut terminal = Terminal::new(arguments.color);

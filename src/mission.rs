@@ -11,7 +11,7 @@ use component::{Event, Observer, Pace, Run, Time};
 use coordinator::{STEP_REPORT, StepRecord};
 use datum::Datum;
 
-use crate::build::{Build, Variables};
+use crate::build;
 use crate::files::Disk;
 use crate::story::{Story, Summary};
 
@@ -100,14 +100,30 @@ pub enum MissionError {
 impl fmt::Display for MissionError {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Composite { sources, report } => {
-                to.write_str(&asm_lang::render_all(report, sources, asm_lang::Style::Plain))
+            Self::Composite { sources, report } => to.write_str(&asm_lang::render_all(
+                report,
+                sources,
+                asm_lang::Style::Plain,
+            )),
+            Self::Profile {
+                wanted: Some(wanted),
+                known,
+            } => {
+                write!(
+                    to,
+                    "there is no profile `{wanted}`, but {}",
+                    known.join(", ")
+                )
             }
-            Self::Profile { wanted: Some(wanted), known } => {
-                write!(to, "there is no profile `{wanted}`, but {}", known.join(", "))
-            }
-            Self::Profile { wanted: None, known } => {
-                write!(to, "choose a profile with `--profile`: {}", known.join(", "))
+            Self::Profile {
+                wanted: None,
+                known,
+            } => {
+                write!(
+                    to,
+                    "choose a profile with `--profile`: {}",
+                    known.join(", ")
+                )
             }
             Self::Launch(reason) => to.write_str(reason),
         }
@@ -150,16 +166,19 @@ impl Mission {
         mut hear: impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static,
         stop: &AtomicBool,
     ) -> Result<Ended, MissionError> {
-        let opened = assembly::open(&self.composite, &Build.context(&Disk, &Variables, &self.settings));
+        let opened = build::open(&self.composite, &self.settings);
         if opened.report.has_errors() {
-            return Err(MissionError::Composite { sources: opened.sources, report: opened.report });
+            return Err(MissionError::Composite {
+                sources: opened.sources,
+                report: opened.report,
+            });
         }
         let Some(plan) = opened.plan(self.profile.as_deref()) else {
             let (wanted, known) = (self.profile.clone(), opened.profiles);
             return Err(MissionError::Profile { wanted, known });
         };
         let mut workshop = Standard {
-            catalogue: &Build,
+            catalogue: &build::BUILD,
             loader: &Disk,
             seed: self.seed,
             builtins: &mut |_, _| None,
@@ -168,7 +187,9 @@ impl Mission {
             .map_err(|error| MissionError::Launch(error.to_string()))?;
         for (component, property, value) in &self.properties {
             let id = system.id(component).ok_or_else(|| {
-                MissionError::Launch(format!("there is no component `{component}` to set `{property}` of"))
+                MissionError::Launch(format!(
+                    "there is no component `{component}` to set `{property}` of"
+                ))
             })?;
             let set = system.set_property(id, property, value);
             set.map_err(|error| MissionError::Launch(error.to_string()))?;
@@ -186,7 +207,11 @@ impl Mission {
             Clock::Wall => Box::new(system.live()),
             Clock::Virtual(speed) => {
                 let mut simulation = system.simulate();
-                simulation.set_pace(if speed > 0.0 { Pace::Factor(speed) } else { Pace::Unlimited });
+                simulation.set_pace(if speed > 0.0 {
+                    Pace::Factor(speed)
+                } else {
+                    Pace::Unlimited
+                });
                 Box::new(simulation)
             }
         };
@@ -197,7 +222,12 @@ impl Mission {
         }
         run.stop();
         let summary = lock(&story).summary().clone();
-        Ok(Ended { outcome, summary, time, wall: began.elapsed() })
+        Ok(Ended {
+            outcome,
+            summary,
+            time,
+            wall: began.elapsed(),
+        })
     }
 
     fn drive(&self, run: &mut dyn Run, watch: &Mutex<Watch>, stop: &AtomicBool) -> Outcome {
@@ -232,7 +262,11 @@ struct Watch {
 
 impl Watch {
     fn new(mission: &Mission) -> Self {
-        Self { until: mission.until.clone(), unless: mission.unless.clone(), outcome: None }
+        Self {
+            until: mission.until.clone(),
+            unless: mission.unless.clone(),
+            outcome: None,
+        }
     }
 }
 
@@ -244,11 +278,14 @@ impl Observer for Watch {
         match event {
             Event::Fault { .. } => self.outcome = Some(Outcome::Fault),
             Event::Report { kind, what, .. } if *kind == STEP_REPORT => {
-                let Ok(step) = what.to::<StepRecord>() else { return };
+                let Ok(step) = what.to::<StepRecord>() else {
+                    return;
+                };
                 let has = |ends: &[(String, String)]| {
                     step.updates.iter().any(|update| {
-                        ends.iter()
-                            .any(|(location, value)| *location == update.location && *value == update.after)
+                        ends.iter().any(|(location, value)| {
+                            *location == update.location && *value == update.after
+                        })
                     })
                 };
                 if has(&self.until) {

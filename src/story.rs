@@ -70,30 +70,50 @@ impl Story {
     pub fn tell(&mut self, at: Time, event: &Event<'_>) -> Option<String> {
         self.summary.ended = Some(at);
         let what = match event {
-            Event::Published { component, topic, sample, port, .. } => {
-                self.published(at, component, topic.unwrap_or(port), *sample)
-            }
+            Event::Published {
+                component,
+                topic,
+                sample,
+                port,
+                ..
+            } => self.published(at, component, topic.unwrap_or(port), *sample),
             Event::Injected { place, sample } => self.published(at, "outside", place, *sample),
-            Event::Called { reference, operation, attempt, .. } => {
-                Some(self.called(reference, operation, *attempt))
-            }
-            Event::Replied { reference, operation, result, .. } => {
-                Some(self.replied(reference, operation, *result))
-            }
-            Event::Report { component, kind, what } if *kind == STEP_REPORT => {
-                self.step(component, what)
-            }
+            Event::Called {
+                reference,
+                operation,
+                attempt,
+                ..
+            } => Some(self.called(reference, operation, *attempt)),
+            Event::Replied {
+                reference,
+                operation,
+                result,
+                ..
+            } => Some(self.replied(reference, operation, *result)),
+            Event::Report {
+                component,
+                kind,
+                what,
+            } if *kind == STEP_REPORT => self.step(component, what),
             Event::Fault { component, fault } => {
                 self.summary.faults.push(format!("{component}: {fault}"));
                 Some(format!("{BAD}fault{BAD:#} of {component}: {fault}"))
             }
-            Event::Overrun { component, missed } => {
-                Some(format!("{NOTE}overrun{NOTE:#} {component} missed {missed} periods"))
+            Event::Overrun { component, missed } => Some(format!(
+                "{NOTE}overrun{NOTE:#} {component} missed {missed} periods"
+            )),
+            Event::Dropped {
+                component,
+                port,
+                to,
+                total,
+                ..
+            } => Some(format!(
+                "{NOTE}dropped{NOTE:#} {component}.{port} → {to}: {total} so far"
+            )),
+            Event::Lost { count } => {
+                Some(format!("{NOTE}lost{NOTE:#} {count} events of this story"))
             }
-            Event::Dropped { component, port, to, total, .. } => {
-                Some(format!("{NOTE}dropped{NOTE:#} {component}.{port} → {to}: {total} so far"))
-            }
-            Event::Lost { count } => Some(format!("{NOTE}lost{NOTE:#} {count} events of this story")),
             Event::Cycle { .. }
             | Event::Answered { .. }
             | Event::LifeCycle { .. }
@@ -113,7 +133,10 @@ impl Story {
         if let Some(odometry) = sample.downcast_ref::<Odometry>() {
             return self.moved(at, &odometry.pose.pose.position);
         }
-        if let Some(goal) = sample.downcast_ref::<PoseStamped>().filter(|_| place == "goal") {
+        if let Some(goal) = sample
+            .downcast_ref::<PoseStamped>()
+            .filter(|_| place == "goal")
+        {
             let to = goal.pose.position;
             self.goal = Some(to);
             return Some(format!("{NAME}goal{NAME:#}  ({:.1}, {:.1})", to.x, to.y));
@@ -126,7 +149,9 @@ impl Story {
             self.summary.blocked += u64::from(event.code == messages::Event::BLOCKED);
             let detail = if event.detail.is_empty() { "" } else { ": " };
             let (code, text) = (&event.code, &event.detail);
-            return Some(format!("{NOTE}event{NOTE:#} {code} of {component}{detail}{text}"));
+            return Some(format!(
+                "{NOTE}event{NOTE:#} {code} of {component}{detail}{text}"
+            ));
         }
         (place == "cancel").then(|| format!("{NOTE}cancel{NOTE:#}"))
     }
@@ -142,16 +167,28 @@ impl Story {
             return None;
         }
         self.told_progress = at.seconds();
-        Some(format!("{FAINT}at ({:.1}, {:.1}), {left:.1} m from the goal{FAINT:#}", to.x, to.y))
+        Some(format!(
+            "{FAINT}at ({:.1}, {:.1}), {left:.1} m from the goal{FAINT:#}",
+            to.x, to.y
+        ))
     }
 
     fn called(&mut self, reference: &str, operation: &str, attempt: u32) -> String {
         let name = format!("{reference}.{operation}");
-        match self.summary.calls.iter_mut().find(|(known, _)| *known == name) {
+        match self
+            .summary
+            .calls
+            .iter_mut()
+            .find(|(known, _)| *known == name)
+        {
             Some((_, count)) => *count += 1,
             None => self.summary.calls.push((name.clone(), 1)),
         }
-        let again = if attempt > 1 { format!(" (attempt {attempt})") } else { String::new() };
+        let again = if attempt > 1 {
+            format!(" (attempt {attempt})")
+        } else {
+            String::new()
+        };
         format!("{NAME}call{NAME:#}  {name}{again}")
     }
 
@@ -189,7 +226,9 @@ impl Story {
         if let Ok(path) = shared.clone().read::<Path>() {
             return self.path(&path);
         }
-        shared.read::<OccupancyGrid>().map_or_else(|_| "done".to_owned(), |map| describe_map(&map))
+        shared
+            .read::<OccupancyGrid>()
+            .map_or_else(|_| "done".to_owned(), |map| describe_map(&map))
     }
 
     fn path(&mut self, path: &Path) -> String {
@@ -206,11 +245,16 @@ impl Story {
                 self.moving = update.after == "true";
             }
         }
-        let is_control = |update: &&UpdateRecord| CONTROL_STATES.contains(&update.location.as_str());
+        let is_control =
+            |update: &&UpdateRecord| CONTROL_STATES.contains(&update.location.as_str());
         let control = record.updates.iter().find(is_control);
         let changed = control.filter(|control| control.before != control.after);
         let Some(control) = changed else {
-            return Some(format!("{FAINT}step {}  {}{FAINT:#}", record.number, OnOneLine(&record)));
+            return Some(format!(
+                "{FAINT}step {}  {}{FAINT:#}",
+                record.number,
+                OnOneLine(&record)
+            ));
         };
         self.summary.transitions += 1;
         self.summary.control_state = Some(control.after.clone());
@@ -233,9 +277,14 @@ struct OnOneLine<'a>(&'a StepRecord);
 
 impl fmt::Display for OnOneLine<'_> {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let changed = self.0.updates.iter().filter(|update| update.before != update.after);
-        let changed: Vec<String> =
-            changed.map(|update| format!("{} := {}", update.location, update.after)).collect();
+        let changed = self
+            .0
+            .updates
+            .iter()
+            .filter(|update| update.before != update.after);
+        let changed: Vec<String> = changed
+            .map(|update| format!("{} := {}", update.location, update.after))
+            .collect();
         match changed.is_empty() {
             true => to.write_str("changed nothing"),
             false => to.write_str(&changed.join(", ")),
@@ -248,7 +297,11 @@ struct Shown<'a>(&'a UpdateRecord);
 
 impl fmt::Display for Shown<'_> {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let UpdateRecord { location, before, after } = self.0;
+        let UpdateRecord {
+            location,
+            before,
+            after,
+        } = self.0;
         write!(to, "{location} := {after}")?;
         if before != after {
             write!(to, "  {FAINT}(was {before}){FAINT:#}")?;
@@ -259,7 +312,10 @@ impl fmt::Display for Shown<'_> {
 
 fn describe_map(map: &OccupancyGrid) -> String {
     let info = &map.info;
-    format!("a map of {} × {} cells, {:.2} m each", info.width, info.height, info.resolution)
+    format!(
+        "a map of {} × {} cells, {:.2} m each",
+        info.width, info.height, info.resolution
+    )
 }
 
 /// m.

@@ -44,7 +44,10 @@ impl Terminal {
             Colour::Never => ColorChoice::Never,
         };
         choice.write_global();
-        Self { out: anstream::stdout(), err: anstream::stderr() }
+        Self {
+            out: anstream::stdout(),
+            err: anstream::stderr(),
+        }
     }
 
     /// A line of a result.
@@ -68,15 +71,13 @@ impl Terminal {
         self.say(format_args!("{BAD}error{BAD:#}: {what}"));
     }
 
-    /// A way out.
-    pub fn help(&mut self, what: impl Display) {
-        self.say(format_args!("{NAME}help{NAME:#}: {what}"));
-    }
-
     /// All findings of a report.
     pub fn report(&mut self, report: &Report, sources: &Sources) {
         for finding in &report.diagnostics {
-            self.say(format_args!("{}\n", asm_lang::render(finding, sources, Style::Coloured)));
+            self.say(format_args!(
+                "{}\n",
+                asm_lang::render(finding, sources, Style::Coloured)
+            ));
         }
     }
 }
@@ -88,7 +89,12 @@ pub fn count(report: &Report) -> Option<String> {
         1 => Some(format!("1 {word}")),
         several => Some(format!("{several} {word}s")),
     };
-    let parts: Vec<String> =
-        [number(Severity::Error, "error"), number(Severity::Warning, "warning")].into_iter().flatten().collect();
+    let parts: Vec<String> = [
+        number(Severity::Error, "error"),
+        number(Severity::Warning, "warning"),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
     (!parts.is_empty()).then(|| parts.join(", "))
 }

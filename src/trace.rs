@@ -29,32 +29,81 @@ impl Trace {
     pub fn note(&mut self, at: Time, event: &Event<'_>) {
         let line = match event {
             Event::Cycle { .. } => return,
-            Event::Published { component, port, sequence, sample, .. } => {
+            Event::Published {
+                component,
+                port,
+                sequence,
+                sample,
+                ..
+            } => {
                 format!("publish {component}.{port} #{sequence} {}", print(*sample))
             }
             Event::Injected { place, sample } => format!("inject {place} {}", print(*sample)),
-            Event::Called { component, reference, operation, call, attempt, argument } => {
+            Event::Called {
+                component,
+                reference,
+                operation,
+                call,
+                attempt,
+                argument,
+            } => {
                 let argument = print(*argument);
-                format!("call {component}.{reference}.{operation} {} attempt {attempt} {argument}", call.0)
+                format!(
+                    "call {component}.{reference}.{operation} {} attempt {attempt} {argument}",
+                    call.0
+                )
             }
-            Event::Answered { component, service, operation, caller, result } => {
+            Event::Answered {
+                component,
+                service,
+                operation,
+                caller,
+                result,
+            } => {
                 let result = outcome(*result);
                 format!("answer {component}.{service}.{operation} to {caller} {result}")
             }
-            Event::Replied { component, reference, operation, call, result } => {
+            Event::Replied {
+                component,
+                reference,
+                operation,
+                call,
+                result,
+            } => {
                 let result = outcome(*result);
-                format!("reply {component}.{reference}.{operation} {} {result}", call.0)
+                format!(
+                    "reply {component}.{reference}.{operation} {} {result}",
+                    call.0
+                )
             }
-            Event::LifeCycle { component, from, to } => format!("life {component} {from:?} {to:?}"),
+            Event::LifeCycle {
+                component,
+                from,
+                to,
+            } => format!("life {component} {from:?} {to:?}"),
             Event::Fault { component, fault } => format!("fault {component} {fault}"),
             Event::Overrun { component, missed } => format!("overrun {component} {missed}"),
-            Event::Dropped { component, port, to, total, .. } => {
+            Event::Dropped {
+                component,
+                port,
+                to,
+                total,
+                ..
+            } => {
                 format!("dropped {component}.{port} {to} {total}")
             }
-            Event::Property { component, property, value } => {
+            Event::Property {
+                component,
+                property,
+                value,
+            } => {
                 format!("property {component}.{property} {value:?}")
             }
-            Event::Report { component, kind, what } => report(component, kind, what),
+            Event::Report {
+                component,
+                kind,
+                what,
+            } => report(component, kind, what),
             Event::Lost { count } => format!("lost {count}"),
         };
         // writing to a string cannot fail

@@ -7,7 +7,10 @@ use std::path::Path;
 fn asmotion() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
     command.current_dir(env!("CARGO_MANIFEST_DIR"));
-    command.env_remove("NO_COLOR").env_remove("FORCE_COLOR").env_remove("CLICOLOR_FORCE");
+    command
+        .env_remove("NO_COLOR")
+        .env_remove("FORCE_COLOR")
+        .env_remove("CLICOLOR_FORCE");
     command
 }
 
@@ -15,7 +18,11 @@ fn asmotion() -> Command {
 fn run(arguments: &[&str]) -> (i32, String, String) {
     let output = asmotion().args(arguments).output().unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+    (
+        output.status.code().unwrap(),
+        text(output.stdout),
+        text(output.stderr),
+    )
 }
 
 /// Writes a file into a new folder; the folder and the path.
@@ -40,10 +47,15 @@ fn the_demo_reaches_its_goal_and_says_so() {
 
 #[test]
 fn the_demo_goes_where_it_is_told() {
-    let (code, out, _) = run(&["demo", "--speed", "0", "--goal", "4.2,15.6", "--world", "plain", "--quiet"]);
+    let (code, out, _) = run(&[
+        "demo", "--speed", "0", "--goal", "4.2,15.6", "--world", "plain", "--quiet",
+    ]);
     assert_eq!(code, 0, "{out}");
     let (code, out, _) = run(&["demo", "--speed", "0", "--goal", "21.1,17.2", "--quiet"]);
-    assert_eq!(code, 1, "the table of the meeting room cannot be reached: {out}");
+    assert_eq!(
+        code, 1,
+        "the table of the meeting room cannot be reached: {out}"
+    );
 }
 
 #[test]
@@ -60,7 +72,10 @@ fn a_composite_runs_from_any_folder_in_virtual_time() {
     let composite = Path::new(env!("CARGO_MANIFEST_DIR")).join(NAVIGATION);
     let elsewhere = tempfile::tempdir().unwrap();
     let mut command = asmotion();
-    command.current_dir(elsewhere.path()).args(["run", "--quiet"]).arg(composite);
+    command
+        .current_dir(elsewhere.path())
+        .args(["run", "--quiet"])
+        .arg(composite);
     let output = command.output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{output:?}");
 }
@@ -92,12 +107,19 @@ fn results_as_json_stand_alone_on_standard_output() {
 
 #[test]
 fn what_ships_has_no_findings() {
-    let files: Vec<String> = ["navigation", "allocation", "patrol", "recovery", "estop", "youbot"]
-        .iter()
-        .flat_map(|folder| std::fs::read_dir(format!("specs/{folder}")).unwrap())
-        .map(|entry| entry.unwrap().path().display().to_string())
-        .filter(|path| path.ends_with(".asm") || path.ends_with(".composite.toml"))
-        .collect();
+    let files: Vec<String> = [
+        "navigation",
+        "allocation",
+        "patrol",
+        "recovery",
+        "estop",
+        "youbot",
+    ]
+    .iter()
+    .flat_map(|folder| std::fs::read_dir(format!("specs/{folder}")).unwrap())
+    .map(|entry| entry.unwrap().path().display().to_string())
+    .filter(|path| path.ends_with(".asm") || path.ends_with(".composite.toml"))
+    .collect();
     assert!(files.len() >= 9, "{files:?}");
     let mut arguments = vec!["check", "--format", "concise"];
     arguments.extend(files.iter().map(String::as_str));
@@ -111,14 +133,26 @@ fn sim_takes_its_inputs_by_name() {
     let script = "[default]\nestop = false\ncancelArrived = false\ngoalArrived = false\nevent = \"NOTHING\"\n\
                   [[step]]\ngoalArrived = true\n[[step]]\nevent = \"MAP_OK\"\n[[step]]\nevent = \"PATH_OK\"\n";
     let (_folder, path) = file("inputs.toml", script);
-    let (code, out, err) = run(&["sim", "specs/navigation/navigate.asm", "--env", &path, "--quiet"]);
+    let (code, out, err) = run(&[
+        "sim",
+        "specs/navigation/navigate.asm",
+        "--env",
+        &path,
+        "--quiet",
+    ]);
     assert_eq!(code, 0, "{err}");
-    assert!(out.contains("mode = FOLLOWING") && out.contains("moving = true"), "{out}");
+    assert!(
+        out.contains("mode = FOLLOWING") && out.contains("moving = true"),
+        "{out}"
+    );
 }
 
 #[test]
 fn a_script_with_mistakes_says_where_they_are() {
-    let (_folder, path) = file("inputs.toml", "[default]\nestopp = false\nevent = \"NOTHIN\"\n");
+    let (_folder, path) = file(
+        "inputs.toml",
+        "[default]\nestopp = false\nevent = \"NOTHIN\"\n",
+    );
     let (code, _, err) = run(&["sim", "specs/navigation/navigate.asm", "--env", &path]);
     assert_eq!(code, 2);
     assert!(err.contains("did you mean `estop`?"), "{err}");
@@ -127,7 +161,17 @@ fn a_script_with_mistakes_says_where_they_are() {
 
 #[test]
 fn the_same_seed_simulates_the_same_run() {
-    let sim = |seed: &str| run(&["sim", "specs/allocation/allocation.asm", "--steps", "40", "--seed", seed]).1;
+    let sim = |seed: &str| {
+        run(&[
+            "sim",
+            "specs/allocation/allocation.asm",
+            "--steps",
+            "40",
+            "--seed",
+            seed,
+        ])
+        .1
+    };
     assert_eq!(sim("3"), sim("3"));
     assert_ne!(sim("3"), sim("4"));
 }
@@ -139,8 +183,14 @@ fn a_step_that_fails_exits_with_3_and_shows_both_writers() {
     let (_folder, path) = file("clash.asm", clash);
     let (code, _, err) = run(&["sim", &path]);
     assert_eq!(code, 3);
-    assert!(err.contains("inconsistent update of `x` in step 1"), "{err}");
-    assert!(err.contains("this writes 2") && err.contains("this writes 1"), "{err}");
+    assert!(
+        err.contains("inconsistent update of `x` in step 1"),
+        "{err}"
+    );
+    assert!(
+        err.contains("this writes 2") && err.contains("this writes 1"),
+        "{err}"
+    );
 }
 
 #[test]
@@ -150,14 +200,19 @@ fn bad_input_gets_a_diagnostic_and_no_panic() {
         "(".repeat(10_000),
         ")".repeat(10_000)
     );
-    let noise: Vec<u8> = (0..10_000_000u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8).collect();
+    let noise: Vec<u8> = (0..10_000_000u32)
+        .map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8)
+        .collect();
     let self_include = "schema = \"composite/1\"\n[composite]\nname = \"loop\"\n\
                         [components.Again]\nimplementation = { composite = \"loop.composite.toml\" }\n";
     for (name, text) in [
         ("empty.asm", Vec::new()),
         ("noise.asm", noise.clone()),
         ("deep.asm", nested.into_bytes()),
-        ("again.asm", b"asm again\nimport again\nsignature:\ndefinitions:\n".to_vec()),
+        (
+            "again.asm",
+            b"asm again\nimport again\nsignature:\ndefinitions:\n".to_vec(),
+        ),
         ("empty.composite.toml", Vec::new()),
         ("noise.composite.toml", noise),
         ("loop.composite.toml", self_include.as_bytes().to_vec()),
@@ -167,7 +222,11 @@ fn bad_input_gets_a_diagnostic_and_no_panic() {
         assert_eq!(code, 1, "{name}: {out}{err}");
         assert!(out.contains("error["), "{name}: {out}{err}");
         assert!(!err.contains("panicked"), "{name}: {err}");
-        assert!(out.len() < 200_000, "{name} has {} bytes of findings", out.len());
+        assert!(
+            out.len() < 200_000,
+            "{name} has {} bytes of findings",
+            out.len()
+        );
     }
 }
 
@@ -192,6 +251,11 @@ fn colour_follows_the_flag_and_the_variables() {
     let demo = ["demo", "--speed", "0", "--quiet"];
     assert!(!coloured(&demo), "a pipe gets no colour");
     assert!(coloured(&[&demo[..], &["--color", "always"]].concat()));
-    let output = asmotion().args(demo).args(["--color", "auto"]).env("NO_COLOR", "1").output().unwrap();
+    let output = asmotion()
+        .args(demo)
+        .args(["--color", "auto"])
+        .env("NO_COLOR", "1")
+        .output()
+        .unwrap();
     assert!(!String::from_utf8_lossy(&output.stdout).contains('\u{1b}'));
 }

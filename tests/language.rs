@@ -18,10 +18,14 @@ fn folder() -> PathBuf {
 
 /// The `.asm` files of a folder, sorted: stem and text.
 fn programs(folder: &Path) -> Vec<(String, String)> {
-    let mut files: Vec<PathBuf> =
-        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
     files.sort();
-    let programs = files.into_iter().filter(|file| file.extension().is_some_and(|end| end == "asm"));
+    let programs = files
+        .into_iter()
+        .filter(|file| file.extension().is_some_and(|end| end == "asm"));
     programs
         .map(|file| {
             let stem = file.file_stem().unwrap().to_string_lossy().into_owned();

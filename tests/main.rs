@@ -1,7 +1,12 @@
 //! Everything that is tested through the front door: programs of the language, missions of the
 //! robot, the command line, and the plan of the house itself. One module a subject.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
 
 mod cli;
 mod house;

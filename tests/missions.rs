@@ -19,9 +19,13 @@ fn mission(script: &[&str], obstacles: &str) -> Mission {
     let composite = navigation().join("navigation.composite.toml");
     let mut mission = Mission::new(composite.display().to_string());
     let script = Datum::List(script.iter().map(|line| Datum::text(*line)).collect());
-    mission.properties.push(("Operator".to_owned(), "script".to_owned(), script));
+    mission
+        .properties
+        .push(("Operator".to_owned(), "script".to_owned(), script));
     let obstacles: Datum = datum::json::decode(obstacles).unwrap();
-    mission.properties.push(("World".to_owned(), "obstacles".to_owned(), obstacles));
+    mission
+        .properties
+        .push(("World".to_owned(), "obstacles".to_owned(), obstacles));
     mission
 }
 
@@ -64,10 +68,12 @@ fn trace(mission: &Mission) -> String {
     let trace = Arc::new(Mutex::new(Trace::new()));
     let writer = trace.clone();
     mission
-        .run(move |at, event, _| writer.lock().unwrap().note(at, event), &AtomicBool::new(false))
+        .run(
+            move |at, event, _| writer.lock().unwrap().note(at, event),
+            &AtomicBool::new(false),
+        )
         .unwrap();
-    let text = trace.lock().unwrap().text().to_owned();
-    text
+    trace.lock().unwrap().text().to_owned()
 }
 
 const CLOSED_CORRIDOR: &str = r#"[{ "at_s": 12.0, "block": [15.0, 7.0, 0.4, 2.0, 0.0] }]"#;
@@ -122,10 +128,17 @@ fn it_gives_up_where_there_is_no_path() {
 fn it_asks_a_late_planner_again_until_the_bound() {
     // a planner that looks at its requests once a minute, and a wire that waits for a second
     let folder = tempfile::tempdir().unwrap();
-    let composite = std::fs::read_to_string(navigation().join("navigation.composite.toml")).unwrap();
+    let composite =
+        std::fs::read_to_string(navigation().join("navigation.composite.toml")).unwrap();
     let punctual = r#"id = "planner", period_ms = 100, delay_ms = 0"#;
-    let late = composite.replace(punctual, r#"id = "planner", period_ms = 60000, delay_ms = 60000"#);
-    assert_ne!(composite, late, "the composite has changed: adapt this test");
+    let late = composite.replace(
+        punctual,
+        r#"id = "planner", period_ms = 60000, delay_ms = 60000"#,
+    );
+    assert_ne!(
+        composite, late,
+        "the composite has changed: adapt this test"
+    );
     let path = folder.path().join("navigation.composite.toml");
     std::fs::write(&path, late).unwrap();
     std::fs::create_dir(folder.path().join("maps")).unwrap();
@@ -135,7 +148,13 @@ fn it_asks_a_late_planner_again_until_the_bound() {
     let (story, ended) = tell(&Mission::new(path.display().to_string()));
     assert_eq!(ended.outcome, Outcome::Failed);
     // once, and again three times: maxTries
-    assert_eq!(ended.summary.calls, [("maps.getMap".to_owned(), 1), ("planner.plan".to_owned(), 4)]);
+    assert_eq!(
+        ended.summary.calls,
+        [
+            ("maps.getMap".to_owned(), 1),
+            ("planner.plan".to_owned(), 4)
+        ]
+    );
     insta::assert_snapshot!(story);
 }
 
@@ -150,7 +169,10 @@ fn the_same_seed_gives_the_same_trace_byte_for_byte() {
 #[test]
 fn another_seed_gives_another_trace() {
     let mission = mission(&[TO_LOBBY], "[]");
-    assert_ne!(trace(&seeded(mission.clone(), 1)), trace(&seeded(mission, 2)));
+    assert_ne!(
+        trace(&seeded(mission.clone(), 1)),
+        trace(&seeded(mission, 2))
+    );
 }
 
 #[test]
@@ -159,7 +181,10 @@ fn every_seed_reaches_the_goal() {
         let mission = seeded(mission(&[TO_LOBBY], CLOSED_CORRIDOR), seed);
         let (story, ended) = tell(&mission);
         assert_eq!(ended.outcome, Outcome::Reached, "seed {seed}:\n{story}");
-        assert!(ended.summary.to_goal_m.unwrap() < 0.15, "seed {seed}:\n{story}");
+        assert!(
+            ended.summary.to_goal_m.unwrap() < 0.15,
+            "seed {seed}:\n{story}"
+        );
         assert!(!story.contains("COLLISION"), "seed {seed}:\n{story}");
     }
 }

@@ -1,6 +1,6 @@
 //! `asmotion check`: what is wrong, before anything runs.
 
-use crate::build::{Build, Variables};
+use crate::build;
 use crate::exit::Exit;
 use crate::files::Disk;
 use crate::terminal::{Terminal, count};
@@ -58,7 +58,9 @@ impl Check {
             total.extend(report);
         }
         if format == Format::Json {
-            terminal.result(json!({ "type": "check", "v": 1, "files": self.files, "findings": documents }));
+            terminal.result(
+                json!({ "type": "check", "v": 1, "files": self.files, "findings": documents }),
+            );
         }
         let files = match self.files.len() {
             1 => "1 file".to_owned(),
@@ -69,14 +71,18 @@ impl Check {
             (Some(found), false) => terminal.status("Checked", format_args!("{files}: {found}")),
             (None, _) => terminal.status("Checked", format_args!("{files}: no findings")),
         }
-        if total.has_errors() { Exit::Findings } else { Exit::Ok }
+        if total.has_errors() {
+            Exit::Findings
+        } else {
+            Exit::Ok
+        }
     }
 }
 
 /// The findings in one file and what it names.
 fn check(path: &str) -> (Report, Sources) {
     if path.ends_with(".toml") {
-        let opened = assembly::open(path, &Build.context(&Disk, &Variables, &[]));
+        let opened = build::open(path, &[]);
         return (opened.report, opened.sources);
     }
     match asm_lang::open(path, &Disk) {
@@ -96,7 +102,12 @@ fn findings_json(report: &Report, sources: &Sources) -> Vec<Value> {
         })
     };
     let each = report.diagnostics.iter().map(|finding| {
-        let places: Vec<Value> = finding.primary.iter().chain(&finding.secondary).map(place).collect();
+        let places: Vec<Value> = finding
+            .primary
+            .iter()
+            .chain(&finding.secondary)
+            .map(place)
+            .collect();
         json!({
             "severity": match finding.severity {
                 Severity::Error => "error",

@@ -11,9 +11,18 @@ use crate::terminal::Terminal;
 
 /// What the demo needs, so that the binary needs no other file.
 const FILES: &[(&str, &str)] = &[
-    ("navigation.composite.toml", include_str!("../../specs/navigation/navigation.composite.toml")),
-    ("navigate.asm", include_str!("../../specs/navigation/navigate.asm")),
-    ("maps/office.geojson", include_str!("../../specs/navigation/maps/office.geojson")),
+    (
+        "navigation.composite.toml",
+        include_str!("../../specs/navigation/navigation.composite.toml"),
+    ),
+    (
+        "navigate.asm",
+        include_str!("../../specs/navigation/navigate.asm"),
+    ),
+    (
+        "maps/office.geojson",
+        include_str!("../../specs/navigation/maps/office.geojson"),
+    ),
 ];
 
 /// Shows a rover being coordinated to its goal, in a simulated world.
@@ -71,7 +80,9 @@ impl Demo {
         let folder = match unpack() {
             Ok(folder) => folder,
             Err(error) => {
-                terminal.error(format_args!("cannot unpack the demo into a temporary folder: {error}"));
+                terminal.error(format_args!(
+                    "cannot unpack the demo into a temporary folder: {error}"
+                ));
                 return Exit::Usage;
             }
         };
@@ -79,14 +90,18 @@ impl Demo {
         let mut mission = Mission::new(composite.display().to_string());
         mission.clock = Clock::Virtual(self.speed.max(0.0));
         let obstacles: Datum = datum::json::decode(self.world.obstacles()).unwrap_or_default();
-        mission.properties.push(("World".to_owned(), "obstacles".to_owned(), obstacles));
+        mission
+            .properties
+            .push(("World".to_owned(), "obstacles".to_owned(), obstacles));
         self.common.run("the navigation demo", mission, terminal)
     }
 }
 
 /// Writes the demo's files into a temporary folder, which is removed when the demo is over.
 fn unpack() -> std::io::Result<tempfile::TempDir> {
-    let folder = tempfile::Builder::new().prefix("asmotion-demo-").tempdir()?;
+    let folder = tempfile::Builder::new()
+        .prefix("asmotion-demo-")
+        .tempdir()?;
     for (name, text) in FILES {
         let path = folder.path().join(name);
         std::fs::create_dir_all(path.parent().unwrap_or(Path::new("")))?;

@@ -109,7 +109,9 @@ impl Run {
 fn ends(written: &[String]) -> Result<Vec<(String, String)>, String> {
     let split = |text: &String| match text.split_once('=') {
         Some((location, value)) => Ok((location.trim().to_owned(), value.trim().to_owned())),
-        None => Err(format!("`{text}` is not of the form LOCATION=VALUE, as in mode=ARRIVED")),
+        None => Err(format!(
+            "`{text}` is not of the form LOCATION=VALUE, as in mode=ARRIVED"
+        )),
     };
     written.iter().map(split).collect()
 }
@@ -127,7 +129,10 @@ impl Common {
             Clock::Virtual(_) => "virtual clock, as fast as possible".to_owned(),
         };
         if !self.quiet {
-            terminal.status("Running", format_args!("{title}, {clock}, seed {}", mission.seed));
+            terminal.status(
+                "Running",
+                format_args!("{title}, {clock}, seed {}", mission.seed),
+            );
         }
         let stop = Arc::new(AtomicBool::new(false));
         on_interrupt(&stop);
@@ -146,7 +151,9 @@ impl Common {
             }
         };
         if let Some(path) = &self.trace {
-            let trace = trace.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            let trace = trace
+                .lock()
+                .unwrap_or_else(std::sync::PoisonError::into_inner);
             if let Err(error) = std::fs::write(path, trace.text()) {
                 terminal.error(format_args!("cannot write `{path}`: {error}"));
                 return Exit::Usage;
@@ -169,17 +176,28 @@ impl Common {
             mission.seed = seed;
             mission.settings.push(("seed".to_owned(), seed.to_string()));
         }
-        if !(self.limit > 0.0) {
-            return Err(format!("`--for {}`: a time above zero is wanted", self.limit));
+        if self.limit.is_nan() || self.limit <= 0.0 {
+            return Err(format!(
+                "`--for {}`: a time above zero is wanted",
+                self.limit
+            ));
         }
-        mission.limit = Some(Duration::try_from_secs_f64(self.limit).map_err(|error| error.to_string())?);
+        mission.limit =
+            Some(Duration::try_from_secs_f64(self.limit).map_err(|error| error.to_string())?);
         if let Some(goal) = &self.goal {
-            let numbers: Vec<f64> = goal.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+            let numbers: Vec<f64> = goal
+                .split(',')
+                .filter_map(|part| part.trim().parse().ok())
+                .collect();
             let [x, y] = numbers.as_slice() else {
-                return Err(format!("`--goal {goal}`: two numbers are wanted, as in `--goal 26.4,4.2`"));
+                return Err(format!(
+                    "`--goal {goal}`: two numbers are wanted, as in `--goal 26.4,4.2`"
+                ));
             };
             let script = Datum::List(vec![Datum::text(format!("1.0 goal {x} {y}"))]);
-            mission.properties.push(("Operator".to_owned(), "script".to_owned(), script));
+            mission
+                .properties
+                .push(("Operator".to_owned(), "script".to_owned(), script));
         }
         for setting in &self.set {
             let Some((name, value)) = setting.split_once('=') else {
@@ -190,7 +208,9 @@ impl Common {
                 Some((component, property)) => {
                     // what is not JSON is text
                     let value = data::decode(value).unwrap_or_else(|_| Datum::text(value));
-                    mission.properties.push((component.to_owned(), property.to_owned(), value));
+                    mission
+                        .properties
+                        .push((component.to_owned(), property.to_owned(), value));
                 }
             }
         }
@@ -205,7 +225,10 @@ impl Common {
         let (tell, as_json, write) = (!self.quiet && !self.json, self.json, self.trace.is_some());
         move |at, event, line| {
             if write {
-                trace.lock().unwrap_or_else(std::sync::PoisonError::into_inner).note(at, event);
+                trace
+                    .lock()
+                    .unwrap_or_else(std::sync::PoisonError::into_inner)
+                    .note(at, event);
             }
             if let (true, Some(line)) = (tell, line) {
                 let _ = writeln!(anstream::stderr(), "{line}");
@@ -232,21 +255,38 @@ fn on_interrupt(stop: &Arc<AtomicBool>) {
 fn event_json(at: Time, event: &Event<'_>) -> Option<serde_json::Value> {
     let t = at.seconds();
     match event {
-        Event::Report { component, kind, what } if *kind == STEP_REPORT => {
+        Event::Report {
+            component,
+            kind,
+            what,
+        } if *kind == STEP_REPORT => {
             let step: StepRecord = what.to().ok()?;
             Some(json!({ "type": "step", "v": 1, "t": t, "component": component, "step": step }))
         }
-        Event::Called { component, reference, operation, call, attempt, .. } => Some(json!({
+        Event::Called {
+            component,
+            reference,
+            operation,
+            call,
+            attempt,
+            ..
+        } => Some(json!({
             "type": "call", "v": 1, "t": t, "component": component, "reference": reference,
             "operation": operation, "call": call, "attempt": attempt,
         })),
-        Event::Replied { component, reference, operation, call, result } => Some(json!({
+        Event::Replied {
+            component,
+            reference,
+            operation,
+            call,
+            result,
+        } => Some(json!({
             "type": "reply", "v": 1, "t": t, "component": component, "reference": reference,
             "operation": operation, "call": call, "error": result.err(),
         })),
-        Event::Fault { component, fault } => {
-            Some(json!({ "type": "fault", "v": 1, "t": t, "component": component, "fault": fault.to_string() }))
-        }
+        Event::Fault { component, fault } => Some(
+            json!({ "type": "fault", "v": 1, "t": t, "component": component, "fault": fault.to_string() }),
+        ),
         _ => None,
     }
 }
@@ -281,18 +321,38 @@ fn summarise(ended: &Ended, terminal: &mut Terminal) {
         Outcome::Failed | Outcome::Fault => BAD,
         Outcome::TimeUp | Outcome::Stopped => NOTE,
     };
-    let state = summary.control_state.as_deref().unwrap_or("no control state");
+    let state = summary
+        .control_state
+        .as_deref()
+        .unwrap_or("no control state");
     let seconds = ended.time.as_secs_f64();
     terminal.say("");
-    terminal.result(format_args!("{style}{}{style:#} in {state} after {seconds:.1} s", word(ended.outcome)));
+    terminal.result(format_args!(
+        "{style}{}{style:#} in {state} after {seconds:.1} s",
+        word(ended.outcome)
+    ));
     let distance = match summary.to_goal_m {
         Some(metres) => format!(", {metres:.2} m from the goal"),
         None => String::new(),
     };
-    terminal.result(format_args!("  driven     {:.1} m{distance}", summary.driven_m));
-    let calls: Vec<String> = summary.calls.iter().map(|(name, count)| format!("{name} ×{count}")).collect();
-    terminal.result(format_args!("  calls      {}; {} failed", calls.join(", "), summary.failed_calls));
-    terminal.result(format_args!("  paths      {}, of which {} because the way was blocked", summary.paths, summary.blocked));
+    terminal.result(format_args!(
+        "  driven     {:.1} m{distance}",
+        summary.driven_m
+    ));
+    let calls: Vec<String> = summary
+        .calls
+        .iter()
+        .map(|(name, count)| format!("{name} ×{count}"))
+        .collect();
+    terminal.result(format_args!(
+        "  calls      {}; {} failed",
+        calls.join(", "),
+        summary.failed_calls
+    ));
+    terminal.result(format_args!(
+        "  paths      {}, of which {} because the way was blocked",
+        summary.paths, summary.blocked
+    ));
     terminal.result(format_args!(
         "  steps      {} that wrote something, {} changes of control state",
         summary.steps, summary.transitions

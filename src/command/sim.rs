@@ -39,14 +39,14 @@ pub struct Sim {
 /// Where inputs come from.
 enum Inputs {
     Script(Script),
-    Random(Random),
+    Random(Box<Random>),
 }
 
 impl Inputs {
     fn environment(&mut self) -> &mut dyn Environment {
         match self {
             Self::Script(script) => script,
-            Self::Random(random) => random,
+            Self::Random(random) => &mut **random,
         }
     }
 
@@ -103,13 +103,21 @@ impl Sim {
         Exit::Ok
     }
 
-    fn inputs(&self, specification: &mut Specification, machine: &Machine) -> Result<Inputs, Report> {
+    fn inputs(
+        &self,
+        specification: &mut Specification,
+        machine: &Machine,
+    ) -> Result<Inputs, Report> {
         let Some(path) = &self.env else {
-            return Ok(Inputs::Random(Random::new(specification.program.clone(), machine, self.seed)));
+            let program = specification.program.clone();
+            return Ok(Inputs::Random(Box::new(Random::new(program, machine, self.seed))));
         };
         let text = Disk.read(path).map_err(|error| {
             let mut report = Report::new();
-            report.push(asm_lang::Diagnostic::error("S000", error).help("check the path given with `--env`"));
+            report.push(
+                asm_lang::Diagnostic::error("S000", error)
+                    .help("check the path given with `--env`"),
+            );
             report
         })?;
         let file = specification.sources.add(path, text.clone());
@@ -125,10 +133,15 @@ impl Sim {
         let naming = machine.naming();
         for input in step.inputs {
             let location = simulate::location(machine, input.slot);
-            terminal.result(format_args!("  {FAINT}{location} = {}{FAINT:#}", input.value.show(&naming)));
+            terminal.result(format_args!(
+                "  {FAINT}{location} = {}{FAINT:#}",
+                input.value.show(&naming)
+            ));
         }
         for (location, before, after) in simulate::updates(machine, &step) {
-            terminal.result(format_args!("  {location} := {after}  {FAINT}(was {before}){FAINT:#}"));
+            terminal.result(format_args!(
+                "  {location} := {after}  {FAINT}(was {before}){FAINT:#}"
+            ));
         }
         for line in step.printed {
             terminal.result(format_args!("  print: {line}"));
@@ -141,11 +154,18 @@ impl Sim {
     fn state(&self, machine: &Machine, terminal: &mut Terminal) {
         let state = state(machine);
         if self.json {
-            let state: Map<String, Value> =
-                state.into_iter().map(|(location, value)| (location, Value::String(value))).collect();
-            return terminal.result(json!({ "type": "state", "v": 1, "steps": machine.steps(), "state": state }));
+            let state: Map<String, Value> = state
+                .into_iter()
+                .map(|(location, value)| (location, Value::String(value)))
+                .collect();
+            return terminal.result(
+                json!({ "type": "state", "v": 1, "steps": machine.steps(), "state": state }),
+            );
         }
-        terminal.result(format_args!("{NAME}state after step {}{NAME:#}", machine.steps()));
+        terminal.result(format_args!(
+            "{NAME}state after step {}{NAME:#}",
+            machine.steps()
+        ));
         for (location, value) in state {
             terminal.result(format_args!("  {location} = {value}"));
         }
@@ -184,7 +204,10 @@ fn state(machine: &Machine) -> Vec<(String, String)> {
         .filter(|(_, _, slot)| !machine.state().get(*slot).is_undef())
         .map(|(function, arguments, slot)| {
             let location = simulate::applied(machine, function, &arguments);
-            (location, machine.state().get(slot).show(&naming).to_string())
+            (
+                location,
+                machine.state().get(slot).show(&naming).to_string(),
+            )
         })
         .collect();
     shown.sort();
@@ -198,15 +221,21 @@ fn step_json(machine: &Machine, step: &Step<'_>) -> Value {
         .iter()
         .map(|input| {
             let value = input.value.show(&naming).to_string();
-            (simulate::location(machine, input.slot), Value::String(value))
+            (
+                simulate::location(machine, input.slot),
+                Value::String(value),
+            )
         })
         .collect();
     let updates: Vec<Value> = simulate::updates(machine, step)
         .into_iter()
         .map(|(location, before, after)| json!({ "location": location, "before": before, "after": after }))
         .collect();
-    let choices: Vec<Value> =
-        step.choices.iter().map(|choice| json!({ "index": choice.index, "of": choice.count })).collect();
+    let choices: Vec<Value> = step
+        .choices
+        .iter()
+        .map(|choice| json!({ "index": choice.index, "of": choice.count }))
+        .collect();
     json!({
         "type": "step", "v": 1, "step": step.number,
         "inputs": inputs, "choices": choices, "updates": updates, "printed": step.printed,

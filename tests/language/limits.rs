@@ -17,11 +17,17 @@ fn codes(text: &str) -> Vec<&'static str> {
         Err(failure) => failure.report,
     };
     assert!(begin.elapsed() < PATIENCE, "took {:?}", begin.elapsed());
-    report.diagnostics.iter().map(|finding| finding.code).collect()
+    report
+        .diagnostics
+        .iter()
+        .map(|finding| finding.code)
+        .collect()
 }
 
 fn main_rule(signature: &str, rule: &str) -> String {
-    format!("asm limits\nimport StandardLibrary\nsignature:\n{signature}\ndefinitions:\n main rule r_Main = {rule}\n")
+    format!(
+        "asm limits\nimport StandardLibrary\nsignature:\n{signature}\ndefinitions:\n main rule r_Main = {rule}\n"
+    )
 }
 
 /// Numbers without end, always the same.
@@ -45,7 +51,9 @@ fn says_that_an_empty_file_is_empty() {
 #[test]
 fn survives_noise() {
     let mut below = numbers();
-    let noise: String = (0..10_000_000).map(|_| char::from(u8::try_from(below(255)).unwrap())).collect();
+    let noise: String = (0..10_000_000)
+        .map(|_| char::from(u8::try_from(below(255)).unwrap()))
+        .collect();
     assert!(!codes(&noise).is_empty());
     assert!(!codes(&main_rule("", &noise)).is_empty());
 }
@@ -95,13 +103,21 @@ fn runs_nests_as_deep_as_they_may_be() {
             let mut machine = super::opened("limits", &text).machine().unwrap();
             machine.step(&mut NoInputs, &mut First, 0).unwrap();
         };
-        std::thread::Builder::new().stack_size(1 << 20).spawn(run).unwrap().join().unwrap();
+        std::thread::Builder::new()
+            .stack_size(1 << 20)
+            .spawn(run)
+            .unwrap()
+            .join()
+            .unwrap();
     }
 }
 
 #[test]
 fn survives_long_blocks() {
-    let text = main_rule(" controlled x: Integer", &format!("par {} endpar", "x := 1 ".repeat(50_000)));
+    let text = main_rule(
+        " controlled x: Integer",
+        &format!("par {} endpar", "x := 1 ".repeat(50_000)),
+    );
     assert_eq!(codes(&text), Vec::<&str>::new());
 }
 
@@ -109,25 +125,76 @@ fn survives_long_blocks() {
 #[test]
 fn stops_runs_without_end() {
     let endless = [
-        ("static f: Integer -> Integer", "function f($n in Integer) = f($n + 1) + 1", "x := f(0)", "R010"),
-        ("derived f: Integer -> Integer", "function f($n in Integer) = if x > 0 then 0 else f($n) endif", "x := f(0)", "R010"),
-        ("", "rule r_f($n in Integer) = r_f[$n + 1]", "r_f[0]", "R010"),
-        ("", "turbo rule r_f($n in Integer) in Integer = seq x <- r_f($n + 1)  result := x endseq", "x <- r_f(0)", "R010"),
-        ("", "rule r_f($n in Integer) = seq x := $n  r_f[x] endseq", "r_f[0]", "R010"),
+        (
+            "static f: Integer -> Integer",
+            "function f($n in Integer) = f($n + 1) + 1",
+            "x := f(0)",
+            "R010",
+        ),
+        (
+            "derived f: Integer -> Integer",
+            "function f($n in Integer) = if x > 0 then 0 else f($n) endif",
+            "x := f(0)",
+            "R010",
+        ),
+        (
+            "",
+            "rule r_f($n in Integer) = r_f[$n + 1]",
+            "r_f[0]",
+            "R010",
+        ),
+        (
+            "",
+            "turbo rule r_f($n in Integer) in Integer = seq x <- r_f($n + 1)  result := x endseq",
+            "x <- r_f(0)",
+            "R010",
+        ),
+        (
+            "",
+            "rule r_f($n in Integer) = seq x := $n  r_f[x] endseq",
+            "r_f[0]",
+            "R010",
+        ),
         ("", "", "while true do while true do x := x + 1", "R011"),
-        ("controlled s: Powerset(Integer)", "", "s := {$a in {1 : 2000}, $b in {1 : 2000} : $a * 2000 + $b}", "R012"),
-        ("controlled s: Powerset(Powerset(Integer))", "domain Digit = {0 : 63}", "s := {$d in Powerset(Digit) : $d}", "R012"),
-        ("controlled s: Seq(Integer)", "", "seq s := [1]  while true do s := union(s, s) endseq", "R004"),
+        (
+            "controlled s: Powerset(Integer)",
+            "",
+            "s := {$a in {1 : 2000}, $b in {1 : 2000} : $a * 2000 + $b}",
+            "R012",
+        ),
+        (
+            "controlled s: Powerset(Powerset(Integer))",
+            "domain Digit = {0 : 63}",
+            "s := {$d in Powerset(Digit) : $d}",
+            "R012",
+        ),
+        (
+            "controlled s: Seq(Integer)",
+            "",
+            "seq s := [1]  while true do s := union(s, s) endseq",
+            "R004",
+        ),
     ];
     for (signature, definition, rule, code) in endless {
-        let domain = if definition.starts_with("domain") { " domain Digit subsetof Integer\n" } else { "" };
+        let domain = if definition.starts_with("domain") {
+            " domain Digit subsetof Integer\n"
+        } else {
+            ""
+        };
         let text = format!(
             "asm limits\nimport StandardLibrary\nsignature:\n{domain} controlled x: Integer\n {signature}\ndefinitions:\n {definition}\n main rule r_Main = {rule}\ndefault init s0:\n function x = 0\n"
         );
         let specification = super::opened("limits", &text);
         let mut machine = specification.machine().unwrap();
-        let fault = machine.step(&mut NoInputs, &mut First, 0).map(|_| ()).unwrap_err();
-        assert_eq!(specification.explain_in(&fault, &machine).code, code, "{rule}");
+        let fault = machine
+            .step(&mut NoInputs, &mut First, 0)
+            .map(|_| ())
+            .unwrap_err();
+        assert_eq!(
+            specification.explain_in(&fault, &machine).code,
+            code,
+            "{rule}"
+        );
     }
 }
 
@@ -136,7 +203,10 @@ fn refuses_a_long_chain_of_imports() {
     let mut files = Files::new();
     for index in 0..200 {
         let next = format!("import m{}\n", index + 1);
-        files.add(&format!("m{index}.asm"), format!("module m{index}\n{next}export *\nsignature:\ndefinitions:\n"));
+        files.add(
+            &format!("m{index}.asm"),
+            format!("module m{index}\n{next}export *\nsignature:\ndefinitions:\n"),
+        );
     }
     let failure = asm_lang::open("m0.asm", &files).unwrap_err();
     insta::assert_snapshot!(first(&failure), @"
@@ -156,8 +226,13 @@ struct Locked;
 impl Loader for Locked {
     fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
         match path {
-            "robot.asm" => Ok(Arc::from("asm robot\nimport secret\nsignature:\ndefinitions:\n main rule r_Main = skip\n")),
-            path => Err(LoadError { path: path.to_owned(), reason: "permission denied".to_owned() }),
+            "robot.asm" => Ok(Arc::from(
+                "asm robot\nimport secret\nsignature:\ndefinitions:\n main rule r_Main = skip\n",
+            )),
+            path => Err(LoadError {
+                path: path.to_owned(),
+                reason: "permission denied".to_owned(),
+            }),
         }
     }
 
@@ -208,8 +283,12 @@ fn survives_scrambled_programs() {
             }
         }
         let text = words.concat();
-        let Ok(specification) = super::open(name, &text) else { continue };
-        let Ok(mut machine) = specification.machine() else { continue };
+        let Ok(specification) = super::open(name, &text) else {
+            continue;
+        };
+        let Ok(mut machine) = specification.machine() else {
+            continue;
+        };
         let mut random = Random::new(specification.program.clone(), &machine, round);
         let mut seeded = Seeded::new(round);
         for now in 0..3 {

@@ -7,7 +7,9 @@
 
 use asm_lang::simulate::Script;
 use asm_lang::source::FileId;
-use asm_lang::{Diagnostic, Failure, Files, First, Report, Sources, Specification, Style, render, render_all};
+use asm_lang::{
+    Diagnostic, Failure, Files, First, Report, Sources, Specification, Style, render, render_all,
+};
 use std::collections::BTreeSet;
 
 #[test]
@@ -22,7 +24,10 @@ fn says_what_is_wrong() {
             description => text.trim(),
         }, { insta::assert_snapshot!(name.clone(), rendered); });
         if found != expected(&text) {
-            wrong.push_str(&format!("{name}.asm\n  expected {:?}\n  found    {found:?}\n", expected(&text)));
+            wrong.push_str(&format!(
+                "{name}.asm\n  expected {:?}\n  found    {found:?}\n",
+                expected(&text)
+            ));
         }
     }
     assert!(wrong.is_empty(), "\n{wrong}");
@@ -32,28 +37,53 @@ fn says_what_is_wrong() {
 #[test]
 fn has_an_example_of_every_code() {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("asm-lang");
-    let sources = ["hir/src/error.rs", "ir/src/lower.rs", "ir/src/lower/rule.rs", "ir/src/lower/term.rs", "src/explain.rs"];
+    let sources = [
+        "hir/src/error.rs",
+        "ir/src/lower.rs",
+        "ir/src/lower/rule.rs",
+        "ir/src/lower/term.rs",
+        "src/explain.rs",
+    ];
     let is_code = |word: &&str| {
-        word.len() == 4 && word.starts_with(['A', 'W', 'R']) && word[1..].bytes().all(|digit| digit.is_ascii_digit())
+        word.len() == 4
+            && word.starts_with(['A', 'W', 'R'])
+            && word[1..].bytes().all(|digit| digit.is_ascii_digit())
     };
-    let texts: Vec<String> =
-        sources.iter().map(|source| std::fs::read_to_string(root.join(source)).unwrap()).collect();
-    let codes: BTreeSet<&str> = texts.iter().flat_map(|text| text.split('"')).filter(is_code).collect();
+    let texts: Vec<String> = sources
+        .iter()
+        .map(|source| std::fs::read_to_string(root.join(source)).unwrap())
+        .collect();
+    let codes: BTreeSet<&str> = texts
+        .iter()
+        .flat_map(|text| text.split('"'))
+        .filter(is_code)
+        .collect();
     let programs = super::programs(&super::folder().join("messages"));
-    let mut examples: BTreeSet<&str> =
-        programs.iter().flat_map(|(_, text)| expected(text)).map(|(_, code)| code).collect();
+    let mut examples: BTreeSet<&str> = programs
+        .iter()
+        .flat_map(|(_, text)| expected(text))
+        .map(|(_, code)| code)
+        .collect();
     // what a file cannot do by itself: see `limits`
     examples.extend(["A012", "A013"]);
-    assert_eq!(codes.difference(&examples).collect::<Vec<_>>(), Vec::<&&str>::new(), "without example");
+    assert_eq!(
+        codes.difference(&examples).collect::<Vec<_>>(),
+        Vec::<&&str>::new(),
+        "without example"
+    );
 }
 
 /// The codes found with their lines, and what a reader sees.
 fn said(name: &str, text: &str) -> (Vec<(usize, &'static str)>, String) {
     match open(name, text) {
-        Err(failure) => (lines(&failure.report, &failure.sources), failure.to_string()),
+        Err(failure) => (
+            lines(&failure.report, &failure.sources),
+            failure.to_string(),
+        ),
         Ok(specification) => {
             let mut found = lines(&specification.report, &specification.sources);
-            let mut rendered = render_all(&specification.report, &specification.sources, Style::Plain);
+            let mut rendered =
+                render_all(&specification.report, &specification.sources, Style::Plain);
             if let Some(fault) = run(&specification) {
                 found.push(line(&fault, &specification.sources));
                 rendered.push_str(&render(&fault, &specification.sources, Style::Plain));
@@ -92,11 +122,17 @@ fn run(specification: &Specification) -> Option<Diagnostic> {
 }
 
 fn lines(report: &Report, sources: &Sources) -> Vec<(usize, &'static str)> {
-    report.diagnostics.iter().map(|finding| line(finding, sources)).collect()
+    report
+        .diagnostics
+        .iter()
+        .map(|finding| line(finding, sources))
+        .collect()
 }
 
 fn line(finding: &Diagnostic, sources: &Sources) -> (usize, &'static str) {
-    let at = finding.primary.as_ref().map_or(1, |label| sources.position(label.span.file, label.span.start).0);
+    let at = finding.primary.as_ref().map_or(1, |label| {
+        sources.position(label.span.file, label.span.start).0
+    });
     (at, finding.code)
 }
 
@@ -105,7 +141,11 @@ fn expected(text: &str) -> Vec<(usize, &str)> {
     let mut expected = Vec::new();
     let mut line = 0;
     for text in text.lines() {
-        line = if text.starts_with("//--- ") { 0 } else { line + 1 };
+        line = if text.starts_with("//--- ") {
+            0
+        } else {
+            line + 1
+        };
         if let Some((_, codes)) = text.split_once("//~") {
             expected.extend(codes.split_whitespace().map(|code| (line, code)));
         }

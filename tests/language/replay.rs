@@ -24,7 +24,11 @@ impl Run {
     fn of(specification: &Specification) -> Self {
         let machine = specification.machine().unwrap();
         let trace = Trace::begin(&machine);
-        Self { machine, trace, stopped: None }
+        Self {
+            machine,
+            trace,
+            stopped: None,
+        }
     }
 
     fn step(&mut self, inputs: &mut dyn Environment, choices: &mut dyn Chooser, now_ns: i64) {
@@ -59,7 +63,11 @@ fn by_chance(specification: &Specification, seed: u64) -> String {
 #[test]
 fn repeats_a_run_with_its_seed() {
     for (name, specification) in programs() {
-        assert_eq!(by_chance(&specification, 7), by_chance(&specification, 7), "{name}.asm");
+        assert_eq!(
+            by_chance(&specification, 7),
+            by_chance(&specification, 7),
+            "{name}.asm"
+        );
     }
 }
 

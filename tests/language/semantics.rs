@@ -22,12 +22,16 @@ fn does_what_its_comments_say() {
         let machine = specification.machine();
         let done = match machine {
             Ok(machine) => steps(&specification, machine, &text),
-            Err(fault) => BTreeMap::from([(0, vec![specification.explain(&fault).code.to_owned()])]),
+            Err(fault) => {
+                BTreeMap::from([(0, vec![specification.explain(&fault).code.to_owned()])])
+            }
         };
         let expected = expected(&text);
         assert!(!expected.is_empty(), "{name}.asm expects nothing");
         if done != expected {
-            wrong.push_str(&format!("{name}.asm\n  expected {expected:?}\n  found    {done:?}\n"));
+            wrong.push_str(&format!(
+                "{name}.asm\n  expected {expected:?}\n  found    {done:?}\n"
+            ));
         }
     }
     assert!(wrong.is_empty(), "\n{wrong}");
@@ -38,15 +42,28 @@ fn does_the_same_wherever_locations_are_kept() {
     for (name, text) in super::programs(&super::folder().join("semantics")) {
         let specification = super::opened(&name, &text);
         let lowered = ir::lower_with(&specification.model, 1).unwrap();
-        let machines = (specification.machine(), Machine::new(Arc::new(lowered.program)));
-        let (Ok(dense), Ok(interned)) = machines else { continue };
+        let machines = (
+            specification.machine(),
+            Machine::new(Arc::new(lowered.program)),
+        );
+        let (Ok(dense), Ok(interned)) = machines else {
+            continue;
+        };
         let dense = steps(&specification, dense, &text);
-        assert_eq!(steps(&specification, interned, &text), dense, "in {name}.asm");
+        assert_eq!(
+            steps(&specification, interned, &text),
+            dense,
+            "in {name}.asm"
+        );
     }
 }
 
 /// Runs a program as long as its comments say; gives the update set of each step, or its code.
-fn steps(specification: &Specification, mut machine: Machine, text: &str) -> BTreeMap<u64, Vec<String>> {
+fn steps(
+    specification: &Specification,
+    mut machine: Machine,
+    text: &str,
+) -> BTreeMap<u64, Vec<String>> {
     let recording = Recording::read(&causes(text));
     let mut done = BTreeMap::new();
     for (number, step) in (1..).zip(recording.steps()) {
@@ -76,14 +93,26 @@ fn updates(trace: &str) -> Vec<String> {
     });
     let mut updates: Vec<String> = updates.collect();
     updates.sort();
-    if updates.is_empty() { vec!["nothing".to_owned()] } else { updates }
+    if updates.is_empty() {
+        vec!["nothing".to_owned()]
+    } else {
+        updates
+    }
 }
 
 /// The comments that begin with a mark, as step and parts.
 fn marked<'a>(text: &'a str, mark: &'a str) -> impl Iterator<Item = (u64, Vec<&'a str>)> {
     text.lines().filter_map(move |line| {
-        let (step, rest) = line.trim().strip_prefix(mark)?.trim().strip_prefix("step ")?.split_once(": ")?;
-        Some((step.parse().unwrap(), rest.split(", ").map(str::trim).collect()))
+        let (step, rest) = line
+            .trim()
+            .strip_prefix(mark)?
+            .trim()
+            .strip_prefix("step ")?
+            .split_once(": ")?;
+        Some((
+            step.parse().unwrap(),
+            rest.split(", ").map(str::trim).collect(),
+        ))
     })
 }
 

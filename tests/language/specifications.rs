@@ -14,20 +14,39 @@ fn have_no_errors() {
     }
     for (name, _) in super::programs(&folder) {
         let path = folder.join(format!("{name}.asm"));
-        let specification =
-            asm_lang::open(&path.to_string_lossy(), &Disk).unwrap_or_else(|failure| panic!("{name}.asm:\n{failure}"));
+        let specification = asm_lang::open(&path.to_string_lossy(), &Disk)
+            .unwrap_or_else(|failure| panic!("{name}.asm:\n{failure}"));
         let report = &specification.report;
-        let quiet = report.diagnostics.iter().all(|finding| finding.severity == Severity::Warning);
-        assert!(quiet, "{name}.asm:\n{}", render_all(report, &specification.sources, Style::Plain));
-        let mut machine = specification.machine().unwrap_or_else(|fault| panic!("{name}.asm: {fault:?}"));
+        let quiet = report
+            .diagnostics
+            .iter()
+            .all(|finding| finding.severity == Severity::Warning);
+        assert!(
+            quiet,
+            "{name}.asm:\n{}",
+            render_all(report, &specification.sources, Style::Plain)
+        );
+        let mut machine = specification
+            .machine()
+            .unwrap_or_else(|fault| panic!("{name}.asm: {fault:?}"));
         let mut random = Random::new(specification.program.clone(), &machine, 1);
         let mut seeded = Seeded::new(1);
         for now in 0..1_000 {
-            match machine.step(&mut random, &mut seeded, now * 100_000_000).map(|_| ()) {
+            match machine
+                .step(&mut random, &mut seeded, now * 100_000_000)
+                .map(|_| ())
+            {
                 Ok(()) => {}
                 // inputs by chance may break what a specification assumes of them, nothing else
-                Err(fault) if matches!(fault.kind, FaultKind::Invariant { .. } | FaultKind::Outside { .. }) => {}
-                Err(fault) => panic!("{name}.asm: {}", specification.explain_in(&fault, &machine).message),
+                Err(fault)
+                    if matches!(
+                        fault.kind,
+                        FaultKind::Invariant { .. } | FaultKind::Outside { .. }
+                    ) => {}
+                Err(fault) => panic!(
+                    "{name}.asm: {}",
+                    specification.explain_in(&fault, &machine).message
+                ),
             }
         }
     }

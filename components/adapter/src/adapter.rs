@@ -7,6 +7,7 @@ use messages::{Disc, Event, LaserScan, Obstacles, OccupancyGrid, Odometry, Path,
 use crate::advice::{Advice, Adviser, Cause, Patience};
 use crate::bend::Limits;
 use crate::memory::Memory;
+use crate::news::{Blockers, everything, on_the_path};
 use crate::trail::Trail;
 
 /// `nav::TrajectoryAdapter`: passes the path on, bent around what the laser sees; says `BLOCKED` once a path.
@@ -23,6 +24,7 @@ pub struct TrajectoryAdapter {
     adviser: Adviser,
     trail: Trail,
     memory: Memory,
+    blockers: Blockers,
     /// How far each place on the map is from what the map knows.
     known: Option<Distances>,
     /// When the newest usable scan came, ns.
@@ -69,12 +71,13 @@ impl TrajectoryAdapter {
             event: interface.output("event", "BLOCKED once a path that leads nowhere"),
             obstacles: interface.output(
                 "obstacles",
-                "what the laser saw and the map does not show, map frame",
+                "what a planner should know: all that the map does not show, or without a map what blocked the way; map frame",
             ),
             properties: Properties::declare(interface),
             adviser: Adviser::default(),
             trail: Trail::default(),
             memory: Memory::default(),
+            blockers: Blockers::default(),
             known: None,
             seen: None,
             told: None,
@@ -104,8 +107,7 @@ impl TrajectoryAdapter {
                 self.seen = Some(now);
             }
         }
-        let kept = (cycle.property(self.properties.memory) * 1e9) as i64;
-        self.memory.forget_before(now - kept);
+        self.memory.forget_before(now - self.properties.kept(cycle));
         Ok(())
     }
 
@@ -133,33 +135,40 @@ impl TrajectoryAdapter {
         }
     }
 
-    /// Tells what stands around: now and then, at once when the way is blocked, and once when nothing is left.
-    fn tell(&mut self, cycle: &mut Cycle<'_>, now: i64, at_once: bool) {
-        let period = (cycle.property(self.properties.obstacles_period) * 1e9) as i64;
-        let due = self.told.is_none_or(|(at, _)| now - at >= period);
-        if !(due || at_once) {
+    /// Tells a planner what it should know. With a map that is everything the map does not show: now and then, at once
+    /// when the way is blocked, and once when nothing is left. Without a map it is what blocked the way.
+    fn tell(&mut self, cycle: &mut Cycle<'_>, now: i64, blocked: bool) {
+        let discs = match &self.known {
+            Some(_) => self.due(cycle, now, blocked).then(|| {
+                let points: Vec<Point> = self.memory.points().collect();
+                everything(&points)
+            }),
+            None => {
+                let limits = self.properties.limits(cycle);
+                let forgot = self
+                    .blockers
+                    .forget_before(now - self.properties.kept(cycle));
+                if let (Some(route), true) = (self.adviser.route(), blocked) {
+                    let on_it = on_the_path(self.memory.points(), route, &limits);
+                    self.blockers.add(&on_it, now);
+                }
+                (blocked || forgot).then(|| self.blockers.discs())
+            }
+        };
+        let Some(discs) = discs else {
             return;
-        }
-        let limits = self.properties.limits(cycle);
-        let points: Vec<Point> = self.memory.points().collect();
-        let discs = self
-            .adviser
-            .obstacles(&points, self.known.as_ref(), &limits);
+        };
         let had_any = self.told.is_some_and(|(_, any)| any);
         self.told = Some((now, !discs.is_empty()));
-        if discs.is_empty() && !had_any {
-            return;
+        if !discs.is_empty() || had_any {
+            cycle.write(self.obstacles, obstacles(now, &discs));
         }
-        let disc = |disc: &geometry::Disc| Disc {
-            x: disc.centre.x,
-            y: disc.centre.y,
-            radius: disc.radius,
-        };
-        let obstacles = Obstacles {
-            stamp: Time::from_nanos(self.memory.newest().unwrap_or(now)),
-            discs: discs.iter().map(disc).collect(),
-        };
-        cycle.write(self.obstacles, obstacles);
+    }
+
+    /// Whether it is time to tell again.
+    fn due(&self, cycle: &Cycle<'_>, now: i64, blocked: bool) -> bool {
+        let period = (cycle.property(self.properties.obstacles_period) * 1e9) as i64;
+        blocked || self.told.is_none_or(|(at, _)| now - at >= period)
     }
 }
 
@@ -168,6 +177,7 @@ impl Component for TrajectoryAdapter {
         self.adviser = Adviser::default();
         self.trail = Trail::default();
         self.memory.clear();
+        self.blockers = Blockers::default();
         self.seen = None;
         self.told = None;
         Ok(())
@@ -193,6 +203,18 @@ fn shows(known: &Distances, point: Point, tolerance: f64) -> bool {
     let cell = known.layout().cell(point);
     let distance = cell.and_then(|cell| known.metres(cell));
     distance.is_some_and(|distance| distance <= tolerance)
+}
+
+fn obstacles(now: i64, discs: &[geometry::Disc]) -> Obstacles {
+    let disc = |disc: &geometry::Disc| Disc {
+        x: disc.centre.x,
+        y: disc.centre.y,
+        radius: disc.radius,
+    };
+    Obstacles {
+        stamp: Time::from_nanos(now),
+        discs: discs.iter().map(disc).collect(),
+    }
 }
 
 fn blocked(now: i64, cause: Cause) -> Event {
@@ -280,7 +302,7 @@ impl Properties {
             ),
             memory: number(
                 "memory_s",
-                30.0,
+                60.0,
                 0.0,
                 3600.0,
                 "s",
@@ -308,7 +330,7 @@ impl Properties {
                 0.0,
                 60.0,
                 "s",
-                "how often obstacles are told",
+                "how often obstacles are told, if there is a map",
             ),
             looks: interface
                 .setting(
@@ -335,6 +357,11 @@ impl Properties {
             reach: cycle.property(self.reach),
             horizon: cycle.property(self.horizon),
         }
+    }
+
+    /// ns, how long things are remembered.
+    fn kept(&self, cycle: &Cycle<'_>) -> i64 {
+        (cycle.property(self.memory) * 1e9) as i64
     }
 
     fn patience(&self, cycle: &Cycle<'_>) -> Patience {

@@ -1,10 +1,9 @@
 //! What to do about the obstacles: let the path be, bend it, hold, or give up.
 
-use geometry::{Disc, Distances, Point, Pose};
+use geometry::{Distances, Point, Pose};
 use messages::Path;
 
 use crate::bend::{Barrier, Bender, Limits, Obstacles, Window};
-use crate::cluster::{clusters, cover};
 use crate::route::Route;
 
 /// When to hold and when to give up.
@@ -77,9 +76,6 @@ const MILESTONE: f64 = 0.1;
 
 /// m before the end of the path, where a robot that stands still is not stuck.
 const ALMOST_THERE: f64 = 0.3;
-
-/// m, the discs that cover an obstacle are at most this large.
-const COVER: f64 = 0.25;
 
 impl Default for Adviser {
     fn default() -> Self {
@@ -266,30 +262,9 @@ impl Adviser {
         }
     }
 
-    /// The remembered things that a planner should know: all of them if the map has taken out what it knows, else
-    /// those that stand on the planned path, as far as they are near it.
-    pub fn obstacles(&self, seen: &[Point], map: Option<&Distances>, limits: &Limits) -> Vec<Disc> {
-        let mut discs = Vec::new();
-        if map.is_some() {
-            for cluster in clusters(seen) {
-                cover(cluster, COVER, &mut discs);
-            }
-        } else if let Some(route) = &self.route {
-            let from_path = |point: &Point| route.distance(*point);
-            let near = seen.iter().copied();
-            let near: Vec<Point> = near
-                .filter(|point| from_path(point) <= limits.reach)
-                .collect();
-            for cluster in clusters(&near) {
-                if cluster
-                    .iter()
-                    .any(|point| from_path(point) < limits.clearance)
-                {
-                    cover(cluster, COVER, &mut discs);
-                }
-            }
-        }
-        discs
+    /// The path that is cared for.
+    pub fn route(&self) -> Option<&Route> {
+        self.route.as_ref()
     }
 }
 
@@ -506,20 +481,5 @@ mod tests {
         assert!(is_stop(&adviser.blind(true)));
         assert_eq!(adviser.blind(true), Advice::default());
         assert_eq!(look(&mut adviser, 0.0, &[]).path, Some(path()));
-    }
-
-    #[test]
-    fn without_a_map_it_tells_of_what_stands_on_the_path() {
-        let adviser = ordered();
-        let beside = [Point::new(1.0, 0.9), Point::new(1.1, 0.9)];
-        assert_eq!(adviser.obstacles(&beside, None, &LIMITS), []);
-        let on_it = [
-            Point::new(3.0, 0.2),
-            Point::new(3.0, 0.3),
-            Point::new(3.0, 0.4),
-        ];
-        let discs = adviser.obstacles(&[&beside[..], &on_it[..]].concat(), None, &LIMITS);
-        assert_eq!(discs.len(), 1);
-        assert!((discs[0].centre - Point::new(3.0, 0.3)).norm() < 1e-9);
     }
 }

@@ -10,6 +10,7 @@ mod advice;
 mod bend;
 mod cluster;
 mod memory;
+mod news;
 mod route;
 mod trail;
 

@@ -39,7 +39,10 @@ impl Operator {
 impl Component for Operator {
     fn configure(&mut self, setup: &mut Setup<'_>) -> Result<(), Fault> {
         let script = setup.property(self.script);
-        self.deeds = script.iter().map(|line| line.parse()).collect::<Result<_, _>>()?;
+        self.deeds = script
+            .iter()
+            .map(|line| line.parse())
+            .collect::<Result<_, _>>()?;
         // deeds of one time are done in the order of the script
         self.deeds.reverse();
         self.deeds.sort_by(|a, b| b.at.total_cmp(&a.at));

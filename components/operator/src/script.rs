@@ -43,22 +43,35 @@ impl FromStr for Deed {
     type Err = ScriptError;
 
     fn from_str(line: &str) -> Result<Self, ScriptError> {
-        let wrong = |problem| ScriptError { line: line.to_owned(), problem };
+        let wrong = |problem| ScriptError {
+            line: line.to_owned(),
+            problem,
+        };
         let words: Vec<&str> = line.split_whitespace().collect();
         let Some((at, command)) = words.split_first() else {
             return Err(wrong("the line is empty"));
         };
         let number = |word: &str| {
             let number: Option<f64> = word.parse().ok();
-            number.filter(|number| number.is_finite()).ok_or_else(|| wrong("a number is wanted"))
+            number
+                .filter(|number| number.is_finite())
+                .ok_or_else(|| wrong("a number is wanted"))
         };
         let at = number(at)?;
         if at < 0.0 {
             return Err(wrong("the time comes before the start"));
         }
         let command = match command {
-            ["goal", x, y] => Command::Goal { x: number(x)?, y: number(y)?, yaw: 0.0 },
-            ["goal", x, y, yaw] => Command::Goal { x: number(x)?, y: number(y)?, yaw: number(yaw)? },
+            ["goal", x, y] => Command::Goal {
+                x: number(x)?,
+                y: number(y)?,
+                yaw: 0.0,
+            },
+            ["goal", x, y, yaw] => Command::Goal {
+                x: number(x)?,
+                y: number(y)?,
+                yaw: number(yaw)?,
+            },
             ["cancel"] => Command::Cancel,
             ["estop", "on"] => Command::Estop(true),
             ["estop", "off"] => Command::Estop(false),
@@ -75,15 +88,37 @@ mod tests {
     #[test]
     fn it_reads_what_an_operator_does() {
         let deed = |line: &str| line.parse::<Deed>().map(|deed| deed.command);
-        assert_eq!(deed("1.0 goal 26.4 4.2"), Ok(Command::Goal { x: 26.4, y: 4.2, yaw: 0.0 }));
-        assert_eq!(deed("1 goal -2 0 1.57"), Ok(Command::Goal { x: -2.0, y: 0.0, yaw: 1.57 }));
+        assert_eq!(
+            deed("1.0 goal 26.4 4.2"),
+            Ok(Command::Goal {
+                x: 26.4,
+                y: 4.2,
+                yaw: 0.0
+            })
+        );
+        assert_eq!(
+            deed("1 goal -2 0 1.57"),
+            Ok(Command::Goal {
+                x: -2.0,
+                y: 0.0,
+                yaw: 1.57
+            })
+        );
         assert_eq!(deed("8 estop on"), Ok(Command::Estop(true)));
         assert_eq!(deed("12 cancel"), Ok(Command::Cancel));
     }
 
     #[test]
     fn it_refuses_what_nobody_can_do() {
-        for line in ["", "goal 1 2", "1 goal 1", "1 goal x y", "-1 cancel", "1 fly", "NaN cancel"] {
+        for line in [
+            "",
+            "goal 1 2",
+            "1 goal 1",
+            "1 goal x y",
+            "-1 cancel",
+            "1 fly",
+            "NaN cancel",
+        ] {
             assert!(line.parse::<Deed>().is_err(), "{line}");
         }
     }

@@ -8,7 +8,10 @@ use datum::Datum;
 /// A datum as a value of the shape; `None` if it is none. Texts name enumeration literals.
 pub(crate) fn value_of(datum: &Datum, shape: &Shape, program: &Program) -> Option<Value> {
     let each = |items: &[Datum], shape: &Shape| {
-        items.iter().map(|item| value_of(item, shape, program)).collect::<Option<Vec<_>>>()
+        items
+            .iter()
+            .map(|item| value_of(item, shape, program))
+            .collect::<Option<Vec<_>>>()
     };
     match (datum, shape) {
         (Datum::Null, _) => Some(Value::Undef),
@@ -24,7 +27,10 @@ pub(crate) fn value_of(datum: &Datum, shape: &Shape, program: &Program) -> Optio
         (Datum::List(items), Shape::Set(item)) => each(items, item).map(Value::set),
         (Datum::List(items), Shape::Bag(item)) => each(items, item).map(Value::bag),
         (Datum::List(items), Shape::Tuple(shapes)) if items.len() == shapes.len() => {
-            let items = items.iter().zip(shapes).map(|(item, shape)| value_of(item, shape, program));
+            let items = items
+                .iter()
+                .zip(shapes)
+                .map(|(item, shape)| value_of(item, shape, program));
             items.collect::<Option<Vec<_>>>().map(Value::tuple)
         }
         // a message with one field stands for that field
@@ -38,7 +44,9 @@ pub(crate) fn value_of(datum: &Datum, shape: &Shape, program: &Program) -> Optio
 
 fn integer_of(number: i64, domain: DomainId, program: &Program) -> Option<Value> {
     match program.domains.get(domain.0 as usize)?.elements {
-        Elements::Ints { low, high } => (low..=high).contains(&number).then_some(Value::Int(number)),
+        Elements::Ints { low, high } => {
+            (low..=high).contains(&number).then_some(Value::Int(number))
+        }
         Elements::Computed(_) | Elements::Undefined | Elements::Open => Some(Value::Int(number)),
         Elements::Atoms { .. } => None,
     }
@@ -49,7 +57,10 @@ pub(crate) fn literal_of(name: &str, domain: DomainId, program: &Program) -> Opt
     let Elements::Atoms { first, count } = program.domains.get(domain.0 as usize)?.elements else {
         return None;
     };
-    let names = program.symbols.atoms.get(first.0 as usize..(first.0 + count) as usize)?;
+    let names = program
+        .symbols
+        .atoms
+        .get(first.0 as usize..(first.0 + count) as usize)?;
     let index = names.iter().position(|known| &**known == name)?;
     Some(Value::Atom(Atom(first.0 + index as u32)))
 }

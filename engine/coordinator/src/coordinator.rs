@@ -73,11 +73,22 @@ impl Coordinator {
         let handles = declare(binding, interfaces, interface)?;
         let machine = specification.machine().map_err(|fault| {
             let finding = specification.explain(&fault);
-            BindError::Initial(asm_lang::render(&finding, &specification.sources, Style::Plain))
+            BindError::Initial(asm_lang::render(
+                &finding,
+                &specification.sources,
+                Style::Plain,
+            ))
         })?;
         let mut inbox = Inbox::new(binding, &specification, &handles.inputs)?;
         let outbox = Outbox::new(binding, &specification, handles, &mut inbox)?;
-        Ok(Self { specification, machine, chooser: Seeded::new(seed), inbox, outbox, frame: Frame::default() })
+        Ok(Self {
+            specification,
+            machine,
+            chooser: Seeded::new(seed),
+            inbox,
+            outbox,
+            frame: Frame::default(),
+        })
     }
 }
 
@@ -87,10 +98,16 @@ impl Component for Coordinator {
         self.inbox.receive(cycle, self.machine.program());
         self.outbox.receive(cycle, &mut self.inbox);
         self.inbox.freeze(cycle.now(), &mut self.frame);
-        let stepped = self.machine.step(&mut self.frame, &mut self.chooser, cycle.now().nanos());
+        let stepped = self
+            .machine
+            .step(&mut self.frame, &mut self.chooser, cycle.now().nanos());
         if let Err(fault) = stepped {
             let finding = self.specification.explain_in(&fault, &self.machine);
-            return Err(Fault::new(asm_lang::render(&finding, &self.specification.sources, Style::Plain)));
+            return Err(Fault::new(asm_lang::render(
+                &finding,
+                &self.specification.sources,
+                Style::Plain,
+            )));
         }
         let step = self.machine.last_step();
         if !step.updates.is_empty() {
@@ -123,12 +140,22 @@ fn declare(
         if handles.operations.iter().any(|(known, _)| *known == name) {
             continue;
         }
-        let declared = interfaces.references.iter().find(|(reference, _)| *reference == call.reference);
+        let declared = interfaces
+            .references
+            .iter()
+            .find(|(reference, _)| *reference == call.reference);
         let Some((_, service)) = declared else {
-            return Err(BindError::UnknownOperation { reference: name.0, operation: name.1 });
+            return Err(BindError::UnknownOperation {
+                reference: name.0,
+                operation: name.1,
+            });
         };
-        let operation =
-            interface.require_of(&call.reference, service, &call.operation, "called by the specification");
+        let operation = interface.require_of(
+            &call.reference,
+            service,
+            &call.operation,
+            "called by the specification",
+        );
         handles.operations.push((name, operation));
     }
     Ok(handles)
@@ -139,8 +166,10 @@ fn calls(binding: &Binding) -> impl Iterator<Item = &crate::binding::Call> {
         Effect::Literals(cases) => cases.as_slice(),
         Effect::Publish { .. } => &[],
     });
-    cases.flat_map(|case| &case.actions).filter_map(|action| match action {
-        Action::Call(call) => Some(call),
-        Action::Publish { .. } => None,
-    })
+    cases
+        .flat_map(|case| &case.actions)
+        .filter_map(|action| match action {
+            Action::Call(call) => Some(call),
+            Action::Publish { .. } => None,
+        })
 }

@@ -22,7 +22,11 @@ impl Frame {
 
 impl Environment for Frame {
     /// An input that nothing is bound to is undef.
-    fn read(&mut self, function: FunctionId, _arguments: &[Value]) -> Result<Option<Value>, String> {
+    fn read(
+        &mut self,
+        function: FunctionId,
+        _arguments: &[Value],
+    ) -> Result<Option<Value>, String> {
         let bound = self.values.iter().find(|(known, _)| *known == function);
         Ok(bound.map(|(_, value)| value.clone()))
     }

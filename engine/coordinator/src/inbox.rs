@@ -51,13 +51,21 @@ impl Inbox {
         for monitored in &binding.monitored {
             inputs.push(Input::new(monitored, specification, ports)?);
         }
-        Ok(Self { inputs, dropped: 0, misfits: 0 })
+        Ok(Self {
+            inputs,
+            dropped: 0,
+            misfits: 0,
+        })
     }
 
     /// The input of an event function that calls report to; made if no port is bound to it.
     pub fn event(&mut self, name: &str, specification: &Specification) -> Result<usize, BindError> {
         let function = function(name, specification)?;
-        if let Some(index) = self.inputs.iter().position(|input| input.function == function) {
+        if let Some(index) = self
+            .inputs
+            .iter()
+            .position(|input| input.function == function)
+        {
             return Ok(index);
         }
         self.inputs.push(Input {
@@ -127,7 +135,10 @@ impl Inbox {
         for input in &mut self.inputs {
             let value = match input.receive {
                 Receive::Edge => Value::Bool(input.last.take().is_some()),
-                Receive::All => input.waiting.pop_front().unwrap_or_else(|| input.none.clone()),
+                Receive::All => input
+                    .waiting
+                    .pop_front()
+                    .unwrap_or_else(|| input.none.clone()),
                 Receive::Last => input.latest(now),
             };
             frame.set(input.function, value);
@@ -144,8 +155,13 @@ impl Input {
         let program = &specification.program;
         let function = function(&monitored.function, specification)?;
         let shape = codomain(function, program);
-        let port = ports.iter().find(|(name, _)| *name == monitored.port).map(|(_, port)| *port);
-        let port = port.ok_or_else(|| BindError::UnknownPort { port: monitored.port.clone() })?;
+        let port = ports
+            .iter()
+            .find(|(name, _)| *name == monitored.port)
+            .map(|(_, port)| *port);
+        let port = port.ok_or_else(|| BindError::UnknownPort {
+            port: monitored.port.clone(),
+        })?;
         let constant = |datum: &Option<Datum>| match datum {
             None => Ok(Value::Undef),
             Some(datum) => value_of(datum, &shape, program).ok_or_else(|| BindError::NotAValue {
@@ -202,9 +218,16 @@ impl Input {
 }
 
 fn function(name: &str, specification: &Specification) -> Result<FunctionId, BindError> {
-    specification.function(name, 0).ok_or_else(|| BindError::UnknownFunction { function: name.to_owned() })
+    specification
+        .function(name, 0)
+        .ok_or_else(|| BindError::UnknownFunction {
+            function: name.to_owned(),
+        })
 }
 
 fn codomain(function: FunctionId, program: &Program) -> Shape {
-    program.functions.get(function.0 as usize).map_or(Shape::Any, |function| function.codomain.clone())
+    program
+        .functions
+        .get(function.0 as usize)
+        .map_or(Shape::Any, |function| function.codomain.clone())
 }

@@ -4,10 +4,10 @@ use crate::binding::{Action, Argument, Binding, Effect, PublishWhen};
 use crate::convert::{datum_of, literal_of};
 use crate::coordinator::BindError;
 use crate::inbox::Inbox;
+use asm_lang::Specification;
 use asm_lang::ir::{FunctionId, Shape};
 use asm_lang::machine::{Machine, Step};
 use asm_lang::value::Value;
-use asm_lang::Specification;
 use component::{CallError, CallId, Cycle, Dynamic, Flow, In, Out, Reply, Required};
 use datum::Datum;
 use std::borrow::Cow;
@@ -38,13 +38,24 @@ struct Bound {
 }
 
 enum BoundEffect {
-    Publish { port: Out<Datum>, field: Option<String>, when: PublishWhen },
+    Publish {
+        port: Out<Datum>,
+        field: Option<String>,
+        when: PublishWhen,
+    },
     Literals(Vec<(Value, Vec<BoundAction>)>),
 }
 
 enum BoundAction {
-    Publish { port: Out<Datum>, value: Argument },
-    Call { operation: Required<Dynamic>, with: Argument, outcome: Outcome },
+    Publish {
+        port: Out<Datum>,
+        value: Argument,
+    },
+    Call {
+        operation: Required<Dynamic>,
+        with: Argument,
+        outcome: Outcome,
+    },
 }
 
 /// What the end of a call does.
@@ -69,18 +80,26 @@ impl Outbox {
     ) -> Result<Self, BindError> {
         let mut outs = Vec::new();
         for out in &binding.out {
-            let unknown = || BindError::UnknownFunction { function: out.function.clone() };
-            let function = specification.function(&out.function, 0).ok_or_else(unknown)?;
+            let unknown = || BindError::UnknownFunction {
+                function: out.function.clone(),
+            };
+            let function = specification
+                .function(&out.function, 0)
+                .ok_or_else(unknown)?;
             let effect = match &out.effect {
-                Effect::Publish { port, field, when } => {
-                    BoundEffect::Publish { port: handles.output(port)?, field: field.clone(), when: *when }
-                }
+                Effect::Publish { port, field, when } => BoundEffect::Publish {
+                    port: handles.output(port)?,
+                    field: field.clone(),
+                    when: *when,
+                },
                 Effect::Literals(cases) => {
                     let mut bound = Vec::new();
                     for case in cases {
-                        let literal = literal(&out.function, &case.literal, function, specification)?;
+                        let literal =
+                            literal(&out.function, &case.literal, function, specification)?;
                         let actions = case.actions.iter();
-                        let actions = actions.map(|action| handles.action(action, function, specification, inbox));
+                        let actions = actions
+                            .map(|action| handles.action(action, function, specification, inbox));
                         bound.push((literal, actions.collect::<Result<Vec<_>, _>>()?));
                     }
                     BoundEffect::Literals(bound)
@@ -88,15 +107,29 @@ impl Outbox {
             };
             outs.push(Bound { function, effect });
         }
-        let operations = handles.operations.iter().map(|(_, operation)| *operation).collect();
-        Ok(Self { outs, kept: BTreeMap::new(), pending: Vec::new(), ports: handles.inputs, operations })
+        let operations = handles
+            .operations
+            .iter()
+            .map(|(_, operation)| *operation)
+            .collect();
+        Ok(Self {
+            outs,
+            kept: BTreeMap::new(),
+            pending: Vec::new(),
+            ports: handles.inputs,
+            operations,
+        })
     }
 
     /// Takes in the calls that ended: replies are kept, outcomes become events.
     pub fn receive(&mut self, cycle: &mut Cycle<'_>, inbox: &mut Inbox) {
         for operation in &self.operations {
             for Reply { call, result } in cycle.replies(*operation) {
-                let Some(index) = self.pending.iter().position(|(pending, _)| *pending == call) else {
+                let Some(index) = self
+                    .pending
+                    .iter()
+                    .position(|(pending, _)| *pending == call)
+                else {
                     continue;
                 };
                 let (_, outcome) = self.pending.remove(index);
@@ -122,7 +155,11 @@ impl Outbox {
     pub fn send(&mut self, machine: &Machine, step: &Step<'_>, cycle: &mut Cycle<'_>) {
         for out in &self.outs {
             let slot = machine.state().slot(machine.program(), out.function, &[]);
-            let update = step.updates.iter().zip(step.before).find(|(update, _)| Some(update.slot) == slot);
+            let update = step
+                .updates
+                .iter()
+                .zip(step.before)
+                .find(|(update, _)| Some(update.slot) == slot);
             match &out.effect {
                 BoundEffect::Publish { port, field, when } => {
                     let due = match (when, &update) {
@@ -141,7 +178,8 @@ impl Outbox {
                 }
                 BoundEffect::Literals(cases) => {
                     let Some((update, _)) = update else { continue };
-                    let superseded = |(_, outcome): &(CallId, Outcome)| outcome.function == out.function;
+                    let superseded =
+                        |(_, outcome): &(CallId, Outcome)| outcome.function == out.function;
                     for (call, _) in self.pending.extract_if(.., |pending| superseded(pending)) {
                         cycle.cancel(call);
                     }
@@ -152,7 +190,11 @@ impl Outbox {
                                 let message = compose(value, &self.kept, &self.ports, cycle);
                                 cycle.write(*port, message);
                             }
-                            BoundAction::Call { operation, with, outcome } => {
+                            BoundAction::Call {
+                                operation,
+                                with,
+                                outcome,
+                            } => {
                                 let argument = compose(with, &self.kept, &self.ports, cycle);
                                 let call = cycle.call(*operation, argument);
                                 self.pending.push((call, outcome.clone()));
@@ -168,7 +210,11 @@ impl Outbox {
 impl Handles {
     fn output(&self, name: &str) -> Result<Out<Datum>, BindError> {
         let found = self.outputs.iter().find(|(port, _)| port == name);
-        found.map(|(_, port)| *port).ok_or_else(|| BindError::UnknownPort { port: name.to_owned() })
+        found
+            .map(|(_, port)| *port)
+            .ok_or_else(|| BindError::UnknownPort {
+                port: name.to_owned(),
+            })
     }
 
     fn action(
@@ -179,14 +225,18 @@ impl Handles {
         inbox: &mut Inbox,
     ) -> Result<BoundAction, BindError> {
         match action {
-            Action::Publish { port, value } => {
-                Ok(BoundAction::Publish { port: self.output(port)?, value: value.clone() })
-            }
+            Action::Publish { port, value } => Ok(BoundAction::Publish {
+                port: self.output(port)?,
+                value: value.clone(),
+            }),
             Action::Call(call) => {
                 let name = (call.reference.clone(), call.operation.clone());
                 let found = self.operations.iter().find(|(known, _)| *known == name);
                 let Some((_, operation)) = found else {
-                    return Err(BindError::UnknownOperation { reference: name.0, operation: name.1 });
+                    return Err(BindError::UnknownOperation {
+                        reference: name.0,
+                        operation: name.1,
+                    });
                 };
                 let event = match &call.event {
                     Some(event) => Some(inbox.event(event, specification)?),
@@ -210,7 +260,11 @@ impl Handles {
                     failed: literal(&call.failed)?,
                     timeout: literal(&call.timeout)?,
                 };
-                Ok(BoundAction::Call { operation: *operation, with: call.with.clone(), outcome })
+                Ok(BoundAction::Call {
+                    operation: *operation,
+                    with: call.with.clone(),
+                    outcome,
+                })
             }
         }
     }
@@ -223,14 +277,21 @@ fn literal(
     specification: &Specification,
 ) -> Result<Value, BindError> {
     let program = &specification.program;
-    let value = match program.functions.get(function.0 as usize).map(|function| &function.codomain) {
+    let value = match program
+        .functions
+        .get(function.0 as usize)
+        .map(|function| &function.codomain)
+    {
         Some(Shape::Domain(domain)) => literal_of(literal, *domain, program),
         Some(Shape::Bool) => literal.parse().ok().map(Value::Bool),
         Some(Shape::Int | Shape::Natural) => literal.parse().ok().map(Value::Int),
         Some(Shape::Text) => Some(Value::text(literal)),
         _ => None,
     };
-    value.ok_or_else(|| BindError::NotAValue { function: name.to_owned(), value: literal.to_owned() })
+    value.ok_or_else(|| BindError::NotAValue {
+        function: name.to_owned(),
+        value: literal.to_owned(),
+    })
 }
 
 /// Puts a message or argument together. What was never received is left out, and so has its default.
@@ -244,7 +305,9 @@ fn compose(
         Argument::Default => Datum::Record(Vec::new()),
         Argument::Value(value) => value.clone(),
         Argument::Record(fields) => {
-            let fields = fields.iter().map(|(name, field)| (name.clone(), compose(field, kept, ports, cycle)));
+            let fields = fields
+                .iter()
+                .map(|(name, field)| (name.clone(), compose(field, kept, ports, cycle)));
             Datum::record(fields)
         }
         Argument::Kept { name, path } => {

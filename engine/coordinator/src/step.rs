@@ -48,9 +48,17 @@ impl StepRecord {
             inputs: inputs
                 .map(|input| (simulate::location(machine, input.slot), show(&input.value)))
                 .collect(),
-            choices: step.choices.iter().map(|choice| (choice.index as u64, choice.count as u64)).collect(),
+            choices: step
+                .choices
+                .iter()
+                .map(|choice| (choice.index as u64, choice.count as u64))
+                .collect(),
             updates: updates
-                .map(|(location, before, after)| UpdateRecord { location, before, after })
+                .map(|(location, before, after)| UpdateRecord {
+                    location,
+                    before,
+                    after,
+                })
                 .collect(),
         }
     }

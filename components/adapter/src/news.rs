@@ -1,0 +1,117 @@
+//! What a planner should know: the things that the map does not show.
+
+use geometry::{Disc, Point};
+
+use crate::bend::Limits;
+use crate::cluster::{clusters, cover};
+use crate::route::Route;
+
+/// m, the discs that cover a thing are at most this large.
+const COVER: f64 = 0.25;
+
+/// All the points, as discs: for a robot with a map, which remembers only what is not on it.
+pub fn everything(points: &[Point]) -> Vec<Disc> {
+    let mut discs = Vec::new();
+    for cluster in clusters(points) {
+        cover(cluster, COVER, &mut discs);
+    }
+    discs
+}
+
+/// The things that stand on the path, as far as they are within reach of it, as discs: for a robot without a map. The
+/// planner did not know of them, or it would not have led the path there; of the rest one cannot tell.
+pub fn on_the_path(
+    points: impl Iterator<Item = Point>,
+    route: &Route,
+    limits: &Limits,
+) -> Vec<Disc> {
+    let off = |point: &Point| route.distance(*point);
+    let near: Vec<Point> = points.filter(|point| off(point) <= limits.reach).collect();
+    let mut discs = Vec::new();
+    for cluster in clusters(&near) {
+        if cluster.iter().any(|point| off(point) < limits.clearance) {
+            cover(cluster, COVER, &mut discs);
+        }
+    }
+    discs
+}
+
+/// What blocked a path lately, so that a robot without a map does not go to and fro between two blocked ways.
+#[derive(Debug, Clone, Default)]
+pub struct Blockers {
+    /// With when it blocked, ns.
+    discs: Vec<(Disc, i64)>,
+}
+
+impl Blockers {
+    /// Adds what blocks at `now`; it replaces what it overlaps.
+    pub fn add(&mut self, discs: &[Disc], now: i64) {
+        let overlap = |a: &Disc, b: &Disc| (a.centre - b.centre).norm() < a.radius + b.radius;
+        self.discs
+            .retain(|(old, _)| !discs.iter().any(|new| overlap(old, new)));
+        self.discs.extend(discs.iter().map(|disc| (*disc, now)));
+    }
+
+    /// Forgets what has not blocked since `nanos`; says whether that was anything.
+    pub fn forget_before(&mut self, nanos: i64) -> bool {
+        let before = self.discs.len();
+        self.discs.retain(|(_, at)| *at >= nanos);
+        self.discs.len() != before
+    }
+
+    /// What is left.
+    pub fn discs(&self) -> Vec<Disc> {
+        self.discs.iter().map(|(disc, _)| *disc).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use messages::{Path, Pose};
+
+    const LIMITS: Limits = Limits {
+        clearance: 0.25,
+        comfort: 0.4,
+        reach: 1.0,
+        horizon: 4.0,
+    };
+
+    fn points(all: &[(f64, f64)]) -> Vec<Point> {
+        all.iter().map(|(x, y)| Point::new(*x, *y)).collect()
+    }
+
+    #[test]
+    fn without_a_map_it_is_what_stands_on_the_path() {
+        let ends = [Pose::planar(0.0, 0.0, 0.0), Pose::planar(8.0, 0.0, 0.0)];
+        let route = Route::new(Path::through(1, "map", ends)).unwrap();
+        let beside = points(&[(1.0, 0.9), (1.1, 0.9)]);
+        let on_it = points(&[(3.0, 0.2), (3.0, 0.3), (3.0, 0.4), (3.0, 1.3)]);
+        let told = |points: &[Point]| on_the_path(points.iter().copied(), &route, &LIMITS);
+        assert_eq!(told(&beside), []);
+        let discs = told(&[beside, on_it].concat());
+        assert_eq!(discs.len(), 1);
+        assert!((discs[0].centre - Point::new(3.0, 0.3)).norm() < 1e-9);
+    }
+
+    #[test]
+    fn with_a_map_it_is_everything() {
+        assert_eq!(everything(&points(&[(1.0, 9.0), (5.0, 5.0)])).len(), 2);
+    }
+
+    #[test]
+    fn what_blocked_is_remembered_for_a_while_and_renewed() {
+        let disc = |x: f64| Disc {
+            centre: Point::new(x, 0.0),
+            radius: 0.2,
+        };
+        let mut blockers = Blockers::default();
+        blockers.add(&[disc(0.0)], 0);
+        blockers.add(&[disc(5.0)], 10);
+        blockers.add(&[disc(0.1)], 20);
+        assert_eq!(blockers.discs(), [disc(5.0), disc(0.1)]);
+        assert!(!blockers.forget_before(10));
+        assert!(blockers.forget_before(11));
+        assert_eq!(blockers.discs(), [disc(0.1)]);
+    }
+}
