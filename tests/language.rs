@@ -34,11 +34,17 @@ fn programs(folder: &Path) -> Vec<(String, String)> {
         .collect()
 }
 
-/// Opens a text that imports nothing but the libraries.
+/// Opens a text. A line `//--- name.asm` in it begins the text of another file.
 fn open(name: &str, text: &str) -> Result<Specification, Failure> {
     let mut files = Files::new();
-    files.add(&format!("{name}.asm"), text);
-    asm_lang::open(&format!("{name}.asm"), &files)
+    let mut parts = text.split("//--- ");
+    let main = format!("{name}.asm");
+    files.add(&main, parts.next().unwrap());
+    for part in parts {
+        let (path, text) = part.split_once('\n').unwrap();
+        files.add(path, text);
+    }
+    asm_lang::open(&main, &files)
 }
 
 /// Opens a text that has no errors.

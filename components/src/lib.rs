@@ -2,6 +2,7 @@
 //! operations. A checker reads these tables; nothing here runs.
 //!
 //! ```
+//! # use robot_components as components;
 //! let make = components::component("nav::TrajectoryFollower").ok_or("no such component")?;
 //! let mut scratch = component::Interface::new();
 //! make(&mut scratch);

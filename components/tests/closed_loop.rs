@@ -290,6 +290,25 @@ fn a_planner_that_hears_of_the_block_finds_another_way() {
 }
 
 #[test]
+fn it_goes_through_the_office_of_the_demo_although_a_corridor_gets_closed() {
+    let office = Course::office();
+    let from_lab = Course {
+        start: [4.2, 15.6, 0.0],
+        ..office
+    };
+    let course = from_lab
+        .with(disc(6.0, 22.0, 13.0, 0.8))
+        .with(disc(0.0, 10.0, 13.2, 0.25));
+    let mut running = course.mission((27.8, 15.4));
+    running.run.run_until(Time::from_nanos(nanos(150.0)));
+    let drive = running.drive.lock().unwrap();
+    assert_eq!(drive.faults, [""; 0]);
+    assert_eq!(drive.codes(), ["BLOCKED", "REACHED"], "{:?}", drive.events);
+    assert!((drive.end() - Point::new(27.8, 15.4)).norm() < 0.1);
+    assert!(drive.nearest > RADIUS + 0.03);
+}
+
+#[test]
 fn the_same_seed_gives_the_same_drive() {
     let course = Course::corridor().with(disc(0.0, 5.0, 0.0, 0.3));
     let (first, second) = (course.drive(20.0), course.drive(20.0));

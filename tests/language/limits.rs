@@ -269,7 +269,7 @@ fn first(failure: &Failure) -> String {
 fn survives_scrambled_programs() {
     let programs = super::programs(&super::folder().join("semantics"));
     let mut below = numbers();
-    for round in 0..300_000 {
+    for round in 0..2_000 {
         let (name, text) = &programs[below(programs.len())];
         let (_, other) = &programs[below(programs.len())];
         let spare: Vec<&str> = other.split_inclusive([' ', '\n', '(', ')', ',']).collect();
@@ -297,4 +297,26 @@ fn survives_scrambled_programs() {
             }
         }
     }
+}
+
+/// Terms that are passed by name from macro to macro stay of a size that can be built and run.
+#[test]
+fn bounds_what_is_passed_by_name() {
+    let macros = |count: usize, term: &str| {
+        let rule = |index: usize| format!("rule r_{index}($t in Integer) = seq y := $t  r_{}[{term}] endseq\n", index + 1);
+        let rules: String = (0..count).map(rule).collect();
+        let text = format!(
+            "asm limits\nimport StandardLibrary\nsignature:\n controlled x: Integer\n controlled y: Integer\ndefinitions:\n{rules} rule r_{count}($t in Integer) = seq x := 1  y := $t endseq\n main rule r_Main = r_0[x]\ndefault init s0:\n function x = 1\n"
+        );
+        let begin = Instant::now();
+        let opened = super::open("limits", &text);
+        assert!(begin.elapsed() < PATIENCE, "took {:?}", begin.elapsed());
+        opened
+    };
+    let deep = "1 + ".repeat(300) + "$t";
+    assert!(macros(40, "$t").is_ok());
+    assert!(macros(40, "$t + $t").is_err());
+    let specification = macros(25, &deep).unwrap();
+    let run = move || specification.machine().unwrap().step(&mut NoInputs, &mut First, 0).map(|_| ()).unwrap();
+    std::thread::Builder::new().stack_size(1 << 20).spawn(run).unwrap().join().unwrap();
 }

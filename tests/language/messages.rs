@@ -2,8 +2,7 @@
 //! sees as a snapshot. Read a snapshot before you accept it: does it say what is wrong, where, and
 //! what to do?
 //!
-//! What opens is run with an environment that answers nothing, until it fails. A line `//--- name.asm`
-//! begins the text of another file.
+//! What opens is run with an environment that answers nothing, until it fails.
 
 use asm_lang::simulate::Script;
 use asm_lang::source::FileId;
@@ -21,7 +20,6 @@ fn says_what_is_wrong() {
             snapshot_path => "messages",
             prepend_module_to_snapshot => false,
             omit_expression => true,
-            description => text.trim(),
         }, { insta::assert_snapshot!(name.clone(), rendered); });
         if found != expected(&text) {
             wrong.push_str(&format!(
@@ -75,7 +73,7 @@ fn has_an_example_of_every_code() {
 
 /// The codes found with their lines, and what a reader sees.
 fn said(name: &str, text: &str) -> (Vec<(usize, &'static str)>, String) {
-    match open(name, text) {
+    match super::open(name, text) {
         Err(failure) => (
             lines(&failure.report, &failure.sources),
             failure.to_string(),
@@ -91,19 +89,6 @@ fn said(name: &str, text: &str) -> (Vec<(usize, &'static str)>, String) {
             (found, rendered)
         }
     }
-}
-
-/// Opens a file and those that follow it in the text.
-fn open(name: &str, text: &str) -> Result<Specification, Failure> {
-    let mut files = Files::new();
-    let mut parts = text.split("//--- ");
-    let main = format!("{name}.asm");
-    files.add(&main, parts.next().unwrap());
-    for part in parts {
-        let (path, text) = part.split_once('\n').unwrap();
-        files.add(path, text);
-    }
-    asm_lang::open(&main, &files)
 }
 
 /// Runs a program for ten steps at most; what stopped it, if anything did.

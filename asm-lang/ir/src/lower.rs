@@ -73,6 +73,12 @@ struct Lowering<'a> {
     routines: BTreeMap<rule::Special, RoutineId>,
     /// How deep macros are being specialised within each other.
     depth: usize,
+    /// How deep the term that is being lowered stands in others.
+    nesting: usize,
+    /// How often terms passed by name were written out.
+    expansions: usize,
+    /// Whether it was reported that such terms grow without end.
+    has_grown: bool,
     /// A function with more locations than this is interned.
     dense: u64,
 }
@@ -115,6 +121,9 @@ impl<'a> Lowering<'a> {
             caches: BTreeMap::new(),
             routines: BTreeMap::new(),
             depth: 0,
+            nesting: 0,
+            expansions: 0,
+            has_grown: false,
             dense: u64::from(dense.max(1)),
         }
     }

@@ -3,9 +3,13 @@
 //! This is one back end; another one would offer the same [`Code`]: bodies that give a value and
 //! routines that collect updates, both over a [`Run`].
 
+mod collection;
+mod location;
+mod number;
 mod range;
 mod rule;
 mod term;
+mod truth;
 
 use crate::run::{Run, Stopped, Truth};
 use ir::{DomainId, Origin, Program};

@@ -5,13 +5,21 @@ use crate::compile::Code;
 use crate::environment::Environment;
 use crate::fault::{Fault, FaultKind};
 use crate::machine::{Choice, Input};
-use crate::state::{Naming, State, dense};
+use crate::state::{State, dense};
 use crate::updates::{Layer, Updates, Written};
-use ir::{BodyId, DomainId, FunctionId, FunctionKind, Local, Origin, Program, Slot, Storage};
+use ir::{BodyId, DomainId, FunctionId, FunctionKind, Local, Origin, Program, Slot};
 use value::Value;
 
 /// Calls may nest this deep.
 const MAX_DEPTH: u32 = 20_000;
+
+/// What one body may need at most: its terms nest at most so deep that this will do.
+const FRAME: usize = 512 * 1024;
+
+/// Does some work, on a new piece of stack if the old one is used up.
+fn on_enough_stack<T>(work: impl FnOnce() -> T) -> T {
+    stacker::maybe_grow(FRAME, 4 * FRAME, work)
+}
 
 /// A rule stopped: [`Run::fault`] says why.
 #[derive(Debug)]
@@ -124,16 +132,19 @@ impl Run<'_> {
     }
 
     /// What an input location holds in this step.
-    pub fn input(&mut self, slot: Slot, function: FunctionId, arguments: usize, origin: Origin) -> Value {
+    pub fn input(&mut self, slot: Slot, function: FunctionId, origin: Origin) -> Value {
         let index = slot as usize;
         // the initial state knows the inputs of the first step and no others
         let is_past = self.building && self.step > 1;
         if is_past || self.state.asked[index] == self.round {
             return self.state.slots[index].clone();
         }
-        let arguments = &self.stack[arguments..];
+        let from = self.stack.len();
+        self.state.arguments(self.program, slot, self.stack);
+        let answer = self.environment.read(function, &self.stack[from..]);
+        self.stack.truncate(from);
         let declared = &self.program.functions[function.0 as usize];
-        let value = match (self.environment.read(function, arguments), declared.clock) {
+        let value = match (answer, declared.clock) {
             (Ok(Some(value)), _) => Some(value),
             (Ok(None), Some(unit)) => Some(Value::Int(self.now_ns.div_euclid(unit))),
             (Ok(None), None) => (declared.kind == FunctionKind::Monitored).then_some(Value::Undef),
@@ -194,7 +205,7 @@ impl Run<'_> {
         }
         self.locals.resize(from + body.locals as usize, Value::Undef);
         let outer = std::mem::replace(&mut self.base, from);
-        let value = stacker::maybe_grow(64 * 1024, 1024 * 1024, || (body.code)(self));
+        let value = on_enough_stack(|| (body.code)(self));
         self.base = outer;
         self.locals.truncate(from);
         self.depth -= 1;
@@ -211,7 +222,7 @@ impl Run<'_> {
         }
         self.locals.resize(from + routine.locals as usize, Value::Undef);
         let outer = std::mem::replace(&mut self.base, from);
-        let done = stacker::maybe_grow(64 * 1024, 1024 * 1024, || (routine.code)(self));
+        let done = on_enough_stack(|| (routine.code)(self));
         self.base = outer;
         self.locals.truncate(from);
         self.depth -= 1;
@@ -231,9 +242,9 @@ impl Run<'_> {
     }
 
     /// Writes a location.
-    pub fn write(&mut self, function: FunctionId, slot: Slot, value: Value, origin: Origin) -> Result<(), Stopped> {
+    pub fn write(&mut self, slot: Slot, value: Value, within: Option<DomainId>, origin: Origin) -> Result<(), Stopped> {
         self.checked()?;
-        if let Some(domain) = self.program.functions[function.0 as usize].within
+        if let Some(domain) = within
             && !value.is_undef()
             && !self.is_element(domain, &value)
         {
@@ -270,10 +281,6 @@ impl Run<'_> {
         updates.abandon(&mut written);
     }
 
-    pub fn naming(&self) -> Naming<'_> {
-        Naming { program: self.program, reserve: &self.state.reserve }
-    }
-
     /// Whether a value is an element of a domain now.
     pub fn is_element(&self, domain: DomainId, value: &Value) -> bool {
         match &self.program.domains[domain.0 as usize].elements {
@@ -284,11 +291,6 @@ impl Run<'_> {
                 self.state.extents[domain.0 as usize].binary_search(value).is_ok()
             }
         }
-    }
-
-    /// Whether a function has one slot a location, known from the program alone.
-    pub fn is_dense(&self, function: FunctionId) -> bool {
-        matches!(self.program.functions[function.0 as usize].storage, Storage::Dense { .. })
     }
 }
 

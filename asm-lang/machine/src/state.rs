@@ -129,21 +129,26 @@ impl State {
 
     /// The location of a slot.
     pub fn location(&self, program: &Program, slot: Slot) -> Option<(FunctionId, Vec<Value>)> {
+        let function = self.function(program, slot)?;
+        let mut arguments = Vec::new();
+        self.arguments(program, slot, &mut arguments);
+        Some((function, arguments))
+    }
+
+    /// Adds the arguments of a slot's location to a list.
+    pub(crate) fn arguments(&self, program: &Program, slot: Slot, to: &mut Vec<Value>) {
         if let Some(index) = slot.checked_sub(self.fixed) {
-            let (function, arguments) = self.locations.get(index as usize)?;
-            return Some((*function, arguments.to_vec()));
+            let known = self.locations.get(index as usize);
+            return to.extend(known.into_iter().flat_map(|(_, arguments)| arguments.iter().cloned()));
         }
-        let function = program.dense_function(slot)?;
-        let Storage::Dense { base, axes, .. } = &program.functions[function.0 as usize].storage else {
-            return None;
-        };
-        let mut rest = slot - base;
-        let argument = |axis: &ir::Axis| {
-            let index = rest / axis.stride;
-            rest %= axis.stride;
-            axis.over.argument(index)
-        };
-        Some((function, axes.iter().map(argument).collect()))
+        let function = program.dense_function(slot).map(|id| &program.functions[id.0 as usize].storage);
+        if let Some(Storage::Dense { base, axes, .. }) = function {
+            let mut rest = slot - base;
+            for axis in axes {
+                to.push(axis.over.argument(rest / axis.stride));
+                rest %= axis.stride;
+            }
+        }
     }
 
     /// All locations and what they hold, by function and arguments; those of the specification only.

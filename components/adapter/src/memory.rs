@@ -79,8 +79,9 @@ fn sees_through(scan: &LaserScan, point: Point) -> bool {
     let bearing = point.y.atan2(point.x);
     let beam = (bearing - f64::from(scan.angle_min)) / f64::from(scan.angle_increment);
     let (before, after) = (beam.floor(), beam.ceil());
-    if before < 0.0 || after >= scan.ranges.len() as f64 {
-        return false;
+    let in_view = before >= 0.0 && after < scan.ranges.len() as f64;
+    if !in_view {
+        return false; // nor is a bearing that is no number
     }
     let distance = point.coords.norm();
     // NaN compares false and a beam that ended too near is -Inf: neither says that the way is free
@@ -164,6 +165,23 @@ mod tests {
             memory.points().filter(|point| point.x < 0.9).count() > 100,
             "outside of the view"
         );
+    }
+
+    #[test]
+    fn a_scan_of_nonsense_does_no_harm() {
+        let nowhere = Pose::translation(f64::NAN, f64::INFINITY);
+        for angle_increment in [f32::NAN, 0.0, -1.0, 1.0] {
+            for ranges in [vec![], vec![f32::NAN], vec![1.0; 3]] {
+                let scan = LaserScan {
+                    angle_increment,
+                    ranges,
+                    ..round(1.0)
+                };
+                let mut memory = remembered(&[round(1.0)]);
+                memory.look(&scan, &nowhere, 1, 6.0, |_| true);
+                memory.look(&scan, &Pose::identity(), 2, 6.0, |_| true);
+            }
+        }
     }
 
     #[test]

@@ -18,9 +18,10 @@ const KEPT: usize = 64;
 const TOLERANCE: i64 = 200_000_000;
 
 impl Trail {
-    /// Adds where the robot was at `nanos`; what does not come in order is left out.
+    /// Adds where the robot was at `nanos`; what does not come in order, or is nowhere, is left out.
     pub fn add(&mut self, nanos: i64, pose: Pose) {
-        if self.poses.back().is_some_and(|(last, _)| *last >= nanos) {
+        let late = self.poses.back().is_some_and(|(last, _)| *last >= nanos);
+        if late || !is_somewhere(&pose) {
             return;
         }
         if self.poses.len() == KEPT {
@@ -54,6 +55,11 @@ impl Trail {
             (None, None) => None,
         }
     }
+}
+
+fn is_somewhere(pose: &Pose) -> bool {
+    let place = pose.translation;
+    place.x.is_finite() && place.y.is_finite() && yaw(pose).is_finite()
 }
 
 #[cfg(test)]
@@ -91,6 +97,8 @@ mod tests {
             trail.add(step * 20_000_000, pose(0.0, 0.0));
         }
         trail.add(0, pose(9.0, 0.0));
+        trail.add(i64::MAX, pose(f64::NAN, 0.0));
+        trail.add(i64::MAX, pose(0.0, f64::NAN));
         assert_eq!(trail.poses.len(), KEPT);
         assert!(trail.at(5_000_000_000).is_none());
         assert_eq!(trail.newest(), Some(&pose(0.0, 0.0)));

@@ -76,6 +76,7 @@ impl TrajectoryFollower {
         let frame = |odometry: &Odometry| odometry.header.frame_id == self.frame;
         match odometry {
             None => Some("no odometry"),
+            Some(odometry) if !motion(odometry).is_finite() => Some("odometry without numbers"),
             Some(_) if !fresh || cycle.is_stale(self.odom) => Some("stale odometry"),
             Some(odometry) if !self.frame.is_empty() && !frame(odometry) => {
                 Some("odometry in another frame")

@@ -29,6 +29,16 @@ pub struct Motion {
     pub turn: f64,
 }
 
+impl Motion {
+    /// Whether all of it is numbers.
+    pub fn is_finite(&self) -> bool {
+        let place = self.pose.translation;
+        [place.x, place.y, yaw(&self.pose), self.speed, self.turn]
+            .iter()
+            .all(|number| number.is_finite())
+    }
+}
+
 /// What is said once a task.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum News {

@@ -97,7 +97,7 @@ impl World {
             self.told = Some((*wheels, now));
         }
         match self.told {
-            Some((wheels, at)) if now - at <= self.wheel_timeout => wheels,
+            Some((wheels, at)) if now - at <= self.wheel_timeout && is_number(wheels) => wheels,
             _ => WheelSpeeds::default(),
         }
     }
@@ -120,6 +120,10 @@ impl World {
         let normal: f64 = StandardNormal.sample(&mut self.chance);
         normal * self.slip
     }
+}
+
+fn is_number(wheels: WheelSpeeds) -> bool {
+    wheels.left.is_finite() && wheels.right.is_finite()
 }
 
 impl Component for World {

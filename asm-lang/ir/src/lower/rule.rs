@@ -2,7 +2,7 @@
 //! all others are passed by value.
 
 use super::{Lowering, domain, facts};
-use crate::program::{Kind, Local, Node, RoutineId, Rule, RuleNode, Term};
+use crate::program::{Kind, Local, Node, Origin, RoutineId, Rule, RuleNode, Term};
 use hir::{RuleKind, RuleTerm, TermKind, VarId};
 use source::{Diagnostic, Span};
 use std::collections::BTreeSet;
@@ -11,6 +11,12 @@ use value::{RuleId, Value};
 
 /// Macros may be built into each other this deep.
 const MAX_DEPTH: usize = 64;
+
+/// Terms may nest this deep, those passed by name included; in the text they nest less.
+const MAX_NESTING: usize = 1200;
+
+/// Terms passed by name may be written out this often, in a whole program.
+const MAX_EXPANSIONS: usize = 1 << 20;
 
 /// A rule, and for each parameter what is built in for it; `None` for one passed by value.
 pub(super) type Special = (RuleId, Vec<Option<String>>);
@@ -102,11 +108,9 @@ impl Lowering<'_> {
             return id;
         };
         if self.depth >= MAX_DEPTH {
-            self.report.push(
-                Diagnostic::error("A031", format!("`{}` calls itself with ever other terms", declared.name))
-                    .label(declared.span, "this macro takes a term by name that grows with each call")
-                    .help("make it a `turbo rule`, which takes values, or bind the value with `let` before the call"),
-            );
+            let finding = Diagnostic::error("A031", format!("`{}` calls itself with ever other terms", declared.name))
+                .label(declared.span, "this macro takes a term by name that grows with each call");
+            self.grows(finding);
             return id;
         }
         let mut frame = Frame::of(0, body.variables.len());
@@ -130,6 +134,28 @@ impl Lowering<'_> {
         id
     }
 
+    /// A term passed by name, where its parameter stands.
+    pub(super) fn by_name(&mut self, closed: &Closed, frame: &mut Frame, origin: Origin) -> Term {
+        self.expansions += 1;
+        if self.nesting <= MAX_NESTING && self.expansions <= MAX_EXPANSIONS {
+            frame.within(closed, |frame| self.term(&closed.term, frame))
+        } else {
+            let finding = Diagnostic::error("A031", "a term passed by name becomes too large")
+                .label(closed.term.span, "passed on by one macro after the other");
+            self.grows(finding);
+            Term::undef(origin)
+        }
+    }
+
+    /// Reports macros whose terms grow, once.
+    fn grows(&mut self, finding: Diagnostic) {
+        if !self.has_grown {
+            let help = "make the macro a `turbo rule`, which takes values, or bind the value with `let` before the call";
+            self.report.push(finding.help(help));
+        }
+        self.has_grown = true;
+    }
+
     /// A call: which arguments are passed by name is decided here.
     fn call(&mut self, rule: RuleId, arguments: &[hir::Term], frame: &mut Frame, span: Span) -> RuleNode {
         let mut values = Vec::new();
@@ -144,7 +170,7 @@ impl Lowering<'_> {
                     Some(closed) => (closed.term.clone(), closed.bindings.clone()),
                     None => (argument.clone(), frame.bindings.clone()),
                 };
-                (!turbo && self.is_by_name(rule, index, &term)).then_some((term, bindings))
+                (!turbo && self.is_by_name(rule, index, &term, &bindings)).then_some((term, bindings))
             })
             .collect();
         let value_count = named.iter().filter(|named| named.is_none()).count() as u32;
@@ -185,9 +211,24 @@ impl Lowering<'_> {
 
     /// By name and by value differ only if the macro writes the parameter, or reads it again after a
     /// state in between.
-    fn is_by_name(&self, rule: RuleId, parameter: usize, argument: &hir::Term) -> bool {
+    fn is_by_name(
+        &self,
+        rule: RuleId,
+        parameter: usize,
+        argument: &hir::Term,
+        bindings: &[Option<Binding>],
+    ) -> bool {
+        let holds_name = || {
+            let mut found = false;
+            facts::visit(argument, &mut |term| {
+                if let TermKind::Variable(variable) = &*term.kind {
+                    found |= matches!(bindings.get(variable.0 as usize), Some(Some(Binding::Term(_))));
+                }
+            });
+            found
+        };
         self.facts.assigns(rule, parameter)
-            || (self.facts.is_sequential(rule) && self.facts.is_dynamic(argument))
+            || (self.facts.is_sequential(rule) && (self.facts.is_dynamic(argument) || holds_name()))
     }
 
     fn not_a_location(&mut self, rule: RuleId, parameter: usize, span: Span) {

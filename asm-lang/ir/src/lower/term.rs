@@ -53,7 +53,10 @@ impl Lowering<'_> {
 
     /// A term in a frame.
     pub(super) fn term(&mut self, term: &hir::Term, frame: &mut Frame) -> Term {
-        stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.term_here(term, frame))
+        self.nesting += 1;
+        let lowered = stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.term_here(term, frame));
+        self.nesting -= 1;
+        lowered
     }
 
     fn term_here(&mut self, term: &hir::Term, frame: &mut Frame) -> Term {
@@ -63,9 +66,7 @@ impl Lowering<'_> {
             TermKind::Value(value) => Node::Constant(value.clone()),
             TermKind::Variable(variable) => match frame.binding(*variable) {
                 Some(Binding::Local(local)) => Node::Local(local),
-                Some(Binding::Term(closed)) => {
-                    return frame.within(&closed, |frame| self.term(&closed.term, frame));
-                }
+                Some(Binding::Term(closed)) => return self.by_name(&closed, frame, origin),
                 None => Node::Constant(Value::Undef),
             },
             TermKind::Apply(function, arguments) => {

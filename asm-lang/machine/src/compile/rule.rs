@@ -1,11 +1,12 @@
 //! Rules compiled.
 
+use super::location::SlotCode;
 use super::range::Ranges;
 use super::{Compiler, RuleCode, TermCode};
 use crate::fault::FaultKind;
 use crate::machine::Choice;
 use crate::run::{Run, Stopped, Truth};
-use ir::{FunctionId, Origin, Place, RoutineId, Rule, RuleNode, Slot, Term};
+use ir::{DomainId, Origin, Place, RoutineId, Rule, RuleNode, Term};
 use std::ops::ControlFlow;
 use value::{RuleId, Value};
 
@@ -13,27 +14,17 @@ use value::{RuleId, Value};
 const MAX_ITERATIONS: u32 = 10_000_000;
 
 /// Where a value goes.
-enum PlaceCode {
-    Slot(FunctionId, Slot),
-    Location(FunctionId, Vec<TermCode>),
+struct Target {
+    slot: SlotCode,
+    /// What the value must be an element of.
+    within: Option<DomainId>,
+    origin: Origin,
 }
 
-impl PlaceCode {
-    /// The slot; computed before the value is written.
-    fn slot(&self, run: &mut Run<'_>) -> (FunctionId, Slot) {
-        match self {
-            Self::Slot(function, slot) => (*function, *slot),
-            Self::Location(function, arguments) => {
-                let from = run.stack.len();
-                for argument in arguments {
-                    let argument = argument(run);
-                    run.stack.push(argument);
-                }
-                let slot = run.slot(*function, from);
-                run.stack.truncate(from);
-                (*function, slot)
-            }
-        }
+impl Target {
+    fn write(&self, run: &mut Run<'_>, value: Value) -> Result<(), Stopped> {
+        let slot = (self.slot)(run);
+        run.write(slot, value, self.within, self.origin)
     }
 }
 
@@ -89,26 +80,31 @@ impl Compiler<'_> {
         }
     }
 
-    fn place(&self, place: &Place) -> PlaceCode {
-        match place {
-            Place::Slot(function, slot) => PlaceCode::Slot(*function, *slot),
-            Place::Location(function, arguments) => PlaceCode::Location(*function, self.terms(arguments)),
-        }
+    fn target(&self, place: &Place, origin: Origin) -> Target {
+        let slot: SlotCode = match place {
+            Place::Slot(_, slot) => {
+                let slot = *slot;
+                Box::new(move |_| slot)
+            }
+            Place::Location(function, arguments) => self.slot(*function, arguments),
+        };
+        Target { slot, within: self.program.functions[place.function().0 as usize].within, origin }
     }
 
     fn update(&self, place: &Place, value: &Term, origin: Origin) -> RuleCode {
         let value = self.term(value);
-        match self.place(place) {
-            PlaceCode::Slot(function, slot) => Box::new(move |run| {
+        if let Place::Slot(function, slot) = place {
+            let (slot, within) = (*slot, self.program.functions[function.0 as usize].within);
+            return Box::new(move |run| {
                 let value = value(run);
-                run.write(function, slot, value, origin)
-            }),
-            place => Box::new(move |run| {
-                let value = value(run);
-                let (function, slot) = place.slot(run);
-                run.write(function, slot, value, origin)
-            }),
+                run.write(slot, value, within, origin)
+            });
         }
+        let target = self.target(place, origin);
+        Box::new(move |run| {
+            let value = value(run);
+            target.write(run, value)
+        })
     }
 
     /// The turbo rule runs in a layer of its own, from which its result is taken out.
@@ -119,7 +115,7 @@ impl Compiler<'_> {
         arguments: &[Term],
         origin: Origin,
     ) -> RuleCode {
-        let place = place.map(|place| self.place(place));
+        let target = place.map(|place| self.target(place, origin));
         let call = self.call(routine, arguments);
         let result = self.program.result;
         Box::new(move |run| {
@@ -127,11 +123,10 @@ impl Compiler<'_> {
             call(run)?;
             let value = run.updates.take(&layer, result).unwrap_or_default();
             run.restore(layer)?;
-            let Some(place) = &place else {
-                return Ok(());
-            };
-            let (function, slot) = place.slot(run);
-            run.write(function, slot, value, origin)
+            match &target {
+                Some(target) => target.write(run, value),
+                None => Ok(()),
+            }
         })
     }
 

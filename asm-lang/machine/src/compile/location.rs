@@ -1,0 +1,173 @@
+//! Locations: which slot a location is, and what it holds.
+
+use super::{Compiler, TermCode};
+use crate::run::Run;
+use ir::{Axis, AxisRange, FunctionId, FunctionKind, Kind, Node, Slot, Storage, Term};
+use value::Value;
+
+/// Finds the slot of a location.
+pub(super) type SlotCode = Box<dyn Fn(&mut Run<'_>) -> Slot + Send + Sync>;
+
+/// Finds the index of an argument on its axis. Off the axis it gives [`MISS`], and leaves the
+/// argument on the stack.
+type IndexCode = Box<dyn Fn(&mut Run<'_>) -> u32 + Send + Sync>;
+
+/// No index: axes are shorter.
+const MISS: u32 = u32::MAX;
+
+/// Functions of more arguments take the way over the stack.
+const MAX_AXES: usize = 4;
+
+impl Compiler<'_> {
+    /// What a location holds.
+    pub(super) fn location(&self, term: &Term) -> TermCode {
+        let origin = term.origin;
+        match &*term.node {
+            Node::Slot(function, slot) if self.is_input(*function) => {
+                let (function, slot) = (*function, *slot);
+                Box::new(move |run| run.input(slot, function, origin))
+            }
+            Node::Slot(_, slot) => {
+                let slot = *slot as usize;
+                Box::new(move |run| run.state.slots[slot].clone())
+            }
+            Node::Location(function, arguments) if self.is_input(*function) => {
+                let (function, slot) = (*function, self.slot(*function, arguments));
+                Box::new(move |run| {
+                    let slot = slot(run);
+                    run.input(slot, function, origin)
+                })
+            }
+            Node::Location(function, arguments) => {
+                let slot = self.slot(*function, arguments);
+                Box::new(move |run| {
+                    let slot = slot(run) as usize;
+                    run.state.slots[slot].clone()
+                })
+            }
+            _ => Box::new(|_| Value::Undef),
+        }
+    }
+
+    /// The slot of a term that is a location and no input: its value can be looked at where it is.
+    pub(super) fn stored(&self, term: &Term) -> Option<SlotCode> {
+        match &*term.node {
+            Node::Location(function, arguments) if !self.is_input(*function) => {
+                Some(self.slot(*function, arguments))
+            }
+            _ => None,
+        }
+    }
+
+    pub(super) fn is_input(&self, function: FunctionId) -> bool {
+        matches!(
+            self.program.functions[function.0 as usize].kind,
+            FunctionKind::Monitored | FunctionKind::Shared
+        )
+    }
+
+    /// The slot of a function applied to arguments.
+    pub(super) fn slot(&self, function: FunctionId, arguments: &[Term]) -> SlotCode {
+        match &self.program.functions[function.0 as usize].storage {
+            Storage::Dense { base, axes, .. } if axes.len() <= MAX_AXES => {
+                let axes = arguments.iter().zip(axes).map(|(argument, axis)| (self.index(argument, axis.over), *axis));
+                on_axes(function, *base, axes.collect())
+            }
+            Storage::Dense { .. } | Storage::Interned | Storage::None => {
+                let arguments = self.terms(arguments);
+                Box::new(move |run| {
+                    let from = run.stack.len();
+                    for argument in &arguments {
+                        let argument = argument(run);
+                        run.stack.push(argument);
+                    }
+                    let slot = run.slot(function, from);
+                    run.stack.truncate(from);
+                    slot
+                })
+            }
+        }
+    }
+
+    fn index(&self, argument: &Term, over: AxisRange) -> IndexCode {
+        match (&*argument.node, over) {
+            (Node::Local(local), over) => {
+                let local = *local;
+                Box::new(move |run| match over.index(run.local(local)) {
+                    Some(index) => index,
+                    None => missed(run, run.local(local).clone()),
+                })
+            }
+            (_, AxisRange::Ints { low, count }) if argument.kind == Kind::Int => {
+                let integer = self.integer(argument);
+                Box::new(move |run| {
+                    let number = integer(run);
+                    match number.and_then(|number| number.checked_sub(low)) {
+                        Some(index) if (0..i64::from(count)).contains(&index) => index as u32,
+                        _ => missed(run, number.map_or(Value::Undef, Value::Int)),
+                    }
+                })
+            }
+            (_, over) => {
+                let argument = self.term(argument);
+                Box::new(move |run| {
+                    let argument = argument(run);
+                    match over.index(&argument) {
+                        Some(index) => index,
+                        None => missed(run, argument),
+                    }
+                })
+            }
+        }
+    }
+}
+
+#[cold]
+fn missed(run: &mut Run<'_>, argument: Value) -> u32 {
+    run.stack.push(argument);
+    MISS
+}
+
+fn on_axes(function: FunctionId, base: Slot, mut axes: Vec<(IndexCode, Axis)>) -> SlotCode {
+    if axes.len() == 1
+        && let Some((index, axis)) = axes.pop()
+    {
+        return Box::new(move |run| match index(run) {
+            MISS => off_axes(run, function, &[], &[]),
+            index => base + index * axis.stride,
+        });
+    }
+    Box::new(move |run| {
+        let mut slot = base;
+        let mut indices = [0; MAX_AXES];
+        for (position, (index, axis)) in axes.iter().enumerate() {
+            let index = index(run);
+            if index == MISS {
+                return off_axes(run, function, &axes, &indices[..position]);
+            }
+            indices[position] = index;
+            slot += index * axis.stride;
+        }
+        slot
+    })
+}
+
+/// The slot of a location one of whose arguments lies off its axis. That one is on the stack; the
+/// ones before it have indices, the ones after it are still to be computed.
+#[cold]
+fn off_axes(run: &mut Run<'_>, function: FunctionId, axes: &[(IndexCode, Axis)], before: &[u32]) -> Slot {
+    let argument = run.stack.pop().unwrap_or_default();
+    let from = run.stack.len();
+    let known = axes.iter().zip(before).map(|((_, axis), &index)| axis.over.argument(index));
+    run.stack.extend(known);
+    run.stack.push(argument);
+    for (index, axis) in axes.iter().skip(before.len() + 1) {
+        match index(run) {
+            MISS => {}
+            index => run.stack.push(axis.over.argument(index)),
+        }
+    }
+    let slot = run.slot(function, from);
+    run.stack.truncate(from);
+    slot
+}

@@ -1,0 +1,168 @@
+//! Terms compiled to code that gives truth values: guards take this way.
+
+use super::range::Ranges;
+use super::{Compiler, TruthCode};
+use crate::fault::FaultKind;
+use crate::run::Truth;
+use ir::{Comparison, Kind, Logic, Node, Quantifier, Term};
+use std::ops::ControlFlow;
+
+impl Compiler<'_> {
+    /// A term as code that gives a truth value.
+    pub(super) fn truth(&self, term: &Term) -> TruthCode {
+        match &*term.node {
+            Node::Logic(logic, left, right) => self.logic(*logic, left, right),
+            Node::Not(operand) => {
+                let operand = self.truth(operand);
+                Box::new(move |run| match operand(run) {
+                    Truth::True => Truth::False,
+                    Truth::False => Truth::True,
+                    Truth::Undef => Truth::Undef,
+                })
+            }
+            Node::Equal(left, right) => self.equal(left, right),
+            Node::Compare(comparison, left, right) => self.compare(*comparison, left, right),
+            Node::Quantified(quantifier, binders, guard) => {
+                self.quantified(*quantifier, self.ranges(binders, guard.as_ref(), false))
+            }
+            Node::Slot(function, slot) if !self.is_input(*function) => {
+                let slot = *slot as usize;
+                Box::new(move |run| Truth::from_value(&run.state.slots[slot]))
+            }
+            Node::If(guard, then, otherwise) => {
+                let origin = guard.origin;
+                let (guard, then, otherwise) = (self.truth(guard), self.truth(then), self.truth(otherwise));
+                Box::new(move |run| match guard(run) {
+                    Truth::True => then(run),
+                    Truth::False => otherwise(run),
+                    Truth::Undef => {
+                        run.fail(FaultKind::UndefinedGuard, origin);
+                        Truth::Undef
+                    }
+                })
+            }
+            _ => match self.stored(term) {
+                Some(slot) => Box::new(move |run| {
+                    let slot = slot(run) as usize;
+                    Truth::from_value(&run.state.slots[slot])
+                }),
+                None => {
+                    let code = self.term(term);
+                    Box::new(move |run| Truth::from_value(&code(run)))
+                }
+            },
+        }
+    }
+
+    /// Strong Kleene connectives; the right operand is not evaluated where the left decides.
+    fn logic(&self, logic: Logic, left: &Term, right: &Term) -> TruthCode {
+        use Truth::{False, True, Undef};
+        let (left, right) = (self.truth(left), self.truth(right));
+        match logic {
+            Logic::And => Box::new(move |run| match left(run) {
+                False => False,
+                True => right(run),
+                Undef => if right(run) == False { False } else { Undef },
+            }),
+            Logic::Or => Box::new(move |run| match left(run) {
+                True => True,
+                False => right(run),
+                Undef => if right(run) == True { True } else { Undef },
+            }),
+            Logic::Implies => Box::new(move |run| match left(run) {
+                False => True,
+                True => right(run),
+                Undef => if right(run) == True { True } else { Undef },
+            }),
+            Logic::Xor => Box::new(move |run| match (left(run), right(run)) {
+                (Undef, _) | (_, Undef) => Undef,
+                (left, right) => Truth::of(left != right),
+            }),
+            Logic::Iff => Box::new(move |run| match (left(run), right(run)) {
+                (Undef, _) | (_, Undef) => Undef,
+                (left, right) => Truth::of(left == right),
+            }),
+        }
+    }
+
+    /// `=` on anything. A location against a constant is the commonest guard of all.
+    fn equal(&self, left: &Term, right: &Term) -> TruthCode {
+        match (&*left.node, &*right.node) {
+            (Node::Slot(function, slot), Node::Constant(value))
+            | (Node::Constant(value), Node::Slot(function, slot))
+                if !self.is_input(*function) =>
+            {
+                let (slot, value) = (*slot as usize, value.clone());
+                Box::new(move |run| Truth::of(run.state.slots[slot] == value))
+            }
+            (_, Node::Constant(value)) => {
+                let value = value.clone();
+                if let Some(slot) = self.stored(left) {
+                    return Box::new(move |run| {
+                        let slot = slot(run) as usize;
+                        Truth::of(run.state.slots[slot] == value)
+                    });
+                }
+                let left = self.term(left);
+                Box::new(move |run| Truth::of(left(run) == value))
+            }
+            _ if left.kind == Kind::Int && right.kind == Kind::Int => {
+                let (left, right) = (self.integer(left), self.integer(right));
+                Box::new(move |run| Truth::of(left(run) == right(run)))
+            }
+            _ => {
+                let (left, right) = (self.term(left), self.term(right));
+                Box::new(move |run| {
+                    let left = left(run);
+                    Truth::of(left == right(run))
+                })
+            }
+        }
+    }
+
+    fn compare(&self, comparison: Comparison, left: &Term, right: &Term) -> TruthCode {
+        let (left, right) = (self.integer(left), self.integer(right));
+        macro_rules! compared {
+            ($operator:tt) => {
+                Box::new(move |run| match (left(run), right(run)) {
+                    (Some(left), Some(right)) => Truth::of(left $operator right),
+                    _ => Truth::Undef,
+                })
+            };
+        }
+        match comparison {
+            Comparison::Lt => compared!(<),
+            Comparison::Le => compared!(<=),
+            Comparison::Gt => compared!(>),
+            Comparison::Ge => compared!(>=),
+        }
+    }
+
+    /// Strong Kleene quantifiers: an undef guard leaves the answer open unless another one decides.
+    fn quantified(&self, quantifier: Quantifier, ranges: Ranges) -> TruthCode {
+        let decided_by = match quantifier {
+            Quantifier::Forall => Truth::False,
+            Quantifier::Exists | Quantifier::ExistsUnique => Truth::True,
+        };
+        let enough = if quantifier == Quantifier::ExistsUnique { 2 } else { 1 };
+        Box::new(move |run| {
+            let mut found = 0;
+            let mut open = false;
+            ranges.each_guard(run, &mut |_, truth| {
+                open |= truth == Truth::Undef;
+                found += usize::from(truth == decided_by);
+                if found >= enough { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            });
+            match (quantifier, found) {
+                (Quantifier::Forall, 0) | (Quantifier::Exists | Quantifier::ExistsUnique, 0) | (Quantifier::ExistsUnique, 1)
+                    if open =>
+                {
+                    Truth::Undef
+                }
+                (Quantifier::Forall, found) => Truth::of(found == 0),
+                (Quantifier::Exists, found) => Truth::of(found > 0),
+                (Quantifier::ExistsUnique, found) => Truth::of(found == 1),
+            }
+        })
+    }
+}
