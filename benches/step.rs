@@ -1,13 +1,21 @@
 //! How long a step takes: the machines of `benches/machines`, without input or output.
 //!
-//! `navigate` is the coordinator of a robot and has to stay below two microseconds; the others are
-//! loads of one kind each. Their inputs are constant, their choices drawn from a cheap generator.
+//! `S1_navigate` is the coordinator of a robot and has to stay below two microseconds; the others are
+//! loads of one kind each. Choices are drawn from a cheap generator.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a bench fails by panicking")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a bench fails by panicking"
+)]
 
-use asm_lang::value::Value;
-use asm_lang::{Chooser, Environment, Files, Machine, ir};
+#[path = "machines/mission.rs"]
+mod mission;
+
+use asm_lang::{Chooser, Files, Machine};
 use criterion::{Criterion, criterion_group, criterion_main};
+use mission::Mission;
 
 /// The machines, and after how many steps they are in full swing.
 const MACHINES: &[(&str, &str, u64)] = &[
@@ -26,29 +34,6 @@ const MACHINES: &[(&str, &str, u64)] = &[
     ("sort64", include_str!("machines/sort64.asm"), 1_000),
 ];
 
-/// Answers every input with the values of a list, one after the other: those of a mission.
-struct Mission {
-    program: std::sync::Arc<ir::Program>,
-    at: usize,
-}
-
-impl Environment for Mission {
-    fn read(&mut self, function: ir::FunctionId, _arguments: &[Value]) -> Result<Option<Value>, String> {
-        self.at += 1;
-        Ok(Some(match self.program.functions[function.0 as usize].codomain {
-            // now and then something is pressed, arrived or cancelled
-            ir::Shape::Bool => Value::Bool(self.at % 37 == 0),
-            ir::Shape::Domain(domain) => match self.program.domains[domain.0 as usize].elements {
-                ir::Elements::Atoms { first, count } => {
-                    Value::Atom(asm_lang::value::Atom(first.0 + (self.at as u32 * 7) % count))
-                }
-                _ => Value::Undef,
-            },
-            _ => Value::Undef,
-        }))
-    }
-}
-
 /// Chooses by a generator of three shifts.
 struct Shifts(u64);
 
@@ -65,14 +50,17 @@ fn machine(name: &str, text: &str) -> Machine {
     let mut files = Files::new();
     files.add(&format!("{name}.asm"), text);
     let opened = asm_lang::open(&format!("{name}.asm"), &files);
-    opened.unwrap_or_else(|failure| panic!("{failure}")).machine().unwrap()
+    opened
+        .unwrap_or_else(|failure| panic!("{failure}"))
+        .machine()
+        .unwrap()
 }
 
 fn step(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("step");
     for (name, text, warm) in MACHINES {
         let mut machine = machine(name, text);
-        let mut mission = Mission { program: machine.program().clone(), at: 0 };
+        let mut mission = Mission::of(&machine);
         let mut shifts = Shifts(88_172_645_463_325_252);
         for _ in 0..*warm {
             machine.step(&mut mission, &mut shifts, 0).unwrap();

@@ -18,9 +18,11 @@ impl Loader for Disk {
             path: path.to_owned(),
             reason,
         };
-        let length = std::fs::metadata(path)
-            .map_err(|error| failed(error.to_string()))?
-            .len();
+        let about = std::fs::metadata(path).map_err(|error| failed(error.to_string()))?;
+        if !about.is_file() {
+            return Err(failed("it is not a file".to_owned()));
+        }
+        let length = about.len();
         if length > MAX_BYTES {
             return Err(failed(format!(
                 "it has {length} bytes; at most {MAX_BYTES} are read"

@@ -54,5 +54,12 @@ pub fn main() -> ExitCode {
         }
     };
     let mut terminal = Terminal::new(arguments.color);
-    arguments.command.run(&mut terminal).into()
+    let exit = arguments.command.run(&mut terminal);
+    match terminal.lost() {
+        Some(error) => {
+            terminal.error(format_args!("cannot write the result: {error}"));
+            exit.max(Exit::Usage).into()
+        }
+        None => exit.into(),
+    }
 }

@@ -105,6 +105,9 @@ impl fmt::Display for MissionError {
                 sources,
                 asm_lang::Style::Plain,
             )),
+            Self::Profile { known, .. } if known.is_empty() => {
+                to.write_str("the composite has no profiles: leave out `--profile`")
+            }
             Self::Profile {
                 wanted: Some(wanted),
                 known,
@@ -217,11 +220,11 @@ impl Mission {
         };
         let outcome = self.drive(&mut *run, &watch, stop);
         let time = run.now().since(Time::ZERO);
+        let summary = lock(&story).summary().clone();
         if outcome == Outcome::Reached || outcome == Outcome::Failed {
             run.run_for(REST);
         }
         run.stop();
-        let summary = lock(&story).summary().clone();
         Ok(Ended {
             outcome,
             summary,

@@ -6,7 +6,7 @@
 use std::fmt::{self, Write};
 
 use component::{CallError, Event, Time};
-use coordinator::{STEP_REPORT, StepRecord, UpdateRecord};
+use coordinator::{STEP_REPORT, StepRecord, UNSENT_REPORT, UpdateRecord};
 use datum::{Datum, Sample};
 use messages::{Bool, OccupancyGrid, Odometry, Path, Point, PoseStamped};
 
@@ -95,6 +95,16 @@ impl Story {
                 kind,
                 what,
             } if *kind == STEP_REPORT => self.step(component, what),
+            Event::Report {
+                component,
+                kind,
+                what,
+            } if *kind == UNSENT_REPORT => {
+                let missing = what.as_text().unwrap_or_default();
+                Some(format!(
+                    "{NOTE}unsent{NOTE:#} {component} has no `{missing}` yet"
+                ))
+            }
             Event::Fault { component, fault } => {
                 self.summary.faults.push(format!("{component}: {fault}"));
                 Some(format!("{BAD}fault{BAD:#} of {component}: {fault}"))

@@ -33,6 +33,8 @@ pub const FAINT: Ansi = Ansi::new().dimmed();
 pub struct Terminal {
     out: anstream::AutoStream<std::io::Stdout>,
     err: anstream::AutoStream<std::io::Stderr>,
+    /// Why a result did not get through; a reader who went away is no reason.
+    lost: Option<std::io::Error>,
 }
 
 impl Terminal {
@@ -47,13 +49,27 @@ impl Terminal {
         Self {
             out: anstream::stdout(),
             err: anstream::stderr(),
+            lost: None,
         }
     }
 
     /// A line of a result.
     pub fn result(&mut self, line: impl Display) {
-        // nobody is left to tell if the reader went away
-        let _ = writeln!(self.out, "{line}");
+        if let Err(error) = writeln!(self.out, "{line}")
+            && error.kind() != std::io::ErrorKind::BrokenPipe
+        {
+            self.lost.get_or_insert(error);
+        }
+    }
+
+    /// Why a result did not get through, if one did not.
+    pub fn lost(&mut self) -> Option<std::io::Error> {
+        if let Err(error) = self.out.flush()
+            && error.kind() != std::io::ErrorKind::BrokenPipe
+        {
+            self.lost.get_or_insert(error);
+        }
+        self.lost.take()
     }
 
     /// A line of the story.

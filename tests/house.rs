@@ -97,6 +97,9 @@ fn the_engine_knows_no_robot_and_the_language_knows_no_engine() {
     for (from, to) in arrows() {
         let engine_knows_robot = from.starts_with("engine-") && to.starts_with("robot-");
         let language_looks_up = from.starts_with("asm-") && !to.starts_with("asm-");
-        assert!(!engine_knows_robot && !language_looks_up, "{from} uses {to}");
+        assert!(
+            !engine_knows_robot && !language_looks_up,
+            "{from} uses {to}"
+        );
     }
 }

@@ -9,7 +9,12 @@ impl Specification {
     /// What a fault says, where the machine is not at hand: values are shown as far as they can be.
     pub fn explain(&self, fault: &Fault) -> Diagnostic {
         self.diagnose(fault, &|slot| format!("location {slot}"), &|value| {
-            value.show(&machine::Naming { program: &self.program, reserve: &[] }).to_string()
+            value
+                .show(&machine::Naming {
+                    program: &self.program,
+                    reserve: &[],
+                })
+                .to_string()
         })
     }
 
@@ -83,6 +88,10 @@ impl Specification {
             FaultKind::TooLarge(count) => Diagnostic::error("R012", format!("a collection of {count} elements would be built, {when}"))
                 .label(at, "built here")
                 .help("range over a smaller domain"),
+            FaultKind::Unbounded => Diagnostic::error("R016", format!("a value grows without end, {when}"))
+                .label(at, "it nests too deeply, or holds too much")
+                .note("values of `Any` nest 500 deep at most, and hold 1,048,576 elements")
+                .help("keep the parts in locations of their own, or give the location a narrower domain"),
             FaultKind::Input { slot, reason } => {
                 Diagnostic::error("R013", format!("no value for `{}` {when}: {reason}", location(*slot)))
                     .label(at, "read here")

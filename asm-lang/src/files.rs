@@ -24,17 +24,27 @@ impl Files {
 
 impl Loader for Files {
     fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
-        self.texts.get(&normal(path)).cloned().ok_or_else(|| LoadError {
-            path: path.to_owned(),
-            reason: "there is no such file".to_owned(),
-        })
+        self.texts
+            .get(&normal(path))
+            .cloned()
+            .ok_or_else(|| LoadError {
+                path: path.to_owned(),
+                reason: "there is no such file".to_owned(),
+            })
     }
 
     fn resolve(&self, from: &str, import: &str) -> Option<String> {
         let folder = from.rsplit_once('/').map_or("", |(folder, _)| folder);
         let near = normal(&format!("{folder}/{import}"));
-        let candidates = [near.clone(), format!("{near}.asm"), normal(import), normal(&format!("{import}.asm"))];
-        candidates.into_iter().find(|path| self.texts.contains_key(path))
+        let candidates = [
+            near.clone(),
+            format!("{near}.asm"),
+            normal(import),
+            normal(&format!("{import}.asm")),
+        ];
+        candidates
+            .into_iter()
+            .find(|path| self.texts.contains_key(path))
     }
 }
 

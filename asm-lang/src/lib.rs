@@ -74,16 +74,28 @@ pub fn open(path: &str, loader: &dyn Loader) -> Result<Specification, Failure> {
     let mut report = loaded.report;
     report.extend(found);
     let Some(model) = model else {
-        return Err(Failure { sources, report: report.finish() });
+        return Err(Failure {
+            sources,
+            report: report.finish(),
+        });
     };
     match ir::lower(&model) {
         Ok(lowered) => {
             let (program, origins) = (Arc::new(lowered.program), lowered.origins);
-            Ok(Specification { model, program, origins, sources, report: report.finish() })
+            Ok(Specification {
+                model,
+                program,
+                origins,
+                sources,
+                report: report.finish(),
+            })
         }
         Err(found) => {
             report.extend(found);
-            Err(Failure { sources, report: report.finish() })
+            Err(Failure {
+                sources,
+                report: report.finish(),
+            })
         }
     }
 }
@@ -106,6 +118,9 @@ impl Specification {
 
     /// The place of an origin.
     pub fn span(&self, origin: ir::Origin) -> Span {
-        self.origins.get(origin.0 as usize).copied().unwrap_or_default()
+        self.origins
+            .get(origin.0 as usize)
+            .copied()
+            .unwrap_or_default()
     }
 }

@@ -39,7 +39,9 @@ pub fn render(diagnostic: &Diagnostic, sources: &Sources, style: Style) -> Strin
         Severity::Error => Level::ERROR,
         Severity::Warning => Level::WARNING,
     };
-    let title = level.primary_title(diagnostic.message.as_str()).id(diagnostic.code);
+    let title = level
+        .primary_title(diagnostic.message.as_str())
+        .id(diagnostic.code);
     let mut group = Group::with_title(title).elements(snippets(diagnostic, sources));
     for note in &diagnostic.notes {
         group = group.element(Level::NOTE.message(note.as_str()));
@@ -48,11 +50,19 @@ pub fn render(diagnostic: &Diagnostic, sources: &Sources, style: Style) -> Strin
     if let Some(fix) = &diagnostic.fix {
         let text = sources.text(fix.span.file);
         let patch = Patch::new(within(fix.span.range(), text), fix.text.as_str());
-        let snippet = Snippet::source(text).path(sources.path(fix.span.file)).patch(patch);
-        groups.push(Level::HELP.secondary_title(fix.title.as_str()).element(snippet));
+        let snippet = Snippet::source(text)
+            .path(sources.path(fix.span.file))
+            .patch(patch);
+        groups.push(
+            Level::HELP
+                .secondary_title(fix.title.as_str())
+                .element(snippet),
+        );
     }
     for help in &diagnostic.helps {
-        groups.push(Group::with_title(Level::HELP.secondary_title(help.as_str())));
+        groups.push(Group::with_title(
+            Level::HELP.secondary_title(help.as_str()),
+        ));
     }
     renderer.render(&groups)
 }
@@ -69,7 +79,11 @@ pub fn concise(diagnostic: &Diagnostic, sources: &Sources) -> String {
         Severity::Error => "error",
         Severity::Warning => "warning",
     };
-    let _ = write!(text, "{severity}[{}]: {}", diagnostic.code, diagnostic.message);
+    let _ = write!(
+        text,
+        "{severity}[{}]: {}",
+        diagnostic.code, diagnostic.message
+    );
     text
 }
 
@@ -78,21 +92,32 @@ fn snippets<'a>(
     diagnostic: &'a Diagnostic,
     sources: &'a Sources,
 ) -> impl Iterator<Item = Snippet<'a, Annotation<'a>>> {
-    let primary = diagnostic.primary.iter().map(|label| (AnnotationKind::Primary, label));
-    let secondary = diagnostic.secondary.iter().map(|label| (AnnotationKind::Context, label));
+    let primary = diagnostic
+        .primary
+        .iter()
+        .map(|label| (AnnotationKind::Primary, label));
+    let secondary = diagnostic
+        .secondary
+        .iter()
+        .map(|label| (AnnotationKind::Context, label));
     let mut order: Vec<FileId> = Vec::new();
     let mut files: BTreeMap<FileId, Vec<(AnnotationKind, &Label)>> = BTreeMap::new();
     for (kind, label) in primary.chain(secondary) {
         if !order.contains(&label.span.file) {
             order.push(label.span.file);
         }
-        files.entry(label.span.file).or_default().push((kind, label));
+        files
+            .entry(label.span.file)
+            .or_default()
+            .push((kind, label));
     }
     order.into_iter().filter_map(move |file| {
         let text = sources.text(file);
         let mut snippet = Snippet::source(text).path(sources.path(file));
         for (kind, label) in files.remove(&file)? {
-            let annotation = kind.span(within(label.span.range(), text)).label(label.text.as_str());
+            let annotation = kind
+                .span(within(label.span.range(), text))
+                .label(label.text.as_str());
             snippet = snippet.annotation(annotation);
         }
         Some(snippet)

@@ -88,6 +88,13 @@ pub struct Common {
 impl Run {
     /// Runs it.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
+        if self.composite.ends_with(".asm") {
+            terminal.error(format_args!(
+                "`{0}` is a specification: `asmotion sim {0}` runs it alone",
+                self.composite
+            ));
+            return Exit::Usage;
+        }
         let mut mission = Mission::new(&self.composite);
         mission.profile = self.profile;
         mission.clock = match self.clock {
@@ -187,7 +194,12 @@ impl Common {
         if let Some(goal) = &self.goal {
             let numbers: Vec<f64> = goal
                 .split(',')
-                .filter_map(|part| part.trim().parse().ok())
+                .filter_map(|part| {
+                    part.trim()
+                        .parse()
+                        .ok()
+                        .filter(|number: &f64| number.is_finite())
+                })
                 .collect();
             let [x, y] = numbers.as_slice() else {
                 return Err(format!(

@@ -60,6 +60,13 @@ impl Inputs {
 impl Sim {
     /// Runs it.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
+        if self.spec.ends_with(".toml") {
+            terminal.error(format_args!(
+                "`{0}` is a composite: `asmotion run {0}` runs it",
+                self.spec
+            ));
+            return Exit::Usage;
+        }
         let mut specification = match asm_lang::open(&self.spec, &Disk) {
             Ok(specification) => specification,
             Err(failure) => {
@@ -110,7 +117,9 @@ impl Sim {
     ) -> Result<Inputs, Report> {
         let Some(path) = &self.env else {
             let program = specification.program.clone();
-            return Ok(Inputs::Random(Box::new(Random::new(program, machine, self.seed))));
+            return Ok(Inputs::Random(Box::new(Random::new(
+                program, machine, self.seed,
+            ))));
         };
         let text = Disk.read(path).map_err(|error| {
             let mut report = Report::new();

@@ -16,7 +16,10 @@ const DIFFERENT: &[(&str, &str)] = &[
     ("sf01_lazy_init", INITIAL),
     ("sf02_lazy_init_seq", INITIAL),
     ("se20_overflow", "a number beyond 64 bits is a fault"),
-    ("se28_dyn_concrete", "the initial elements of a dynamic domain count"),
+    (
+        "se28_dyn_concrete",
+        "the initial elements of a dynamic domain count",
+    ),
     ("se36_choose_enum", "the first candidate is the least one"),
     ("se51_difference", "`difference` is that of sets"),
     ("se63_tostring", "a set is written as a set"),
@@ -42,7 +45,9 @@ const INITIAL: &str = "initial values speak of the initial state";
 
 #[test]
 fn agrees_on_small_programs() {
-    let Some(folder) = unpacked("micro.tar.xz") else { return };
+    let Some(folder) = unpacked("micro.tar.xz") else {
+        return;
+    };
     let mut different = BTreeSet::new();
     let mut count = 0;
     for traces in ["traces", "traces_seed7"] {
@@ -57,7 +62,10 @@ fn agrees_on_small_programs() {
             }
         }
     }
-    let explained: BTreeSet<String> = DIFFERENT.iter().map(|(name, _)| (*name).to_owned()).collect();
+    let explained: BTreeSet<String> = DIFFERENT
+        .iter()
+        .map(|(name, _)| (*name).to_owned())
+        .collect();
     println!("{count} small programs, {} different", different.len());
     assert_eq!(different, explained);
 }
@@ -76,7 +84,9 @@ fn agrees_on_the_corpus() {
         eprintln!("skipped: ASMETA_CORPUS is not set");
         return;
     };
-    let Some(folder) = unpacked("traces.tar.xz") else { return };
+    let Some(folder) = unpacked("traces.tar.xz") else {
+        return;
+    };
     let index = std::fs::read_to_string(shared().join("corpus.tsv")).unwrap();
     let mut accepted = 0;
     let mut agreed = [0; AGREED.len()];
@@ -89,8 +99,15 @@ fn agrees_on_the_corpus() {
         let file = corpus.join(path);
         accepted += usize::from(asm_lang::open(&file.to_string_lossy(), &Disk).is_ok());
         for (runs, agreed) in AGREED.iter().zip(&mut agreed) {
-            let trace = folder.path().join("traces").join(runs.0).join(path).with_extension("trace");
-            let Ok(reference) = std::fs::read_to_string(trace) else { continue };
+            let trace = folder
+                .path()
+                .join("traces")
+                .join(runs.0)
+                .join(path)
+                .with_extension("trace");
+            let Ok(reference) = std::fs::read_to_string(trace) else {
+                continue;
+            };
             if choices == "0" && (runs.0 != "none" || outcome == "OK") {
                 let ours = ours(&file, &reference);
                 *agreed += usize::from(ours.is_some_and(|ours| agree(&reference, &ours)));
@@ -112,7 +129,12 @@ fn shared() -> PathBuf {
 fn unpacked(archive: &str) -> Option<tempfile::TempDir> {
     let archive = shared().join(archive);
     let folder = tempfile::tempdir().unwrap();
-    let tar = std::process::Command::new("tar").arg("-xJf").arg(&archive).arg("-C").arg(folder.path()).status();
+    let tar = std::process::Command::new("tar")
+        .arg("-xJf")
+        .arg(&archive)
+        .arg("-C")
+        .arg(folder.path())
+        .status();
     match tar {
         Ok(status) if status.success() => Some(folder),
         _ => {
@@ -123,8 +145,10 @@ fn unpacked(archive: &str) -> Option<tempfile::TempDir> {
 }
 
 fn files(folder: &Path) -> Vec<PathBuf> {
-    let mut files: Vec<PathBuf> =
-        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
     files.sort();
     files
 }
@@ -135,7 +159,11 @@ fn ours(path: &Path, reference: &str) -> Option<String> {
     let mut machine = match specification.machine() {
         Ok(machine) => machine,
         Err(fault) => {
-            let kind = if matches!(fault.kind, FaultKind::Invariant { .. }) { "@invariant pre" } else { "@error EXC" };
+            let kind = if matches!(fault.kind, FaultKind::Invariant { .. }) {
+                "@invariant pre"
+            } else {
+                "@error EXC"
+            };
             return Some(format!("@step 1\n{kind}\n@end"));
         }
     };
@@ -168,12 +196,21 @@ impl Reference {
     fn of(step: &Recorded, machine: &asm_lang::Machine, silent: bool) -> Self {
         let inputs = step.inputs(machine).unwrap();
         let number = i64::try_from(machine.steps()).unwrap() + 1;
-        Self { inputs, step: number, program: machine.program().clone(), answers: !silent }
+        Self {
+            inputs,
+            step: number,
+            program: machine.program().clone(),
+            answers: !silent,
+        }
     }
 }
 
 impl Environment for Reference {
-    fn read(&mut self, function: ir::FunctionId, arguments: &[Value]) -> Result<Option<Value>, String> {
+    fn read(
+        &mut self,
+        function: ir::FunctionId,
+        arguments: &[Value],
+    ) -> Result<Option<Value>, String> {
         if self.program.functions[function.0 as usize].clock.is_some() {
             return Ok(Some(Value::Int(self.step)));
         }
@@ -220,12 +257,16 @@ fn facts(trace: &str) -> Vec<Facts> {
         if line.starts_with("@step") {
             steps.push(Facts::default());
         }
-        let (Some(step), Some((word, fact))) = (steps.last_mut(), line.split_once(' ')) else { continue };
+        let (Some(step), Some((word, fact))) = (steps.last_mut(), line.split_once(' ')) else {
+            continue;
+        };
         // the reference keeps `result`, and writes the domains of a rule behind its name
         if fact.starts_with("result = ") {
             continue;
         }
-        let fact = fact.split_once("= rule ").map_or(fact, |_| fact.split_once('(').map_or(fact, |(rule, _)| rule));
+        let fact = fact.split_once("= rule ").map_or(fact, |_| {
+            fact.split_once('(').map_or(fact, |(rule, _)| rule)
+        });
         match word {
             "U" | "UD" => drop(step.updates.insert(canonical(fact))),
             "S" => drop(step.state.insert(canonical(fact))),
@@ -244,7 +285,10 @@ fn canonical(fact: &str) -> String {
     let mut text = String::new();
     let mut rest = fact;
     while let Some(letter) = rest.chars().next() {
-        let length = rest.find(|letter| !is_part(letter)).unwrap_or(rest.len()).max(letter.len_utf8());
+        let length = rest
+            .find(|letter| !is_part(letter))
+            .unwrap_or(rest.len())
+            .max(letter.len_utf8());
         let (word, after) = rest.split_at(length);
         match word.parse::<f64>() {
             Ok(number) if word.contains('.') => text.push_str(&format!("{number:?}")),

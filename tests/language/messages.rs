@@ -6,9 +6,7 @@
 
 use asm_lang::simulate::Script;
 use asm_lang::source::FileId;
-use asm_lang::{
-    Diagnostic, Failure, Files, First, Report, Sources, Specification, Style, render, render_all,
-};
+use asm_lang::{Diagnostic, First, Report, Sources, Specification, Style, render, render_all};
 use std::collections::BTreeSet;
 
 #[test]

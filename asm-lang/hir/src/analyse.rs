@@ -7,8 +7,8 @@ use crate::model::{
     Body, DomainKind, FunctionId, FunctionKind, Invariant, Logic, Meaning, Model, Program,
     Reserved, Rule, TemporalProperty, Term, Variable,
 };
+use crate::resolver::Resolver;
 use crate::scope::similar;
-use crate::term::Resolver;
 use crate::types::{Type, TypeId};
 use source::{Report, Sources, Span};
 use std::sync::Arc;
@@ -40,7 +40,11 @@ pub fn analyse(loaded: &Loaded, sources: &Sources) -> (Option<Model>, Report) {
     if report.has_errors() || loaded.report.has_errors() {
         return (None, report);
     }
-    let name = main.tree.name.as_ref().map_or_else(|| Arc::from(""), |name| name.text.clone());
+    let name = main
+        .tree
+        .name
+        .as_ref()
+        .map_or_else(|| Arc::from(""), |name| name.text.clone());
     (Some(analysis.finish(name, main_rule)), report)
 }
 
@@ -58,10 +62,22 @@ impl Analysis<'_> {
     }
 
     /// Resolves a closed term against the type wanted of it.
-    fn expression(&mut self, unit: usize, term: &ast::Term, wanted: TypeId, what: &str, declared: Option<Span>) -> Body<Term> {
+    fn expression(
+        &mut self,
+        unit: usize,
+        term: &ast::Term,
+        wanted: TypeId,
+        what: &str,
+        declared: Option<Span>,
+    ) -> Body<Term> {
         let mut resolver = self.resolver(unit);
         let root = resolver.term(term);
-        resolver.expect(&root, wanted, what, declared.map(|declared| (declared, "declared as subset of")));
+        resolver.expect(
+            &root,
+            wanted,
+            what,
+            declared.map(|declared| (declared, "declared as subset of")),
+        );
         resolver.body(0, root)
     }
 
@@ -75,9 +91,28 @@ impl Analysis<'_> {
             self.domain_definition(unit, definition);
         }
         for definition in &tree.function_definitions {
-            if let Some((id, body)) = self.function_definition(unit, definition, Purpose::Definition) {
+            if let Some((id, body)) =
+                self.function_definition(unit, definition, Purpose::Definition)
+            {
+                let known = match &self.declared.functions[id.0 as usize].meaning {
+                    Meaning::Defined(known) => Some(known.root.span),
+                    _ => None,
+                };
+                self.once(&definition.name, known);
                 self.declared.functions[id.0 as usize].meaning = Meaning::Defined(body);
             }
+        }
+    }
+
+    /// Reports what is given a second time.
+    fn once(&mut self, name: &ast::Name, known: Option<Span>) {
+        if let Some(first) = known {
+            let error = HirError::Duplicate {
+                name: name.text.clone(),
+                at: name.span,
+                first,
+            };
+            self.declared.report.push(error.diagnostic());
         }
     }
 
@@ -85,7 +120,11 @@ impl Analysis<'_> {
         let name = &definition.name;
         let Some(&id) = self.declared.scopes[unit].domains.get(&name.text) else {
             let similar = self.declared.scopes[unit].similar_domain(&name.text);
-            let error = HirError::UnknownDomain { name: name.text.clone(), at: name.span, similar };
+            let error = HirError::UnknownDomain {
+                name: name.text.clone(),
+                at: name.span,
+                similar,
+            };
             return self.declared.report.push(error.diagnostic());
         };
         let declared = self.declared.domains[id.0 as usize].span;
@@ -139,17 +178,31 @@ impl Analysis<'_> {
             resolver.bind(&parameter.name, ty);
         }
         let root = resolver.term(&definition.body);
-        resolver.expect(&root, codomain, &format!("`{}`", name.text), Some((declared, "declared")));
+        resolver.expect(
+            &root,
+            codomain,
+            &format!("`{}`", name.text),
+            Some((declared, "declared")),
+        );
         let count = definition.parameters.len();
         let body = resolver.body(count, root);
         Some((id, body))
     }
 
-    fn defined_function(&mut self, unit: usize, name: &ast::Name, parameters: &[TypeId]) -> Option<FunctionId> {
+    fn defined_function(
+        &mut self,
+        unit: usize,
+        name: &ast::Name,
+        parameters: &[TypeId],
+    ) -> Option<FunctionId> {
         if let Some(id) = self.declared.overload(unit, &name.text, parameters) {
             return Some(id);
         }
-        let candidates = self.declared.scopes[unit].functions.get(&name.text).cloned().unwrap_or_default();
+        let candidates = self.declared.scopes[unit]
+            .functions
+            .get(&name.text)
+            .cloned()
+            .unwrap_or_default();
         let fitting: Vec<FunctionId> = candidates
             .iter()
             .copied()
@@ -167,7 +220,11 @@ impl Analysis<'_> {
         let Some(&first) = candidates.first() else {
             let similar = similar(&name.text, self.declared.scopes[unit].functions.keys())
                 .map(|found| (found.clone(), self.first_span(unit, &found)));
-            let error = HirError::DefinesUndeclared { name: name.text.clone(), at: name.span, similar };
+            let error = HirError::DefinesUndeclared {
+                name: name.text.clone(),
+                at: name.span,
+                similar,
+            };
             self.declared.report.push(error.diagnostic());
             return None;
         };
@@ -187,12 +244,16 @@ impl Analysis<'_> {
         let known = self.declared.scopes[unit].functions.get(name);
         known
             .and_then(|ids| ids.first())
-            .map_or_else(Span::default, |id| self.declared.functions[id.0 as usize].span)
+            .map_or_else(Span::default, |id| {
+                self.declared.functions[id.0 as usize].span
+            })
     }
 
     fn rules(&mut self, unit: usize, tree: &ast::File) {
         for rule in tree.rules.iter().chain(&tree.main) {
-            let Some(id) = self.rule_at(rule.name.span) else { continue };
+            let Some(id) = self.rule_at(rule.name.span) else {
+                continue;
+            };
             let parameters = self.declared.rules[id.0 as usize].parameters.clone();
             let result = self.declared.rules[id.0 as usize].result;
             let mut resolver = self.resolver(unit);
@@ -211,7 +272,11 @@ impl Analysis<'_> {
 
     /// The rule whose name stands here.
     fn rule_at(&self, span: Span) -> Option<RuleId> {
-        let at = self.declared.rules.iter().position(|rule: &Rule| rule.span == span)?;
+        let at = self
+            .declared
+            .rules
+            .iter()
+            .position(|rule: &Rule| rule.span == span)?;
         Some(RuleId(at as u32))
     }
 
@@ -227,7 +292,11 @@ impl Analysis<'_> {
                         Some(name) => name.text.clone(),
                         None => Arc::from(self.sources.snippet(body.span)),
                     };
-                    self.invariants.push(Invariant { name, condition, span: property.span });
+                    self.invariants.push(Invariant {
+                        name,
+                        condition,
+                        span: property.span,
+                    });
                     continue;
                 }
                 ast::PropertyKind::Constraint(body) => (Logic::Constraint, vec![body]),
@@ -236,16 +305,29 @@ impl Analysis<'_> {
                 ast::PropertyKind::Ctl(body) => (Logic::Ctl, vec![body]),
                 ast::PropertyKind::Ltl(body) => (Logic::Ltl, vec![body]),
             };
-            let formulas = formulas.into_iter().map(|body| self.condition(unit, body, "a property")).collect();
+            let formulas = formulas
+                .into_iter()
+                .map(|body| self.condition(unit, body, "a property"))
+                .collect();
             let name = property.name.as_ref().map(|name| name.text.clone());
-            self.properties.push(TemporalProperty { name, logic, formulas, span: property.span });
+            self.properties.push(TemporalProperty {
+                name,
+                logic,
+                formulas,
+                span: property.span,
+            });
         }
     }
 
     fn initial_state(&mut self, unit: usize, tree: &ast::File) {
         let default = tree.inits.iter().find(|init| init.default);
         if let (None, Some(first)) = (default, tree.inits.first()) {
-            self.declared.report.push(HirError::NoDefaultInit { at: first.name.span }.diagnostic());
+            self.declared.report.push(
+                HirError::NoDefaultInit {
+                    at: first.name.span,
+                }
+                .diagnostic(),
+            );
         }
         // The others are checked all the same.
         for init in &tree.inits {
@@ -257,6 +339,8 @@ impl Analysis<'_> {
             for definition in &init.functions {
                 let resolved = self.function_definition(unit, definition, Purpose::Initial);
                 if let (Some((id, body)), true) = (resolved, init.default) {
+                    let known = self.declared.functions[id.0 as usize].initial.as_ref();
+                    self.once(&definition.name, known.map(|known| known.root.span));
                     self.declared.functions[id.0 as usize].initial = Some(body);
                 }
             }
@@ -272,55 +356,91 @@ impl Analysis<'_> {
         let name = &agent.domain;
         let Some(&domain) = self.declared.scopes[unit].domains.get(&name.text) else {
             let similar = self.declared.scopes[unit].similar_domain(&name.text);
-            let error = HirError::UnknownDomain { name: name.text.clone(), at: name.span, similar };
+            let error = HirError::UnknownDomain {
+                name: name.text.clone(),
+                at: name.span,
+                similar,
+            };
             self.declared.report.push(error.diagnostic());
             return None;
         };
         let mut resolver = self.resolver(unit);
-        let arguments: Vec<Term> = agent.arguments.iter().map(|term| resolver.term(term)).collect();
+        let arguments: Vec<Term> = agent
+            .arguments
+            .iter()
+            .map(|term| resolver.term(term))
+            .collect();
         let rule = resolver.callee(&agent.rule, &arguments)?;
         let variables: Vec<Variable> = resolver.variables();
         let arguments = arguments
             .into_iter()
-            .map(|root| Body { parameters: 0, variables: variables.clone(), root })
+            .map(|root| Body {
+                parameters: 0,
+                variables: variables.clone(),
+                root,
+            })
             .collect();
-        Some(Program { domain, rule, arguments })
+        Some(Program {
+            domain,
+            rule,
+            arguments,
+        })
     }
 
     fn main_rule(&mut self, main: &crate::load::Unit) -> Option<RuleId> {
         let tree = &main.tree;
         if let Some(name) = &tree.name {
-            let stem = std::path::Path::new(&main.path).file_stem().unwrap_or_default().to_string_lossy();
+            let stem = std::path::Path::new(&main.path)
+                .file_stem()
+                .unwrap_or_default()
+                .to_string_lossy();
             if *stem != *name.text && !stem.is_empty() && !main.path.starts_with('<') {
-                let error = HirError::FileName { name: name.text.clone(), stem: stem.into_owned(), at: name.span };
+                let error = HirError::FileName {
+                    name: name.text.clone(),
+                    stem: stem.into_owned(),
+                    at: name.span,
+                };
                 self.declared.report.push(error.diagnostic());
             }
         }
         let Some(rule) = &tree.main else {
             if let (Some(name), false) = (&tree.name, tree.module) {
-                let error = HirError::NoMain { name: name.text.clone(), at: name.span };
+                let error = HirError::NoMain {
+                    name: name.text.clone(),
+                    at: name.span,
+                };
                 self.declared.report.push(error.diagnostic());
             }
             return None;
         };
         if !rule.parameters.is_empty() {
-            self.declared.report.push(HirError::MainParameters { at: rule.name.span }.diagnostic());
+            self.declared
+                .report
+                .push(HirError::MainParameters { at: rule.name.span }.diagnostic());
         }
         self.rule_at(rule.name.span)
     }
 
     fn undefined_domains(&mut self) {
         for domain in &self.declared.domains {
-            let DomainKind::Concrete { base } = domain.kind else { continue };
+            let DomainKind::Concrete { base } = domain.kind else {
+                continue;
+            };
             let root = self.declared.types.root(base, &self.declared.domains);
             let needs_definition = match self.declared.types.get(root) {
-                Type::Domain(root) => {
-                    !matches!(self.declared.domains[root.0 as usize].kind, DomainKind::Abstract)
-                }
+                Type::Domain(root) => !matches!(
+                    self.declared.domains[root.0 as usize].kind,
+                    DomainKind::Abstract
+                ),
+                // an error was reported
+                Type::Invalid => false,
                 _ => true,
             };
             if needs_definition && domain.definition.is_none() && !domain.dynamic {
-                let error = HirError::EmptyDomain { domain: domain.name.clone(), at: domain.span };
+                let error = HirError::EmptyDomain {
+                    domain: domain.name.clone(),
+                    at: domain.span,
+                };
                 self.declared.report.push(error.diagnostic());
             }
         }
@@ -329,9 +449,9 @@ impl Analysis<'_> {
     fn finish(self, name: Arc<str>, main: Option<RuleId>) -> Model {
         let functions = &self.declared.functions;
         let reserved = |name: &str| {
-            let at = functions
-                .iter()
-                .position(|function| &*function.name == name && matches!(function.meaning, Meaning::Machine));
+            let at = functions.iter().position(|function| {
+                &*function.name == name && matches!(function.meaning, Meaning::Machine)
+            });
             at.map(|index| FunctionId(index as u32))
         };
         let reserved = Reserved {

@@ -25,32 +25,6 @@ pub(crate) struct Declared {
     pub report: Report,
 }
 
-/// What a unit lets others see, decided by its `export` clause.
-struct Exports<'a> {
-    names: Option<BTreeSet<&'a str>>,
-    all: bool,
-}
-
-impl Exports<'_> {
-    fn of(tree: &ast::File) -> Exports<'_> {
-        match &tree.export {
-            None => Exports { names: None, all: false },
-            Some(ast::Export { names: None, .. }) => Exports { names: None, all: true },
-            Some(ast::Export { names: Some(names), .. }) => {
-                Exports { names: Some(names.iter().map(|name| &*name.text).collect()), all: false }
-            }
-        }
-    }
-
-    fn has(&self, name: &str) -> bool {
-        self.all || self.names.as_ref().is_some_and(|names| names.contains(name))
-    }
-
-    fn is_empty(&self) -> bool {
-        !self.all && self.names.as_ref().is_none_or(BTreeSet::is_empty)
-    }
-}
-
 /// Declares everything in all units.
 pub(crate) fn declare(units: &[Unit]) -> Declared {
     let mut declared = Declared {
@@ -86,76 +60,6 @@ pub(crate) fn declare(units: &[Unit]) -> Declared {
 }
 
 impl Declared {
-    /// Takes over the imported domains; checks the names an import asks for.
-    fn imports(&mut self, units: &[Unit], index: usize) {
-        let unit = &units[index];
-        for &(import, from) in &unit.imports {
-            let import = &unit.tree.imports[import];
-            let exports = Exports::of(&units[from].tree);
-            if exports.is_empty() && units[from].tree.module {
-                let module = import.path.text.clone();
-                self.report.push(HirError::ImportsNothing { module, at: import.path.span }.diagnostic());
-            }
-            let other = self.scopes[from].clone();
-            self.scopes[index].import(&other, |name| exports.has(name) && asked(import, name), |_| false);
-        }
-    }
-
-    fn imported_literals(&mut self, units: &[Unit], index: usize) {
-        for &(import, from) in &units[index].imports {
-            let import = &units[index].tree.imports[import];
-            let exports = Exports::of(&units[from].tree);
-            let other = self.scopes[from].clone();
-            let (domains, atoms) = (&self.domains, &self.atoms);
-            let domain_of = |atom: Atom| &*domains[atoms[atom.0 as usize].domain.0 as usize].name;
-            let wanted = |atom| exports.has(domain_of(atom)) && asked(import, domain_of(atom));
-            self.scopes[index].import(&other, |_| false, wanted);
-        }
-    }
-
-    fn imported_functions(&mut self, units: &[Unit], index: usize) {
-        self.imported_names(units, index, |into, from| into.functions = from.functions.clone());
-    }
-
-    fn imported_rules(&mut self, units: &[Unit], index: usize) {
-        // the main rule of an imported file is its own affair
-        let mains: Vec<Span> = units.iter().filter_map(|unit| Some(unit.tree.main.as_ref()?.name.span)).collect();
-        let imported = |rules: &[Rule], id: &RuleId| !mains.contains(&rules[id.0 as usize].span);
-        let rules = std::mem::take(&mut self.rules);
-        self.imported_names(units, index, |into, from| {
-            into.rules = from.rules.clone();
-            into.rules.values_mut().for_each(|known| known.retain(|id| imported(&rules, id)));
-            into.rules.retain(|_, known| !known.is_empty());
-        });
-        self.rules = rules;
-        let unit = &units[index];
-        for &(import, from) in &unit.imports {
-            let import = &unit.tree.imports[import];
-            let exports = Exports::of(&units[from].tree);
-            for name in import.names.iter().flatten() {
-                let other = &self.scopes[from];
-                let known = other.domains.contains_key(&name.text)
-                    || other.functions.contains_key(&name.text)
-                    || (other.rules.contains_key(&name.text) || declares_rule(&units[from].tree, &name.text));
-                if !known || !exports.has(&name.text) {
-                    let module = import.path.text.clone();
-                    let error = HirError::NotExported { module, name: name.text.clone(), at: name.span };
-                    self.report.push(error.diagnostic());
-                }
-            }
-        }
-    }
-
-    fn imported_names(&mut self, units: &[Unit], index: usize, part: impl Fn(&mut Scope, &Scope)) {
-        for &(import, from) in &units[index].imports {
-            let import = &units[index].tree.imports[import];
-            let exports = Exports::of(&units[from].tree);
-            let mut other = Scope::default();
-            part(&mut other, &self.scopes[from]);
-            self.scopes[index].import(&other, |name| exports.has(name) && asked(import, name), |_| false);
-        }
-    }
-
     fn unit_domains(&mut self, index: usize, tree: &ast::File) {
         let mut concrete = Vec::new();
         for domain in &tree.domains {
@@ -171,7 +75,11 @@ impl Declared {
                 // The library's type variables have names that a model may well want for itself.
                 if same || first.kind != DomainKind::Any {
                     if !same {
-                        let error = HirError::Duplicate { name: name.text.clone(), at: name.span, first: first.span };
+                        let error = HirError::Duplicate {
+                            name: name.text.clone(),
+                            at: name.span,
+                            first: first.span,
+                        };
                         self.report.push(error.diagnostic());
                     }
                     continue;
@@ -182,10 +90,15 @@ impl Declared {
                 ast::DomainKind::Any => DomainKind::Any,
                 ast::DomainKind::Basic => DomainKind::Basic,
                 ast::DomainKind::Abstract | ast::DomainKind::Structured(_) => DomainKind::Abstract,
-                ast::DomainKind::Enum(_) => DomainKind::Enum { first: Atom(0), count: 0 },
+                ast::DomainKind::Enum(_) => DomainKind::Enum {
+                    first: Atom(0),
+                    count: 0,
+                },
                 ast::DomainKind::Concrete(base) => {
                     concrete.push((id, base));
-                    DomainKind::Concrete { base: self.types.id(Type::Invalid) }
+                    DomainKind::Concrete {
+                        base: self.types.id(Type::Invalid),
+                    }
                 }
             };
             self.domains.push(Domain {
@@ -200,27 +113,64 @@ impl Declared {
         for (id, base) in concrete {
             let base = self.resolve_type(index, base);
             self.domains[id.0 as usize].kind = DomainKind::Concrete { base };
+            if self.contains(base, id) {
+                let domain = &self.domains[id.0 as usize];
+                let (domain, at) = (domain.name.clone(), domain.span);
+                self.report
+                    .push(HirError::DomainCycle { domain, at }.diagnostic());
+                let base = self.types.id(Type::Invalid);
+                self.domains[id.0 as usize].kind = DomainKind::Concrete { base };
+            }
         }
+    }
+
+    /// Whether a domain occurs in a type, or in what the domains of the type are subsets of.
+    fn contains(&self, ty: TypeId, domain: DomainId) -> bool {
+        self.types
+            .reach(ty, &self.domains)
+            .any(|ty| *self.types.get(ty) == Type::Domain(domain))
     }
 
     fn literals(&mut self, index: usize, tree: &ast::File) {
         for domain in &tree.domains {
-            let ast::DomainKind::Enum(literals) = &domain.kind else { continue };
-            let Some(&id) = self.scopes[index].domains.get(&domain.name.text) else { continue };
+            let ast::DomainKind::Enum(literals) = &domain.kind else {
+                continue;
+            };
+            let Some(&id) = self.scopes[index].domains.get(&domain.name.text) else {
+                continue;
+            };
             if self.domains[id.0 as usize].span != domain.name.span {
                 continue;
             }
             let first = Atom(self.atoms.len() as u32);
             for literal in literals {
                 let atom = Atom(self.atoms.len() as u32);
-                let twice = self.scopes[index].literals.get(&literal.text).and_then(|known| known.first());
+                let twice = self.scopes[index]
+                    .literals
+                    .get(&literal.text)
+                    .and_then(|known| known.first());
                 if let Some(&twice) = twice {
                     let first = self.atoms[twice.0 as usize].span;
                     let name = literal.text.clone();
-                    self.report.push(HirError::Duplicate { name, at: literal.span, first }.diagnostic());
+                    self.report.push(
+                        HirError::Duplicate {
+                            name,
+                            at: literal.span,
+                            first,
+                        }
+                        .diagnostic(),
+                    );
                 }
-                self.atoms.push(AtomInfo { name: literal.text.clone(), domain: id, span: literal.span });
-                self.scopes[index].literals.entry(literal.text.clone()).or_default().push(atom);
+                self.atoms.push(AtomInfo {
+                    name: literal.text.clone(),
+                    domain: id,
+                    span: literal.span,
+                });
+                self.scopes[index]
+                    .literals
+                    .entry(literal.text.clone())
+                    .or_default()
+                    .push(atom);
             }
             let count = self.atoms.len() as u32 - first.0;
             self.domains[id.0 as usize].kind = DomainKind::Enum { first, count };
@@ -229,8 +179,12 @@ impl Declared {
 
     /// Declares the functions of a unit; returns those without definition that may be constants.
     fn unit_functions(&mut self, index: usize, unit: &Unit) -> Vec<FunctionId> {
-        let defined: BTreeSet<&str> =
-            unit.tree.function_definitions.iter().map(|definition| &*definition.name.text).collect();
+        let defined: BTreeSet<&str> = unit
+            .tree
+            .function_definitions
+            .iter()
+            .map(|definition| &*definition.name.text)
+            .collect();
         let mut undefined = Vec::new();
         for function in &unit.tree.functions {
             let codomain = self.resolve_type(index, &function.codomain);
@@ -244,7 +198,11 @@ impl Declared {
                 let library = self.functions[first.0 as usize].library;
                 if !library || unit.library {
                     let first = self.functions[first.0 as usize].span;
-                    let error = HirError::Duplicate { name: name.text.clone(), at: name.span, first };
+                    let error = HirError::Duplicate {
+                        name: name.text.clone(),
+                        at: name.span,
+                        first,
+                    };
                     self.report.push(error.diagnostic());
                     continue;
                 }
@@ -255,8 +213,14 @@ impl Declared {
             }
             let id = FunctionId(self.functions.len() as u32);
             let is_defined = defined.contains(&*name.text);
-            let meaning = self.meaning(function.kind, &name.text, &parameters, unit.library, is_defined);
-            if matches!(meaning, Meaning::Missing) && parameters.is_empty() {
+            let meaning = self.meaning(
+                function.kind,
+                &name.text,
+                &parameters,
+                unit.library,
+                is_defined,
+            );
+            if !is_defined && matches!(meaning, Meaning::Missing) && parameters.is_empty() {
                 undefined.push(id);
             }
             self.functions.push(Function {
@@ -269,7 +233,11 @@ impl Declared {
                 span: name.span,
                 library: unit.library,
             });
-            self.scopes[index].functions.entry(name.text.clone()).or_default().push(id);
+            self.scopes[index]
+                .functions
+                .entry(name.text.clone())
+                .or_default()
+                .push(id);
         }
         undefined
     }
@@ -290,7 +258,10 @@ impl Declared {
                 if defined {
                     return Meaning::Missing;
                 }
-                let domain: Vec<String> = parameters.iter().map(|&ty| self.types.show(ty, &self.domains)).collect();
+                let domain: Vec<String> = parameters
+                    .iter()
+                    .map(|&ty| self.types.show(ty, &self.domains))
+                    .collect();
                 let domain = match domain.as_slice() {
                     [] => String::new(),
                     [one] => one.clone(),
@@ -298,7 +269,9 @@ impl Declared {
                 };
                 stdlib::builtin(name, &domain).map_or(Meaning::Missing, Meaning::Builtin)
             }
-            FunctionKind::Controlled if library && stdlib::RESERVED.contains(&name) => Meaning::Machine,
+            FunctionKind::Controlled if library && stdlib::RESERVED.contains(&name) => {
+                Meaning::Machine
+            }
             FunctionKind::Monitored
             | FunctionKind::Controlled
             | FunctionKind::Shared
@@ -315,7 +288,9 @@ impl Declared {
         for &id in undefined {
             let codomain = self.functions[id.0 as usize].codomain;
             let root = self.types.root(codomain, &self.domains);
-            let (Type::Domain(domain), Type::Domain(root)) = (self.types.get(codomain), self.types.get(root)) else {
+            let (Type::Domain(domain), Type::Domain(root)) =
+                (self.types.get(codomain), self.types.get(root))
+            else {
                 continue;
             };
             if self.domains[root.0 as usize].kind == DomainKind::Abstract {
@@ -330,12 +305,13 @@ impl Declared {
         let mut open: Vec<DomainId> = roots.into_iter().rev().collect();
         while let Some(domain) = open.pop() {
             order.push(domain);
-            let contained = (0..self.domains.len() as u32).rev().map(DomainId).filter(|id| {
-                match self.domains[id.0 as usize].kind {
+            let contained = (0..self.domains.len() as u32)
+                .rev()
+                .map(DomainId)
+                .filter(|id| match self.domains[id.0 as usize].kind {
                     DomainKind::Concrete { base } => *self.types.get(base) == Type::Domain(domain),
                     _ => false,
-                }
-            });
+                });
             open.extend(contained);
         }
         for domain in order {
@@ -343,19 +319,32 @@ impl Declared {
                 let function = &mut self.functions[id.0 as usize];
                 let atom = Atom(self.atoms.len() as u32);
                 function.meaning = Meaning::Constant(atom);
-                self.atoms.push(AtomInfo { name: function.name.clone(), domain, span: function.span });
+                self.atoms.push(AtomInfo {
+                    name: function.name.clone(),
+                    domain,
+                    span: function.span,
+                });
             }
         }
     }
 
     fn unit_rules(&mut self, index: usize, unit: &Unit) {
         for rule in unit.tree.rules.iter().chain(&unit.tree.main) {
-            let parameters: Vec<TypeId> =
-                rule.parameters.iter().map(|parameter| self.resolve_type(index, &parameter.domain)).collect();
+            let parameters: Vec<TypeId> = rule
+                .parameters
+                .iter()
+                .map(|parameter| self.resolve_type(index, &parameter.domain))
+                .collect();
             let result = rule.result.as_ref().map(|ty| self.resolve_type(index, ty));
             let name = &rule.name;
-            let known = self.scopes[index].rules.get(&name.text).into_iter().flatten();
-            let twice = known.copied().find(|id| self.rules[id.0 as usize].parameters == parameters);
+            let known = self.scopes[index]
+                .rules
+                .get(&name.text)
+                .into_iter()
+                .flatten();
+            let twice = known
+                .copied()
+                .find(|id| self.rules[id.0 as usize].parameters == parameters);
             if let Some(twice) = twice {
                 let first = self.rules[twice.0 as usize].span;
                 if self.rules[twice.0 as usize].library && !unit.library {
@@ -363,7 +352,11 @@ impl Declared {
                         known.retain(|&id| id != twice);
                     }
                 } else {
-                    let error = HirError::Duplicate { name: name.text.clone(), at: name.span, first };
+                    let error = HirError::Duplicate {
+                        name: name.text.clone(),
+                        at: name.span,
+                        first,
+                    };
                     self.report.push(error.diagnostic());
                 }
             }
@@ -377,20 +370,30 @@ impl Declared {
                 span: name.span,
                 library: unit.library,
             });
-            self.scopes[index].rules.entry(name.text.clone()).or_default().push(id);
+            self.scopes[index]
+                .rules
+                .entry(name.text.clone())
+                .or_default()
+                .push(id);
         }
     }
 
     /// The function of this name with exactly these parameters, if the unit sees one.
     pub fn overload(&self, unit: usize, name: &str, parameters: &[TypeId]) -> Option<FunctionId> {
         let known = self.scopes[unit].functions.get(name)?;
-        known.iter().copied().find(|id| self.functions[id.0 as usize].parameters == parameters)
+        known
+            .iter()
+            .copied()
+            .find(|id| self.functions[id.0 as usize].parameters == parameters)
     }
 
     /// The argument domains of a function: the components of a product, or the one domain.
     pub fn parameters(&mut self, unit: usize, domain: &ast::Type) -> Vec<TypeId> {
         match &domain.kind {
-            ast::TypeKind::Prod(items) => items.iter().map(|item| self.resolve_type(unit, item)).collect(),
+            ast::TypeKind::Prod(items) => items
+                .iter()
+                .map(|item| self.resolve_type(unit, item))
+                .collect(),
             _ => vec![self.resolve_type(unit, domain)],
         }
     }
@@ -400,9 +403,12 @@ impl Declared {
         let resolved = match &ty.kind {
             ast::TypeKind::Named(name) => return self.named_type(unit, name, ty.span),
             ast::TypeKind::Rule(_) => Type::Rule,
-            ast::TypeKind::Prod(items) => {
-                Type::Prod(items.iter().map(|item| self.resolve_type(unit, item)).collect())
-            }
+            ast::TypeKind::Prod(items) => Type::Prod(
+                items
+                    .iter()
+                    .map(|item| self.resolve_type(unit, item))
+                    .collect(),
+            ),
             ast::TypeKind::Seq(item) => Type::Seq(self.resolve_type(unit, item)),
             ast::TypeKind::Powerset(item) => Type::Powerset(self.resolve_type(unit, item)),
             ast::TypeKind::Bag(item) => Type::Bag(self.resolve_type(unit, item)),
@@ -422,19 +428,17 @@ impl Declared {
             (None, Some(basic)) => basic,
             (None, None) => {
                 let similar = self.scopes[unit].similar_domain(name);
-                self.report.push(HirError::UnknownDomain { name: name.clone(), at, similar }.diagnostic());
+                self.report.push(
+                    HirError::UnknownDomain {
+                        name: name.clone(),
+                        at,
+                        similar,
+                    }
+                    .diagnostic(),
+                );
                 Type::Invalid
             }
         };
         self.types.id(ty)
     }
-}
-
-/// Whether an import asks for this name.
-fn asked(import: &ast::Import, name: &str) -> bool {
-    import.names.as_ref().is_none_or(|names| names.iter().any(|asked| &*asked.text == name))
-}
-
-fn declares_rule(tree: &ast::File, name: &str) -> bool {
-    tree.rules.iter().any(|rule| &*rule.name.text == name)
 }

@@ -9,17 +9,44 @@ type Name = Arc<str>;
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum HirError {
     #[error("unknown function `{name}`")]
-    UnknownFunction { name: Name, at: Span, similar: Option<(Name, Span)> },
+    UnknownFunction {
+        name: Name,
+        at: Span,
+        similar: Option<(Name, Span)>,
+    },
     #[error("unknown variable `{name}`")]
-    UnknownVariable { name: Name, at: Span, similar: Option<Name>, bound: Option<Span> },
+    UnknownVariable {
+        name: Name,
+        at: Span,
+        similar: Option<Name>,
+        bound: Option<Span>,
+    },
     #[error("unknown rule `{name}`")]
-    UnknownRule { name: Name, at: Span, similar: Option<(Name, Span)> },
+    UnknownRule {
+        name: Name,
+        at: Span,
+        similar: Option<(Name, Span)>,
+    },
     #[error("unknown domain `{name}`")]
-    UnknownDomain { name: Name, at: Span, similar: Option<Name> },
+    UnknownDomain {
+        name: Name,
+        at: Span,
+        similar: Option<Name>,
+    },
     #[error("`{name}` is neither an enumeration literal nor a domain")]
-    UnknownConstant { name: Name, at: Span, similar: Option<Name> },
+    UnknownConstant {
+        name: Name,
+        at: Span,
+        similar: Option<Name>,
+    },
     #[error("no `{name}` takes {actual}")]
-    NoOverload { name: Name, at: Span, actual: String, candidates: Vec<(String, Span)>, hint: Option<String> },
+    NoOverload {
+        name: Name,
+        at: Span,
+        actual: String,
+        candidates: Vec<(String, Span)>,
+        hint: Option<String>,
+    },
     #[error("{what} expects {wanted}, this is {actual}")]
     Mismatch {
         what: String,
@@ -32,13 +59,23 @@ pub(crate) enum HirError {
         number: Option<String>,
     },
     #[error("`{name}` takes {wanted} argument{}, here are {actual}", if *wanted == 1 { "" } else { "s" })]
-    Arity { name: Name, wanted: usize, actual: usize, at: Span, declared: Span },
+    Arity {
+        name: Name,
+        wanted: usize,
+        actual: usize,
+        at: Span,
+        declared: Span,
+    },
     #[error("`{name}` is declared twice")]
     Duplicate { name: Name, at: Span, first: Span },
     #[error("cannot find `{path}`")]
     ImportNotFound { path: String, at: Span },
     #[error("`{path}` imports itself")]
-    ImportCycle { path: String, at: Span, chain: Vec<(String, Option<Span>)> },
+    ImportCycle {
+        path: String,
+        at: Span,
+        chain: Vec<(String, Option<Span>)>,
+    },
     #[error("imports nest deeper than {limit} files")]
     ImportsTooDeep { at: Span, limit: usize },
     #[error("{error}")]
@@ -46,17 +83,40 @@ pub(crate) enum HirError {
     #[error("`{module}` exports no `{name}`")]
     NotExported { module: Name, name: Name, at: Span },
     #[error("`{function}` is {kind}, so no rule may update it")]
-    WritesFixed { function: Name, kind: &'static str, at: Span, declared: Span },
+    WritesFixed {
+        function: Name,
+        kind: &'static str,
+        at: Span,
+        declared: Span,
+    },
     #[error("`{function}` is monitored, so no rule may update it")]
-    WritesMonitored { function: Name, at: Span, declared: Span },
+    WritesMonitored {
+        function: Name,
+        at: Span,
+        declared: Span,
+    },
     #[error("`{name}` cannot be assigned: it is not a location")]
     WritesVariable { name: Name, at: Span, bound: Span },
     #[error("`{name}` ranges over {actual}, which is not a collection")]
-    NotACollection { name: Name, actual: String, at: Span },
+    NotACollection {
+        name: Name,
+        actual: String,
+        at: Span,
+    },
     #[error("{what} disagree: {first} and {second}")]
-    Disagree { what: &'static str, first: String, second: String, first_at: Span, second_at: Span },
+    Disagree {
+        what: &'static str,
+        first: String,
+        second: String,
+        first_at: Span,
+        second_at: Span,
+    },
     #[error("`{name}` is defined here, but not declared in the signature")]
-    DefinesUndeclared { name: Name, at: Span, similar: Option<(Name, Span)> },
+    DefinesUndeclared {
+        name: Name,
+        at: Span,
+        similar: Option<(Name, Span)>,
+    },
     #[error("`{name}` is {kind}; {why}")]
     DefinesWrongKind {
         name: Name,
@@ -71,21 +131,42 @@ pub(crate) enum HirError {
     #[error("the main rule takes no arguments")]
     MainParameters { at: Span },
     #[error("`{name}` returns nothing")]
-    NoResult { name: Name, at: Span, declared: Span },
+    NoResult {
+        name: Name,
+        at: Span,
+        declared: Span,
+    },
     #[error("`{name}` is a {is} rule")]
-    CallForm { name: Name, is: &'static str, want: &'static str, at: Span, declared: Span },
+    CallForm {
+        name: Name,
+        is: &'static str,
+        want: &'static str,
+        at: Span,
+        declared: Span,
+    },
     #[error("`{domain}` cannot be extended: it is {kind}")]
-    CannotExtend { domain: Name, kind: &'static str, at: Span, declared: Span },
+    CannotExtend {
+        domain: Name,
+        kind: &'static str,
+        at: Span,
+        declared: Span,
+    },
     #[error("none of the initial states is the default")]
     NoDefaultInit { at: Span },
     #[error("this is not a rule: its value is {actual}")]
     NotARule { actual: String, at: Span },
     #[error("`not` binds tighter than `{operator}`: this reads `(not …) {operator} …`")]
-    NotBinds { operator: &'static str, at: Span, operand: Span },
+    NotBinds {
+        operator: &'static str,
+        at: Span,
+        operand: Span,
+    },
     #[error("the file is called `{stem}`, the specification `{name}`")]
     FileName { name: Name, stem: String, at: Span },
     #[error("`{module}` exports nothing, so this import brings no name")]
     ImportsNothing { module: Name, at: Span },
+    #[error("`{domain}` is a subset of itself")]
+    DomainCycle { domain: Name, at: Span },
     #[error("`{domain}` has no elements: it is not defined")]
     EmptyDomain { domain: Name, at: Span },
 }
@@ -101,7 +182,9 @@ impl HirError {
                 let help = "declare it in the signature, or import the module that declares it";
                 with_similar(finding, *at, similar, help)
             }
-            Self::UnknownVariable { at, similar, bound, .. } => {
+            Self::UnknownVariable {
+                at, similar, bound, ..
+            } => {
                 let finding = error("A002").label(*at, "not bound here");
                 match (bound, similar) {
                     (Some(bound), _) => finding
@@ -114,13 +197,21 @@ impl HirError {
             }
             Self::UnknownRule { at, similar, .. } => {
                 let finding = error("A003").label(*at, "no rule has this name");
-                with_similar(finding, *at, similar, "rules are declared under `definitions:`")
+                with_similar(
+                    finding,
+                    *at,
+                    similar,
+                    "rules are declared under `definitions:`",
+                )
             }
             Self::UnknownDomain { at, similar, .. } => {
                 let finding = error("A004").label(*at, "no domain has this name");
                 match similar {
-                    Some(name) => finding.fix(format!("did you mean `{name}`?"), *at, name.to_string()),
-                    None => finding.help("declare it in the signature, or import the module that declares it"),
+                    Some(name) => {
+                        finding.fix(format!("did you mean `{name}`?"), *at, name.to_string())
+                    }
+                    None => finding
+                        .help("declare it in the signature, or import the module that declares it"),
                 }
             }
             Self::UnknownConstant { at, similar, .. } => {
@@ -130,29 +221,53 @@ impl HirError {
                     None => finding.help("names that begin with a capital are literals of an `enum domain`, or domains"),
                 }
             }
-            Self::NoOverload { at, candidates, hint, .. } => {
+            Self::NoOverload {
+                at,
+                candidates,
+                hint,
+                ..
+            } => {
                 let mut finding = error("A006").label(*at, "applied here");
                 for (signature, declared) in candidates.iter().take(4) {
                     finding = finding.label(*declared, signature.clone());
                 }
                 match hint {
                     Some(hint) => finding.help(hint.clone()),
-                    None => finding.help("give arguments of the declared domains, or declare an overload"),
+                    None => finding
+                        .help("give arguments of the declared domains, or declare an overload"),
                 }
             }
-            Self::Mismatch { at, actual, wanted, because, number, .. } => {
+            Self::Mismatch {
+                at,
+                actual,
+                wanted,
+                because,
+                number,
+                ..
+            } => {
                 let finding = error("A007").label(*at, format!("this is {actual}"));
                 let finding = match because {
                     Some((because, how)) => finding.label(*because, format!("{how} {wanted}")),
                     None => finding,
                 };
                 match (number, conversion(wanted, actual)) {
-                    (Some(number), _) => finding.fix(format!("a number of {wanted} is written so"), *at, number.clone()),
+                    (Some(number), _) => finding.fix(
+                        format!("a number of {wanted} is written so"),
+                        *at,
+                        number.clone(),
+                    ),
                     (None, Some(help)) => finding.help(help),
-                    (None, None) => finding.help(format!("write a term whose value is in {wanted}")),
+                    (None, None) => {
+                        finding.help(format!("write a term whose value is in {wanted}"))
+                    }
                 }
             }
-            Self::Arity { at, declared, actual, .. } => error("A008")
+            Self::Arity {
+                at,
+                declared,
+                actual,
+                ..
+            } => error("A008")
                 .label(*at, format!("{actual} given"))
                 .label(*declared, "declared here")
                 .help("give one argument for each parameter"),
@@ -162,8 +277,13 @@ impl HirError {
                 .help("rename one of them; functions may share a name if their domains differ"),
             Self::ImportNotFound { path, at } => error("A010")
                 .label(*at, "no such file")
-                .note("a path is taken from the folder of the importing file; `.asm` may be left out")
-                .help(format!("check the spelling, or create `{path}.asm`", path = path.trim_end_matches(".asm"))),
+                .note(
+                    "a path is taken from the folder of the importing file; `.asm` may be left out",
+                )
+                .help(format!(
+                    "check the spelling, or create `{path}.asm`",
+                    path = path.trim_end_matches(".asm")
+                )),
             Self::ImportCycle { at, chain, .. } if chain.len() < 2 => error("A011")
                 .label(*at, "this is the file itself")
                 .help("drop this import: a file knows its own names"),
@@ -190,7 +310,9 @@ impl HirError {
             Self::NotExported { at, .. } => error("A015")
                 .label(*at, "asked for here")
                 .help("add it to the `export` clause of the module, or drop it here"),
-            Self::WritesFixed { at, declared, kind, .. } => error("A016")
+            Self::WritesFixed {
+                at, declared, kind, ..
+            } => error("A016")
                 .label(*at, "updated here")
                 .label(*declared, format!("declared {kind} here"))
                 .help("declare it `controlled` to let rules write it"),
@@ -201,11 +323,19 @@ impl HirError {
             Self::WritesVariable { at, bound, .. } => error("A017")
                 .label(*at, "assigned here")
                 .label(*bound, "bound here to a value")
-                .help("update a controlled function; only a macro parameter can stand for a location"),
+                .help(
+                    "update a controlled function; only a macro parameter can stand for a location",
+                ),
             Self::NotACollection { at, .. } => error("A018")
                 .label(*at, "not a set, sequence or bag")
                 .help("range over a domain, a set or a sequence"),
-            Self::Disagree { first_at, second_at, first, second, .. } => error("A019")
+            Self::Disagree {
+                first_at,
+                second_at,
+                first,
+                second,
+                ..
+            } => error("A019")
                 .label(*second_at, format!("this is {second}"))
                 .label(*first_at, format!("this is {first}"))
                 .help("let all of them be of one domain"),
@@ -213,7 +343,9 @@ impl HirError {
                 let finding = error("A020").label(*at, "defined here");
                 with_similar(finding, *at, similar, "declare it in the signature first")
             }
-            Self::DefinesWrongKind { at, declared, help, .. } => error("A021")
+            Self::DefinesWrongKind {
+                at, declared, help, ..
+            } => error("A021")
                 .label(*at, "defined here")
                 .label(*declared, "declared here")
                 .help(*help),
@@ -227,11 +359,15 @@ impl HirError {
                 .label(*at, "its result is wanted here")
                 .label(*declared, "declared without `in Domain`")
                 .help("declare `turbo rule r_x(…) in D = …` and update `result` in it"),
-            Self::CallForm { at, declared, want, .. } => error("A025")
+            Self::CallForm {
+                at, declared, want, ..
+            } => error("A025")
                 .label(*at, "called in the other form")
                 .label(*declared, "declared here")
                 .help(*want),
-            Self::CannotExtend { at, declared, kind, .. } => error("A026")
+            Self::CannotExtend {
+                at, declared, kind, ..
+            } => error("A026")
                 .label(*at, "extended here")
                 .label(*declared, format!("{kind}, declared here"))
                 .help("only abstract domains, and subsets of them, take new elements"),
@@ -241,25 +377,41 @@ impl HirError {
             Self::NotARule { at, .. } => error("A028")
                 .label(*at, "stands where a rule is wanted")
                 .help("an update is written `location := term`, a macro call `r_name[…]`"),
-            Self::NotBinds { at, operand, operator } => warning("W001")
+            Self::NotBinds {
+                at,
+                operand,
+                operator,
+            } => warning("W001")
                 .label(*at, format!("applies to the left of `{operator}` alone"))
                 .label(*operand, "not to all of this")
-                .help(format!("write `not (… {operator} …)` to negate the comparison")),
-            Self::FileName { name, at, .. } => warning("W002")
-                .label(*at, "this name")
-                .help(format!("call the file `{name}.asm`: the reference tools insist on it")),
+                .help(format!(
+                    "write `not (… {operator} …)` to negate the comparison"
+                )),
+            Self::FileName { name, at, .. } => warning("W002").label(*at, "this name").help(
+                format!("call the file `{name}.asm`: the reference tools insist on it"),
+            ),
             Self::ImportsNothing { at, .. } => warning("W003")
                 .label(*at, "imported here")
                 .help("add `export *` to the module"),
+            Self::DomainCycle { at, .. } => error("A033")
+                .label(*at, "its `subsetof` leads back here")
+                .help("let one of the domains be a subset of a basic or an abstract domain"),
             Self::EmptyDomain { at, domain } => warning("W004")
                 .label(*at, "declared here, defined nowhere")
-                .help(format!("add `domain {domain} = {{…}}` under `definitions:`")),
+                .help(format!(
+                    "add `domain {domain} = {{…}}` under `definitions:`"
+                )),
         }
     }
 }
 
 /// Offers the similar name, or help where there is none.
-fn with_similar(finding: Diagnostic, at: Span, similar: &Option<(Name, Span)>, help: &str) -> Diagnostic {
+fn with_similar(
+    finding: Diagnostic,
+    at: Span,
+    similar: &Option<(Name, Span)>,
+    help: &str,
+) -> Diagnostic {
     match similar {
         Some((name, declared)) => finding
             .label(*declared, "a similar name is declared here")

@@ -4,10 +4,14 @@
 //! go on after an error and report all of them; a model is built only from files without errors.
 
 mod analyse;
+mod apply;
+mod collection;
 mod declare;
 mod error;
+mod import;
 mod load;
 mod model;
+mod resolver;
 mod rule;
 mod scope;
 mod term;

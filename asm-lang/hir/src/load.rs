@@ -35,7 +35,12 @@ pub struct Loaded {
 /// Reads the file at `path` and all that it imports. The standard libraries are embedded: an import
 /// whose last path component names one of them gets ours, wherever the path points.
 pub fn load(path: &str, loader: &dyn Loader, sources: &mut Sources) -> Loaded {
-    let mut loading = Loading { loader, sources, loaded: Loaded::default(), open: Vec::new() };
+    let mut loading = Loading {
+        loader,
+        sources,
+        loaded: Loaded::default(),
+        open: Vec::new(),
+    };
     let text = match loader.resolve("", path) {
         Some(found) => loader.read(&found).map(|text| (found, text)),
         None => loader.read(path).map(|text| (path.to_owned(), text)),
@@ -44,7 +49,10 @@ pub fn load(path: &str, loader: &dyn Loader, sources: &mut Sources) -> Loaded {
         Ok((found, text)) => {
             loading.unit(&found, text, false);
         }
-        Err(error) => loading.loaded.report.push(HirError::Unreadable { error, at: None }.diagnostic()),
+        Err(error) => loading
+            .loaded
+            .report
+            .push(HirError::Unreadable { error, at: None }.diagnostic()),
     }
     loading.loaded
 }
@@ -70,7 +78,13 @@ impl Loading<'_> {
             }
         }
         self.open.pop();
-        self.loaded.units.push(Unit { path: path.to_owned(), file, tree: parsed.file, library, imports });
+        self.loaded.units.push(Unit {
+            path: path.to_owned(),
+            file,
+            tree: parsed.file,
+            library,
+            imports,
+        });
         self.loaded.units.len() - 1
     }
 
@@ -79,32 +93,60 @@ impl Loading<'_> {
         if let Some(frame) = self.open.last_mut() {
             frame.1 = Some(at);
         }
-        let last = import.path.text.rsplit(['/', '\\']).next().unwrap_or(&import.path.text);
+        let last = import
+            .path
+            .text
+            .rsplit(['/', '\\'])
+            .next()
+            .unwrap_or(&import.path.text);
         if let Some(library) = stdlib::library(last) {
             let path = format!("<{}>", library.name);
-            return Some(self.known(&path).unwrap_or_else(|| self.unit(&path, Arc::from(library.text), true)));
+            return Some(
+                self.known(&path)
+                    .unwrap_or_else(|| self.unit(&path, Arc::from(library.text), true)),
+            );
         }
         let Some(path) = self.loader.resolve(from, &import.path.text) else {
-            let error = HirError::ImportNotFound { path: import.path.text.to_string(), at };
+            let error = HirError::ImportNotFound {
+                path: import.path.text.to_string(),
+                at,
+            };
             self.loaded.report.push(error.diagnostic());
             return None;
         };
         if let Some(start) = self.open.iter().position(|(open, _)| *open == path) {
-            let chain = self.open[start..].iter().map(|(path, at)| (path.clone(), *at)).collect();
-            self.loaded.report.push(HirError::ImportCycle { path, at, chain }.diagnostic());
+            let chain = self.open[start..]
+                .iter()
+                .map(|(path, at)| (path.clone(), *at))
+                .collect();
+            self.loaded
+                .report
+                .push(HirError::ImportCycle { path, at, chain }.diagnostic());
             return None;
         }
         if let Some(unit) = self.known(&path) {
             return Some(unit);
         }
         if self.open.len() >= MAX_IMPORT_DEPTH {
-            self.loaded.report.push(HirError::ImportsTooDeep { at, limit: MAX_IMPORT_DEPTH }.diagnostic());
+            self.loaded.report.push(
+                HirError::ImportsTooDeep {
+                    at,
+                    limit: MAX_IMPORT_DEPTH,
+                }
+                .diagnostic(),
+            );
             return None;
         }
         match self.loader.read(&path) {
             Ok(text) => Some(self.unit(&path, text, false)),
             Err(error) => {
-                self.loaded.report.push(HirError::Unreadable { error, at: Some(at) }.diagnostic());
+                self.loaded.report.push(
+                    HirError::Unreadable {
+                        error,
+                        at: Some(at),
+                    }
+                    .diagnostic(),
+                );
                 None
             }
         }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use syntax::ast;
 use value::{Atom, RuleId, Value};
 
-pub use ast::{FunctionKind, Quantifier};
+pub use ast::{Collection, FunctionKind, Quantifier};
 
 /// A domain of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -272,11 +272,11 @@ pub enum TermKind {
     /// `(forall …)`, `(exists …)`
     Quantified(Quantifier, Vec<Binder>, Option<Term>),
     /// Listed elements.
-    Listed(ast::Collection, Vec<Term>),
+    Listed(Collection, Vec<Term>),
     /// `from : to, step`
-    Interval(ast::Collection, Term, Term, Option<Term>),
+    Interval(Collection, Term, Term, Option<Term>),
     /// Binders, guard, item.
-    Comprehension(ast::Collection, Vec<Binder>, Option<Term>, Term),
+    Comprehension(Collection, Vec<Binder>, Option<Term>, Term),
     /// `{k -> v}`
     Map(Vec<(Term, Term)>),
     /// Binders, guard, key, value.

@@ -2,8 +2,10 @@
 
 use crate::analyse::kind_name;
 use crate::error::HirError;
-use crate::model::{DomainKind, FunctionId, FunctionKind, Meaning, RuleKind, RuleTerm, Target, Term, TermKind};
-use crate::term::Resolver;
+use crate::model::{
+    DomainKind, FunctionId, FunctionKind, Meaning, RuleKind, RuleTerm, Target, Term, TermKind,
+};
+use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
 use source::Span;
 use syntax::ast;
@@ -13,7 +15,10 @@ impl Resolver<'_> {
     pub fn rule(&mut self, rule: &ast::Rule) -> RuleTerm {
         stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
             let kind = self.rule_kind(rule);
-            Self::rule_term(kind, rule.span)
+            RuleTerm {
+                kind: Box::new(kind),
+                span: rule.span,
+            }
         })
     }
 
@@ -21,19 +26,32 @@ impl Resolver<'_> {
         match &*rule.kind {
             ast::RuleKind::Skip => RuleKind::Skip,
             ast::RuleKind::Update { target, value } => self.update(target, value),
-            ast::RuleKind::Assign { target, rule, arguments } => self.assign(target, rule, arguments),
+            ast::RuleKind::Assign {
+                target,
+                rule,
+                arguments,
+            } => self.assign(target, rule, arguments),
             ast::RuleKind::Macro { name, arguments } => self.call(name, arguments, false),
             ast::RuleKind::Turbo { name, arguments } => self.call(name, arguments, true),
             ast::RuleKind::Term { term, arguments } => self.run(term, arguments),
             ast::RuleKind::Par(rules) => RuleKind::Par(self.block(rules)),
             ast::RuleKind::Seq(rules) => RuleKind::Seq(self.block(rules)),
-            ast::RuleKind::If { guard, then, otherwise } => {
+            ast::RuleKind::If {
+                guard,
+                then,
+                otherwise,
+            } => {
                 let guard = self.boolean(guard, "a guard");
                 let then = self.rule(then);
                 RuleKind::If(guard, then, otherwise.as_ref().map(|rule| self.rule(rule)))
             }
             ast::RuleKind::Switch(switch) => self.switch_rule(switch),
-            ast::RuleKind::Choose { binders, guard, body, ifnone } => {
+            ast::RuleKind::Choose {
+                binders,
+                guard,
+                body,
+                ifnone,
+            } => {
                 let chosen = self.scoped(|this| {
                     let binders = this.binders(binders);
                     let guard = guard.as_ref().map(|guard| this.boolean(guard, "a guard"));
@@ -42,7 +60,11 @@ impl Resolver<'_> {
                 let ifnone = ifnone.as_ref().map(|rule| self.rule(rule));
                 RuleKind::Choose(chosen.0, chosen.1, chosen.2, ifnone)
             }
-            ast::RuleKind::Forall { binders, guard, body } => self.scoped(|this| {
+            ast::RuleKind::Forall {
+                binders,
+                guard,
+                body,
+            } => self.scoped(|this| {
                 let binders = this.binders(binders);
                 let guard = guard.as_ref().map(|guard| this.boolean(guard, "a guard"));
                 RuleKind::Forall(binders, guard, this.rule(body))
@@ -51,7 +73,11 @@ impl Resolver<'_> {
                 let bindings = this.bindings(bindings);
                 RuleKind::Let(bindings, this.rule(body))
             }),
-            ast::RuleKind::Extend { domain, variables, body } => self.extend(domain, variables, body),
+            ast::RuleKind::Extend {
+                domain,
+                variables,
+                body,
+            } => self.extend(domain, variables, body),
             ast::RuleKind::While { guard, body } => {
                 let guard = self.boolean(guard, "a guard");
                 RuleKind::While(guard, self.rule(body))
@@ -78,7 +104,12 @@ impl Resolver<'_> {
         }
     }
 
-    fn assign(&mut self, target: &ast::Assignee, rule: &ast::Name, arguments: &[ast::Term]) -> RuleKind {
+    fn assign(
+        &mut self,
+        target: &ast::Assignee,
+        rule: &ast::Name,
+        arguments: &[ast::Term],
+    ) -> RuleKind {
         let arguments = self.terms(arguments);
         let target = self.target(target);
         let Some(callee) = self.callee(rule, &arguments) else {
@@ -86,7 +117,11 @@ impl Resolver<'_> {
         };
         let declared = self.declared.rules[callee.0 as usize].span;
         let Some(result) = self.declared.rules[callee.0 as usize].result else {
-            self.error(HirError::NoResult { name: rule.text.clone(), at: rule.span, declared });
+            self.error(HirError::NoResult {
+                name: rule.text.clone(),
+                at: rule.span,
+                declared,
+            });
             return RuleKind::Invalid;
         };
         let Some((target, wanted, what, location)) = target else {
@@ -117,12 +152,21 @@ impl Resolver<'_> {
                 };
                 let (ty, bound) = (self.variable(id).ty, self.variable(id).span);
                 if !self.stands_for_location(id) {
-                    self.error(HirError::WritesVariable { name: name.text.clone(), at: name.span, bound });
+                    self.error(HirError::WritesVariable {
+                        name: name.text.clone(),
+                        at: name.span,
+                        bound,
+                    });
                     return None;
                 }
                 Some((Target::Parameter(id), ty, format!("`{}`", name.text), bound))
             }
-            ast::Assignee::Location { agent, function, arguments, span } => {
+            ast::Assignee::Location {
+                agent,
+                function,
+                arguments,
+                span,
+            } => {
                 let mut all = Vec::new();
                 if let Some(agent) = agent {
                     all.push(self.apply(agent, Vec::new(), agent.span));
@@ -134,7 +178,11 @@ impl Resolver<'_> {
         }
     }
 
-    fn location(&mut self, name: &ast::Name, applied: Term) -> Option<(Target, TypeId, String, Span)> {
+    fn location(
+        &mut self,
+        name: &ast::Name,
+        applied: Term,
+    ) -> Option<(Target, TypeId, String, Span)> {
         let (id, arguments) = match *applied.kind {
             TermKind::Apply(id, arguments) => (id, arguments),
             TermKind::Spread(id, tuple) => (id, vec![tuple]),
@@ -144,7 +192,12 @@ impl Resolver<'_> {
                     .and_then(|ids| ids.first())
                     .map_or(name.span, |id| self.declared.functions[id.0 as usize].span);
                 let function = name.text.clone();
-                self.error(HirError::WritesFixed { function, kind: "static", at: name.span, declared });
+                self.error(HirError::WritesFixed {
+                    function,
+                    kind: "static",
+                    at: name.span,
+                    declared,
+                });
                 return None;
             }
             _ => return None,
@@ -158,7 +211,12 @@ impl Resolver<'_> {
             self.error(error);
             return None;
         }
-        Some((Target::Location(id, arguments), ty, format!("`{}`", name.text), declared))
+        Some((
+            Target::Location(id, arguments),
+            ty,
+            format!("`{}`", name.text),
+            declared,
+        ))
     }
 
     fn is_result(&self, id: FunctionId) -> bool {
@@ -174,11 +232,23 @@ impl Resolver<'_> {
         let declared = &self.declared.rules[rule.0 as usize];
         if declared.turbo != turbo {
             let (is, want) = match declared.turbo {
-                true => ("turbo", "turbo rules are called with round brackets: `r_x(…)`"),
-                false => ("macro", "macro rules are called with square brackets: `r_x[…]`"),
+                true => (
+                    "turbo",
+                    "turbo rules are called with round brackets: `r_x(…)`",
+                ),
+                false => (
+                    "macro",
+                    "macro rules are called with square brackets: `r_x[…]`",
+                ),
             };
             let declared = declared.span;
-            self.error(HirError::CallForm { name: name.text.clone(), is, want, at: name.span, declared });
+            self.error(HirError::CallForm {
+                name: name.text.clone(),
+                is,
+                want,
+                at: name.span,
+                declared,
+            });
         }
         RuleKind::Call(rule, arguments)
     }
@@ -189,7 +259,10 @@ impl Resolver<'_> {
         let rule = self.ty(Type::Rule);
         if !self.compatible(rule, term.ty) {
             let actual = self.show(term.ty);
-            self.error(HirError::NotARule { actual, at: term.span });
+            self.error(HirError::NotARule {
+                actual,
+                at: term.span,
+            });
             return RuleKind::Invalid;
         }
         RuleKind::Run(term, arguments)
@@ -206,8 +279,16 @@ impl Resolver<'_> {
         RuleKind::Switch(subject, cases, otherwise)
     }
 
-    fn extend(&mut self, domain: &ast::Name, variables: &[ast::Name], body: &ast::Rule) -> RuleKind {
-        let ty = ast::Type { kind: ast::TypeKind::Named(domain.text.clone()), span: domain.span };
+    fn extend(
+        &mut self,
+        domain: &ast::Name,
+        variables: &[ast::Name],
+        body: &ast::Rule,
+    ) -> RuleKind {
+        let ty = ast::Type {
+            kind: ast::TypeKind::Named(domain.text.clone()),
+            span: domain.span,
+        };
         let ty = self.declared.resolve_type(self.unit, &ty);
         let id = match self.declared.types.get(ty) {
             Type::Domain(id) => Some(*id),
@@ -221,8 +302,12 @@ impl Resolver<'_> {
         let Some(id) = id else {
             if *self.declared.types.get(ty) != Type::Invalid {
                 let kind = "a basic domain";
-                let error =
-                    HirError::CannotExtend { domain: domain.text.clone(), kind, at: domain.span, declared: domain.span };
+                let error = HirError::CannotExtend {
+                    domain: domain.text.clone(),
+                    kind,
+                    at: domain.span,
+                    declared: domain.span,
+                };
                 self.error(error);
             }
             return RuleKind::Invalid;
@@ -236,9 +321,25 @@ impl Resolver<'_> {
                 DomainKind::Abstract => "abstract",
             };
             let declared = self.declared.domains[id.0 as usize].span;
-            self.error(HirError::CannotExtend { domain: domain.text.clone(), kind, at: domain.span, declared });
+            self.error(HirError::CannotExtend {
+                domain: domain.text.clone(),
+                kind,
+                at: domain.span,
+                declared,
+            });
         }
         RuleKind::Extend(id, body.0, body.1)
+    }
+
+    /// Whether a domain can take new elements: it is abstract, or a subset of an abstract one.
+    fn is_extensible(&self, ty: TypeId) -> bool {
+        let root = self.declared.types.root(ty, &self.declared.domains);
+        match self.declared.types.get(root) {
+            Type::Domain(domain) => {
+                self.declared.domains[domain.0 as usize].kind == DomainKind::Abstract
+            }
+            _ => false,
+        }
     }
 }
 
@@ -247,10 +348,20 @@ fn forbidden(name: &ast::Name, kind: FunctionKind, declared: Span) -> Option<Hir
     let function = name.text.clone();
     let at = name.span;
     match kind {
-        FunctionKind::Controlled | FunctionKind::Out | FunctionKind::Shared | FunctionKind::Local => None,
-        FunctionKind::Monitored => Some(HirError::WritesMonitored { function, at, declared }),
-        FunctionKind::Static | FunctionKind::Derived => {
-            Some(HirError::WritesFixed { function, kind: kind_name(kind), at, declared })
-        }
+        FunctionKind::Controlled
+        | FunctionKind::Out
+        | FunctionKind::Shared
+        | FunctionKind::Local => None,
+        FunctionKind::Monitored => Some(HirError::WritesMonitored {
+            function,
+            at,
+            declared,
+        }),
+        FunctionKind::Static | FunctionKind::Derived => Some(HirError::WritesFixed {
+            function,
+            kind: kind_name(kind),
+            at,
+            declared,
+        }),
     }
 }

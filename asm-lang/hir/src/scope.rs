@@ -17,13 +17,20 @@ pub(crate) struct Scope {
 impl Scope {
     /// Takes over the names of another file that pass the filter; literals come with their domain,
     /// which the caller decides.
-    pub fn import(&mut self, other: &Scope, wanted: impl Fn(&str) -> bool, literal: impl Fn(Atom) -> bool) {
+    pub fn import(
+        &mut self,
+        other: &Scope,
+        wanted: impl Fn(&str) -> bool,
+        literal: impl Fn(Atom) -> bool,
+    ) {
         for (name, &domain) in &other.domains {
             if wanted(name) {
                 self.domains.entry(name.clone()).or_insert(domain);
             }
         }
-        merge(&mut self.functions, &other.functions, |name, _| wanted(name));
+        merge(&mut self.functions, &other.functions, |name, _| {
+            wanted(name)
+        });
         merge(&mut self.rules, &other.rules, |name, _| wanted(name));
         merge(&mut self.literals, &other.literals, |_, atom| literal(atom));
     }
@@ -67,12 +74,18 @@ fn merge<T: Copy + PartialEq>(
 }
 
 /// The known name that is most like `name`, if one is like it at all.
-pub(crate) fn similar<'a>(name: &str, known: impl Iterator<Item = &'a Arc<str>>) -> Option<Arc<str>> {
+pub(crate) fn similar<'a>(
+    name: &str,
+    known: impl Iterator<Item = &'a Arc<str>>,
+) -> Option<Arc<str>> {
     known
-        .map(|candidate| (strsim::normalized_damerau_levenshtein(name, candidate), candidate))
-        .filter(|(likeness, candidate)| {
-            *likeness >= 0.6 || candidate.eq_ignore_ascii_case(name)
+        .map(|candidate| {
+            (
+                strsim::normalized_damerau_levenshtein(name, candidate),
+                candidate,
+            )
         })
+        .filter(|(likeness, candidate)| *likeness >= 0.6 || candidate.eq_ignore_ascii_case(name))
         .max_by(|(a, x), (b, y)| a.total_cmp(b).then_with(|| y.cmp(x)))
         .map(|(_, candidate)| candidate.clone())
 }

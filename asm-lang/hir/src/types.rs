@@ -1,7 +1,7 @@
 //! Types: interned, compared by id, compatible as the language wants it.
 
 use crate::model::{Domain, DomainId, DomainKind};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A type, interned in [`Types`]: equal ids, equal types.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -92,6 +92,11 @@ impl Types {
         id
     }
 
+    /// All types there are.
+    pub fn ids(&self) -> impl Iterator<Item = TypeId> + use<> {
+        (0..self.types.len() as u32).map(TypeId)
+    }
+
     /// The type of an id.
     pub fn get(&self, id: TypeId) -> &Type {
         &self.types[id.0 as usize]
@@ -113,9 +118,47 @@ impl Types {
         at
     }
 
+    /// A type, what it is made of, and what the domains in it are subsets of: each once.
+    pub fn reach<'a>(
+        &'a self,
+        id: TypeId,
+        domains: &'a [Domain],
+    ) -> impl Iterator<Item = TypeId> + 'a {
+        let mut seen = BTreeSet::from([id]);
+        let mut open = vec![id];
+        std::iter::from_fn(move || {
+            let id = open.pop()?;
+            let mut parts = Vec::new();
+            match self.get(id) {
+                Type::Domain(domain) => {
+                    if let DomainKind::Concrete { base } = domains[domain.0 as usize].kind {
+                        parts.push(base);
+                    }
+                }
+                Type::Prod(items) => parts.extend(items),
+                Type::Seq(item) | Type::Powerset(item) | Type::Bag(item) => parts.push(*item),
+                Type::Map(key, value) => parts.extend([*key, *value]),
+                Type::Invalid
+                | Type::Undef
+                | Type::Boolean
+                | Type::Integer
+                | Type::Natural
+                | Type::Real
+                | Type::Complex
+                | Type::Char
+                | Type::String
+                | Type::Rule => {}
+            }
+            open.extend(parts.into_iter().filter(|part| seen.insert(*part)));
+            Some(id)
+        })
+    }
+
     fn variable(&self, id: TypeId, domains: &[Domain]) -> Option<DomainId> {
         match self.get(id) {
-            Type::Domain(domain) if domains[domain.0 as usize].kind == DomainKind::Any => Some(*domain),
+            Type::Domain(domain) if domains[domain.0 as usize].kind == DomainKind::Any => {
+                Some(*domain)
+            }
             _ => None,
         }
     }
@@ -146,10 +189,16 @@ impl Types {
         let (wanted_root, actual_root) = (self.root(wanted, domains), self.root(actual, domains));
         if wanted_root != wanted || actual_root != actual {
             let step = u32::from(wanted_root != wanted) + u32::from(actual_root != actual);
-            return Some(step + self.fit(wanted_root, actual_root, domains, bindings)?);
+            // subsets of collections of subsets may nest as deep as there are domains
+            let fit = stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
+                self.fit(wanted_root, actual_root, domains, bindings)
+            });
+            return Some(step + fit?);
         }
         let mut all = |pairs: &[(TypeId, TypeId)]| {
-            pairs.iter().try_fold(0, |sum, &(a, b)| Some(sum + self.fit(a, b, domains, bindings)?))
+            pairs.iter().try_fold(0, |sum, &(a, b)| {
+                Some(sum + self.fit(a, b, domains, bindings)?)
+            })
         };
         match (self.get(wanted), self.get(actual)) {
             (Type::Invalid | Type::Undef, _) | (_, Type::Invalid | Type::Undef) => Some(0),
@@ -213,14 +262,22 @@ impl Types {
     }
 
     /// The type with its variables replaced by what they are bound to.
-    pub(crate) fn substitute(&mut self, id: TypeId, domains: &[Domain], bindings: &Bindings) -> TypeId {
+    pub(crate) fn substitute(
+        &mut self,
+        id: TypeId,
+        domains: &[Domain],
+        bindings: &Bindings,
+    ) -> TypeId {
         if let Some(variable) = self.variable(id, domains) {
             return bindings.get(&variable).copied().unwrap_or(id);
         }
         let ty = match self.get(id).clone() {
-            Type::Prod(items) => {
-                Type::Prod(items.into_iter().map(|item| self.substitute(item, domains, bindings)).collect())
-            }
+            Type::Prod(items) => Type::Prod(
+                items
+                    .into_iter()
+                    .map(|item| self.substitute(item, domains, bindings))
+                    .collect(),
+            ),
             Type::Seq(item) => Type::Seq(self.substitute(item, domains, bindings)),
             Type::Powerset(item) => Type::Powerset(self.substitute(item, domains, bindings)),
             Type::Bag(item) => Type::Bag(self.substitute(item, domains, bindings)),

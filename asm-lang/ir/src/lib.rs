@@ -5,8 +5,10 @@
 //! interned when they are first met. Macros are specialised for the arguments that are passed by
 //! name, so that a machine only knows calls by value. This is what a back end compiles.
 
+mod code;
 mod lower;
 mod program;
 
+pub use code::*;
 pub use lower::{Lowered, lower, lower_with};
 pub use program::*;

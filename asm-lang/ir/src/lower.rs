@@ -6,9 +6,9 @@ mod layout;
 mod rule;
 mod term;
 
+use crate::code::{Body, Rule, RuleNode, Term};
 use crate::program::{
-    Body, BodyId, Elements, FunctionId, Invariant, Origin, Program, RoutineId, Rule, RuleNode,
-    RuleValue, Symbols, Term,
+    BodyId, Elements, FunctionId, Invariant, Origin, Program, RoutineId, RuleValue, Symbols,
 };
 use facts::Facts;
 use hir::{Meaning, Model};
@@ -54,7 +54,10 @@ pub fn lower_with(model: &Model, dense: u32) -> Result<Lowered, Report> {
     if lowering.report.has_errors() {
         return Err(lowering.report.finish());
     }
-    Ok(Lowered { program: lowering.program, origins: lowering.origins })
+    Ok(Lowered {
+        program: lowering.program,
+        origins: lowering.origins,
+    })
 }
 
 /// Work in progress.
@@ -88,7 +91,11 @@ impl<'a> Lowering<'a> {
         let names = |names: &mut dyn Iterator<Item = &Arc<str>>| names.cloned().collect();
         let symbols = Symbols {
             atoms: names(&mut model.atoms.iter().map(|atom| &atom.name)),
-            atom_domains: model.atoms.iter().map(|atom| domain::id(atom.domain)).collect(),
+            atom_domains: model
+                .atoms
+                .iter()
+                .map(|atom| domain::id(atom.domain))
+                .collect(),
             functions: names(&mut model.functions.iter().map(|function| &function.name)),
             domains: names(&mut model.domains.iter().map(|domain| &domain.name)),
             rules: names(&mut model.rules.iter().map(|rule| &rule.name)),
@@ -150,7 +157,7 @@ impl<'a> Lowering<'a> {
         // Ids first: definitions may be recursive.
         for (index, function) in self.model.functions.iter().enumerate() {
             if let Meaning::Defined(body) = &function.meaning {
-                let id = self.reserve_body(body.root.span, body.parameters, body.variables.len());
+                let id = self.reserve_body(body.root.span, body);
                 self.definitions.insert(hir::FunctionId(index as u32), id);
                 let function_id = hir::FunctionId(index as u32);
                 if function.parameters.is_empty() && self.facts.is_static(function_id) {
@@ -159,15 +166,21 @@ impl<'a> Lowering<'a> {
                 }
             }
         }
-        let defined: Vec<(hir::FunctionId, BodyId)> =
-            self.definitions.iter().map(|(&function, &body)| (function, body)).collect();
+        let defined: Vec<(hir::FunctionId, BodyId)> = self
+            .definitions
+            .iter()
+            .map(|(&function, &body)| (function, body))
+            .collect();
         for (function, id) in defined {
             if let Meaning::Defined(body) = &self.model.function(function).meaning {
                 self.fill_body(id, body);
             }
         }
         for (index, domain) in self.model.domains.iter().enumerate() {
-            if let (Elements::Computed(id), Some(body)) = (self.program.domains[index].elements.clone(), &domain.definition) {
+            if let (Elements::Computed(id), Some(body)) = (
+                self.program.domains[index].elements.clone(),
+                &domain.definition,
+            ) {
                 self.fill_body(id, body);
             }
         }
@@ -181,8 +194,11 @@ impl<'a> Lowering<'a> {
             }
         }
         let order = facts::initial_order(self.model);
-        let (later, now) = order.into_iter().partition(|&function| self.facts.begins_with_input(function));
-        let ids = |functions: Vec<hir::FunctionId>| functions.into_iter().map(function_id).collect();
+        let (later, now) = order
+            .into_iter()
+            .partition(|&function| self.facts.begins_with_input(function));
+        let ids =
+            |functions: Vec<hir::FunctionId>| functions.into_iter().map(function_id).collect();
         self.program.initial_order = ids(now);
         self.program.initial_inputs = ids(later);
     }
@@ -193,7 +209,12 @@ impl<'a> Lowering<'a> {
             let assumes = self.facts.reads_input(&invariant.condition.root);
             let origin = self.origin(invariant.condition.root.span);
             let name = invariant.name.clone();
-            self.program.invariants.push(Invariant { name, body, assumes, origin });
+            self.program.invariants.push(Invariant {
+                name,
+                body,
+                assumes,
+                origin,
+            });
         }
     }
 
@@ -201,31 +222,56 @@ impl<'a> Lowering<'a> {
         for index in 0..self.model.rules.len() {
             let id = RuleId(index as u32);
             let rule = self.model.rule(id);
-            let is_value = self.facts.rule_values.contains(&id) && !self.facts.assigns_parameter(id);
+            let is_value =
+                self.facts.rule_values.contains(&id) && !self.facts.assigns_parameter(id);
             let routine = (is_value && rule.body.is_some()).then(|| self.routine_by_value(id));
-            self.program.rules.push(RuleValue { routine, arguments: Vec::new() });
+            self.program.rules.push(RuleValue {
+                routine,
+                arguments: Vec::new(),
+            });
         }
         for program in &self.model.programs {
             let span = self.model.rule(program.rule).span;
-            let arguments: Vec<BodyId> =
-                program.arguments.iter().map(|argument| self.body(span, argument)).collect();
+            let arguments: Vec<BodyId> = program
+                .arguments
+                .iter()
+                .map(|argument| self.body(span, argument))
+                .collect();
             let rule = if arguments.is_empty() {
                 program.rule
             } else {
                 let routine = self.routine_by_value(program.rule);
-                self.program.rules.push(RuleValue { routine: Some(routine), arguments });
-                self.program.symbols.rules.push(self.model.rule(program.rule).name.clone());
+                self.program.rules.push(RuleValue {
+                    routine: Some(routine),
+                    arguments,
+                });
+                self.program
+                    .symbols
+                    .rules
+                    .push(self.model.rule(program.rule).name.clone());
                 RuleId(self.program.rules.len() as u32 - 1)
             };
-            self.program.programs.push((domain::id(program.domain), rule));
+            self.program
+                .programs
+                .push((domain::id(program.domain), rule));
         }
     }
 
-    fn reserve_body(&mut self, span: Span, arguments: usize, locals: usize) -> BodyId {
+    fn reserve_body(&mut self, span: Span, body: &hir::Body<hir::Term>) -> BodyId {
         let origin = self.origin(span);
         let code = Term::undef(origin);
-        let body = Body { arguments: arguments as u32, locals: locals as u32, code, origin };
-        self.program.bodies.push(body);
+        let arguments = body.variables.iter().take(body.parameters);
+        let open = self.is_open(body.root.ty)
+            || arguments
+                .into_iter()
+                .any(|argument| self.is_open(argument.ty));
+        self.program.bodies.push(Body {
+            arguments: body.parameters as u32,
+            locals: body.variables.len() as u32,
+            code,
+            origin,
+            open,
+        });
         BodyId(self.program.bodies.len() as u32 - 1)
     }
 
@@ -238,15 +284,25 @@ impl<'a> Lowering<'a> {
     }
 
     fn body(&mut self, span: Span, body: &hir::Body<hir::Term>) -> BodyId {
-        let id = self.reserve_body(span, body.parameters, body.variables.len());
+        let id = self.reserve_body(span, body);
         self.fill_body(id, body);
         id
     }
 
-    fn reserve_routine(&mut self, span: Span) -> RoutineId {
-        let origin = self.origin(span);
-        let code = Rule { node: Box::new(RuleNode::Skip), origin };
-        self.program.routines.push(Body { arguments: 0, locals: 0, code, origin });
+    fn reserve_routine(&mut self, rule: &hir::Rule) -> RoutineId {
+        let open = rule.parameters.iter().any(|&ty| self.is_open(ty));
+        let origin = self.origin(rule.span);
+        let code = Rule {
+            node: Box::new(RuleNode::Skip),
+            origin,
+        };
+        self.program.routines.push(Body {
+            arguments: 0,
+            locals: 0,
+            code,
+            origin,
+            open,
+        });
         RoutineId(self.program.routines.len() as u32 - 1)
     }
 }

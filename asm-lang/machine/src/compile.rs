@@ -11,16 +11,16 @@ mod rule;
 mod term;
 mod truth;
 
+pub(crate) use location::MAX_AXES;
+
 use crate::run::{Run, Stopped, Truth};
-use ir::{DomainId, Origin, Program};
+use ir::{Axis, DomainId, Local, Origin, Program, Term};
 use value::Value;
 
 /// Gives a value.
 pub(crate) type TermCode = Box<dyn Fn(&mut Run<'_>) -> Value + Send + Sync>;
 /// Gives a truth value.
 pub(crate) type TruthCode = Box<dyn Fn(&mut Run<'_>) -> Truth + Send + Sync>;
-/// Gives an integer, or undef.
-pub(crate) type IntCode = Box<dyn Fn(&mut Run<'_>) -> Option<i64> + Send + Sync>;
 /// Collects updates.
 pub(crate) type RuleCode = Box<dyn Fn(&mut Run<'_>) -> Result<(), Stopped> + Send + Sync>;
 
@@ -30,6 +30,7 @@ pub(crate) struct Compiled<T> {
     pub arguments: u32,
     pub code: T,
     pub origin: Origin,
+    pub open: bool,
 }
 
 /// A compiled program.
@@ -42,22 +43,30 @@ pub(crate) struct Code {
 
 impl Code {
     pub fn of(program: &Program) -> Self {
-        let compiler = Compiler { program };
+        let compiler = Compiler {
+            program,
+            windows: crate::near::windows(program),
+        };
         let bodies = program.bodies.iter().map(|body| Compiled {
             locals: body.locals,
             arguments: body.arguments,
             code: compiler.term(&body.code),
             origin: body.origin,
+            open: body.open,
         });
         let routines = program.routines.iter().map(|routine| Compiled {
             locals: routine.locals,
             arguments: routine.arguments,
             code: compiler.rule(&routine.code),
             origin: routine.origin,
+            open: routine.open,
         });
         let supers = (0..program.domains.len() as u32).map(|index| {
             let mut chain = vec![DomainId(index)];
-            while let Some(base) = chain.last().and_then(|domain| program.domains[domain.0 as usize].base) {
+            while let Some(base) = chain
+                .last()
+                .and_then(|domain| program.domains[domain.0 as usize].base)
+            {
                 if chain.contains(&base) {
                     break;
                 }
@@ -65,10 +74,70 @@ impl Code {
             }
             chain
         });
-        Self { bodies: bodies.collect(), routines: routines.collect(), supers: supers.collect() }
+        Self {
+            bodies: bodies.collect(),
+            routines: routines.collect(),
+            supers: supers.collect(),
+        }
+    }
+}
+
+/// Terms whose values go somewhere together.
+struct Values(Vec<TermCode>);
+
+impl Values {
+    /// Puts the values on the stack; gives where they begin.
+    fn stacked(&self, run: &mut Run<'_>) -> usize {
+        let from = run.stack.len();
+        for term in &self.0 {
+            let value = term(run);
+            run.stack.push(value);
+        }
+        from
+    }
+
+    /// Puts the values behind the locals, as the arguments of a call; gives where they begin.
+    fn passed(&self, run: &mut Run<'_>) -> usize {
+        let from = run.locals.len();
+        for term in &self.0 {
+            let value = term(run);
+            run.locals.push(value);
+        }
+        from
+    }
+}
+
+/// Variables and the terms they are bound to, one after the other.
+struct Bindings(Vec<(Local, TermCode)>);
+
+impl Bindings {
+    fn bind(&self, run: &mut Run<'_>) {
+        for (local, term) in &self.0 {
+            let value = term(run);
+            run.set_local(*local, value);
+        }
     }
 }
 
 struct Compiler<'a> {
     program: &'a Program,
+    /// By function: its window, if it has one.
+    windows: Vec<Option<(usize, Vec<Axis>)>>,
+}
+
+impl Compiler<'_> {
+    fn terms(&self, terms: &[Term]) -> Vec<TermCode> {
+        terms.iter().map(|term| self.term(term)).collect()
+    }
+
+    fn values(&self, terms: &[Term]) -> Values {
+        Values(self.terms(terms))
+    }
+
+    fn bindings(&self, bindings: &[(Local, Term)]) -> Bindings {
+        let bindings = bindings
+            .iter()
+            .map(|(local, term)| (*local, self.term(term)));
+        Bindings(bindings.collect())
+    }
 }

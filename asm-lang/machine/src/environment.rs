@@ -19,7 +19,11 @@ pub trait Environment {
 pub struct NoInputs;
 
 impl Environment for NoInputs {
-    fn read(&mut self, _function: FunctionId, _arguments: &[Value]) -> Result<Option<Value>, String> {
+    fn read(
+        &mut self,
+        _function: FunctionId,
+        _arguments: &[Value],
+    ) -> Result<Option<Value>, String> {
         Ok(None)
     }
 }

@@ -1,4 +1,4 @@
-//! The values of a shape, listed.
+//! How many values there may be: domains and shapes listed, collections bounded.
 
 use crate::fault::FaultKind;
 use crate::run::Run;
@@ -60,7 +60,10 @@ impl Run<'_> {
                     return Err(FaultKind::TooLarge(count));
                 }
                 let subset = |mask: u64| {
-                    let chosen = extent.iter().enumerate().filter(move |(index, _)| mask >> index & 1 == 1);
+                    let chosen = extent
+                        .iter()
+                        .enumerate()
+                        .filter(move |(index, _)| mask >> index & 1 == 1);
                     Value::set(chosen.map(|(_, value)| value.clone()))
                 };
                 let sets: BTreeSet<Value> = (0..count).map(subset).collect();
@@ -78,5 +81,41 @@ impl Run<'_> {
             | Shape::Map(..)
             | Shape::Any => Err(FaultKind::Infinite),
         }
+    }
+}
+
+/// Values may nest this deep.
+const MAX_NESTING: usize = 500;
+
+/// Whether a value nests no deeper and holds no more elements than anything else in a machine; what
+/// it shares counts as often as it stands.
+pub(crate) fn is_bounded(value: &Value) -> bool {
+    let mut room = MAX_ELEMENTS;
+    is_within(value, MAX_NESTING, &mut room)
+}
+
+/// Whether a value nests no deeper than `depth`, and holds no more than there is room for.
+fn is_within(value: &Value, depth: usize, room: &mut u64) -> bool {
+    fn all<'a>(items: impl IntoIterator<Item = &'a Value>, depth: usize, room: &mut u64) -> bool {
+        depth > 0
+            && items.into_iter().all(|item| {
+                *room = room.saturating_sub(1);
+                *room > 0 && is_within(item, depth - 1, room)
+            })
+    }
+    match value {
+        Value::Undef
+        | Value::Bool(_)
+        | Value::Int(_)
+        | Value::Real(_)
+        | Value::Char(_)
+        | Value::Atom(_)
+        | Value::Rule(_)
+        | Value::Text(_)
+        | Value::Complex(_) => true,
+        Value::Tuple(items) | Value::Seq(items) => all(items.iter(), depth, room),
+        Value::Set(items) => all(items.iter(), depth, room),
+        Value::Bag(items) => all(items.keys(), depth, room),
+        Value::Map(pairs) => all(pairs.keys(), depth, room) && all(pairs.values(), depth, room),
     }
 }

@@ -11,6 +11,7 @@ mod environment;
 mod extent;
 mod fault;
 mod machine;
+mod near;
 mod run;
 mod state;
 mod updates;

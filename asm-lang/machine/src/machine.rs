@@ -1,10 +1,10 @@
 //! A machine: a compiled program and its state.
 
 use crate::choose::Chooser;
+use crate::choose::First;
 use crate::compile::Code;
 use crate::environment::{Environment, NoInputs};
 use crate::fault::{Fault, FaultKind};
-use crate::choose::First;
 use crate::run::{Record, Run, Truth};
 use crate::state::{Naming, State};
 use crate::updates::{Update, Updates};
@@ -90,7 +90,14 @@ impl Machine {
     pub fn new(program: Arc<Program>) -> Result<Self, Box<Fault>> {
         let code = Arc::new(Code::of(&program));
         let state = State::new(&program);
-        let mut machine = Self { program, code, state, scratch: Scratch::default(), steps: 0, rounds: 0 };
+        let mut machine = Self {
+            program,
+            code,
+            state,
+            scratch: Scratch::default(),
+            steps: 0,
+            rounds: 0,
+        };
         machine.initialise()?;
         Ok(machine)
     }
@@ -112,7 +119,10 @@ impl Machine {
 
     /// What the machine's atoms and rules are called.
     pub fn naming(&self) -> Naming<'_> {
-        Naming { program: &self.program, reserve: &self.state.reserve }
+        Naming {
+            program: &self.program,
+            reserve: &self.state.reserve,
+        }
     }
 
     /// Does one step. `now_ns` is what the time functions of the library answer.
@@ -141,7 +151,7 @@ impl Machine {
                 Some(main) => run.call_routine(main, 0),
                 None => Err(run.stop(FaultKind::NoMain, Origin::default())),
             };
-            if done.is_err() || run.check_invariants(true).is_err() {
+            if done.is_err() || run.check_invariants(true).is_err() || run.fault.is_some() {
                 run.abandon();
             }
         });
@@ -174,7 +184,9 @@ impl Machine {
 
     /// Applies the update set to the state.
     fn fire(&mut self) {
-        let Scratch { updates, before, .. } = &mut self.scratch;
+        let Scratch {
+            updates, before, ..
+        } = &mut self.scratch;
         for update in &updates.list {
             let slot = &mut self.state.slots[update.slot as usize];
             before.push(std::mem::replace(slot, update.value.clone()));
@@ -217,7 +229,11 @@ impl Machine {
     }
 
     /// Completes the initial state with what the environment says in the first step.
-    fn initialise_with_inputs(&mut self, environment: &mut dyn Environment, now_ns: i64) -> Result<(), Box<Fault>> {
+    fn initialise_with_inputs(
+        &mut self,
+        environment: &mut dyn Environment,
+        now_ns: i64,
+    ) -> Result<(), Box<Fault>> {
         let program = self.program.clone();
         for &function in &program.initial_inputs {
             self.initialise_function(&program, function, environment, now_ns)?;
@@ -240,11 +256,16 @@ impl Machine {
         now_ns: i64,
     ) -> Result<(), Box<Fault>> {
         let declared = &program.functions[function.0 as usize];
-        let (Some(body), Storage::Dense { base, count, .. }) = (declared.initial, &declared.storage) else {
+        let (Some(body), Storage::Dense { base, count, .. }) =
+            (declared.initial, &declared.storage)
+        else {
             return Ok(());
         };
         for slot in *base..base + count {
-            let arguments = self.state.location(program, slot).map(|(_, arguments)| arguments);
+            let arguments = self
+                .state
+                .location(program, slot)
+                .map(|(_, arguments)| arguments);
             let value = self.build(environment, now_ns, |run| {
                 run.locals.extend(arguments.into_iter().flatten());
                 run.call_body(body, 0)
@@ -276,7 +297,13 @@ impl Machine {
         now_ns: i64,
         work: impl FnOnce(&mut Run<'_>) -> T,
     ) -> Result<T, Box<Fault>> {
-        let Scratch { updates, record, locals, stack, .. } = &mut self.scratch;
+        let Scratch {
+            updates,
+            record,
+            locals,
+            stack,
+            ..
+        } = &mut self.scratch;
         locals.clear();
         stack.clear();
         let mut run = Run {
@@ -293,6 +320,7 @@ impl Machine {
             agent: Value::Undef,
             depth: 0,
             iterations: 0,
+            bindings: 0,
             step,
             round: self.rounds,
             now_ns,

@@ -3,6 +3,7 @@
 use crate::choose::Chooser;
 use crate::compile::Code;
 use crate::environment::Environment;
+use crate::extent::is_bounded;
 use crate::fault::{Fault, FaultKind};
 use crate::machine::{Choice, Input};
 use crate::state::{State, dense};
@@ -19,6 +20,23 @@ const FRAME: usize = 512 * 1024;
 /// Does some work, on a new piece of stack if the old one is used up.
 fn on_enough_stack<T>(work: impl FnOnce() -> T) -> T {
     stacker::maybe_grow(FRAME, 4 * FRAME, work)
+}
+
+/// What a location takes, as far as writing it has to know.
+#[derive(Clone, Copy)]
+pub(crate) struct Codomain {
+    within: Option<DomainId>,
+    open: bool,
+}
+
+impl Codomain {
+    pub fn of(program: &Program, function: FunctionId) -> Self {
+        let function = &program.functions[function.0 as usize];
+        Self {
+            within: function.within,
+            open: function.open,
+        }
+    }
 }
 
 /// A rule stopped: [`Run::fault`] says why.
@@ -83,6 +101,8 @@ pub(crate) struct Run<'a> {
     pub depth: u32,
     /// How often the loops of the step went round.
     pub iterations: u32,
+    /// How often variables were bound in this step.
+    pub bindings: u32,
     pub step: u64,
     /// What was asked of the environment in this round holds.
     pub round: u64,
@@ -106,7 +126,12 @@ impl Run<'_> {
     #[cold]
     pub fn fail(&mut self, kind: FaultKind, origin: Origin) -> Value {
         if self.fault.is_none() {
-            let fault = Fault { kind, origin, agent: self.agent.clone(), step: self.step };
+            let fault = Fault {
+                kind,
+                origin,
+                agent: self.agent.clone(),
+                step: self.step,
+            };
             self.fault = Some(Box::new(fault));
         }
         Value::Undef
@@ -120,7 +145,11 @@ impl Run<'_> {
 
     /// Goes on unless a term failed.
     pub fn checked(&self) -> Result<(), Stopped> {
-        if self.fault.is_none() { Ok(()) } else { Err(Stopped) }
+        if self.fault.is_none() {
+            Ok(())
+        } else {
+            Err(Stopped)
+        }
     }
 
     pub fn local(&self, local: Local) -> &Value {
@@ -154,7 +183,10 @@ impl Run<'_> {
         let Some(value) = value else {
             return self.state.slots[index].clone();
         };
-        self.record.inputs.push(Input { slot, value: value.clone() });
+        self.record.inputs.push(Input {
+            slot,
+            value: value.clone(),
+        });
         self.state.slots[index] = value.clone();
         if self.step <= 1 {
             self.state.initial[index] = value.clone();
@@ -203,13 +235,33 @@ impl Run<'_> {
             self.locals.truncate(from);
             return Value::Undef;
         }
-        self.locals.resize(from + body.locals as usize, Value::Undef);
+        self.locals
+            .resize(from + body.locals as usize, Value::Undef);
+        if body.open {
+            self.bound_arguments(from, body.arguments, body.origin);
+        }
         let outer = std::mem::replace(&mut self.base, from);
-        let value = on_enough_stack(|| (body.code)(self));
+        let mut value = on_enough_stack(|| (body.code)(self));
+        if body.open && !is_bounded(&value) {
+            value = self.fail(FaultKind::Unbounded, body.origin);
+        }
         self.base = outer;
         self.locals.truncate(from);
         self.depth -= 1;
         value
+    }
+
+    /// Notes a fault if an argument is too large.
+    fn bound_arguments(&mut self, from: usize, count: u32, origin: Origin) {
+        if !self
+            .locals
+            .iter()
+            .skip(from)
+            .take(count as usize)
+            .all(is_bounded)
+        {
+            self.fail(FaultKind::Unbounded, origin);
+        }
     }
 
     /// Runs a routine whose arguments are the locals from `from` on.
@@ -220,9 +272,15 @@ impl Run<'_> {
             self.locals.truncate(from);
             return Err(Stopped);
         }
-        self.locals.resize(from + routine.locals as usize, Value::Undef);
+        self.locals
+            .resize(from + routine.locals as usize, Value::Undef);
+        if routine.open {
+            self.bound_arguments(from, routine.arguments, routine.origin);
+        }
         let outer = std::mem::replace(&mut self.base, from);
-        let done = on_enough_stack(|| (routine.code)(self));
+        let done = self
+            .checked()
+            .and_then(|()| on_enough_stack(|| (routine.code)(self)));
         self.base = outer;
         self.locals.truncate(from);
         self.depth -= 1;
@@ -242,24 +300,43 @@ impl Run<'_> {
     }
 
     /// Writes a location.
-    pub fn write(&mut self, slot: Slot, value: Value, within: Option<DomainId>, origin: Origin) -> Result<(), Stopped> {
+    pub fn write(
+        &mut self,
+        slot: Slot,
+        value: Value,
+        codomain: Codomain,
+        origin: Origin,
+    ) -> Result<(), Stopped> {
         self.checked()?;
-        if let Some(domain) = within
+        if let Some(domain) = codomain.within
             && !value.is_undef()
             && !self.is_element(domain, &value)
         {
-            return Err(self.stop(FaultKind::Outside { slot, value, domain }, origin));
+            return Err(self.stop(
+                FaultKind::Outside {
+                    slot,
+                    value,
+                    domain,
+                },
+                origin,
+            ));
+        }
+        if codomain.open && !is_bounded(&value) {
+            return Err(self.stop(FaultKind::Unbounded, origin));
         }
         match self.updates.write(slot, value, origin) {
             Ok(()) => Ok(()),
-            Err(clash) => Err(self.stop(clash, origin)),
+            Err(clash) => Err(self.stop(*clash, origin)),
         }
     }
 
     fn written(&mut self) -> (&mut Updates, Written<'_>) {
         let state = &mut *self.state;
-        let written =
-            Written { slots: &mut state.slots, extents: &mut state.extents, supers: &self.code.supers };
+        let written = Written {
+            slots: &mut state.slots,
+            extents: &mut state.extents,
+            supers: &self.code.supers,
+        };
         (self.updates, written)
     }
 
@@ -284,11 +361,19 @@ impl Run<'_> {
     /// Whether a value is an element of a domain now.
     pub fn is_element(&self, domain: DomainId, value: &Value) -> bool {
         match &self.program.domains[domain.0 as usize].elements {
-            ir::Elements::Ints { low, high } => matches!(value, Value::Int(number) if (low..=high).contains(&number)),
-            ir::Elements::Atoms { first, count } if value_index(value).is_some_and(|atom| atom.wrapping_sub(first.0) < *count) => true,
+            ir::Elements::Ints { low, high } => {
+                matches!(value, Value::Int(number) if (low..=high).contains(&number))
+            }
+            ir::Elements::Atoms { first, count }
+                if value_index(value).is_some_and(|atom| atom.wrapping_sub(first.0) < *count) =>
+            {
+                true
+            }
             ir::Elements::Open => true,
             ir::Elements::Atoms { .. } | ir::Elements::Computed(_) | ir::Elements::Undefined => {
-                self.state.extents[domain.0 as usize].binary_search(value).is_ok()
+                self.state.extents[domain.0 as usize]
+                    .binary_search(value)
+                    .is_ok()
             }
         }
     }

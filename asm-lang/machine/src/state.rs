@@ -1,5 +1,6 @@
 //! States: what every location holds.
 
+use crate::near::Near;
 use hashbrown::HashTable;
 use ir::{DomainId, Elements, FunctionId, Program, Slot, Storage};
 use rustc_hash::FxHasher;
@@ -22,6 +23,8 @@ pub struct State {
     pub(crate) extents: Vec<Arc<Vec<Value>>>,
     /// Values of closed static terms.
     pub(crate) caches: Vec<Option<Value>>,
+    /// Shortcuts to interned locations.
+    pub(crate) near: Near,
     /// The elements taken from the reserve, and each one's number within its domain.
     pub(crate) reserve: Vec<(DomainId, u32)>,
     interned: HashTable<Slot>,
@@ -39,13 +42,18 @@ fn hash(function: FunctionId, arguments: &[Value]) -> u64 {
 
 impl State {
     pub(crate) fn new(program: &Program) -> Self {
-        let extents = program.domains.iter().map(|domain| Arc::new(listed(&domain.elements))).collect();
+        let extents = program
+            .domains
+            .iter()
+            .map(|domain| Arc::new(listed(&domain.elements)))
+            .collect();
         Self {
             slots: vec![Value::Undef; program.slots as usize],
             initial: Vec::new(),
             asked: vec![0; program.slots as usize],
             extents,
             caches: vec![None; program.caches as usize],
+            near: Near::default(),
             reserve: Vec::new(),
             interned: HashTable::new(),
             locations: Vec::new(),
@@ -59,27 +67,39 @@ impl State {
             let (known, with) = &self.locations[(slot - self.fixed) as usize];
             *known == function && **with == *arguments
         };
-        self.interned.find(hash(function, arguments), is_it).copied()
+        self.interned
+            .find(hash(function, arguments), is_it)
+            .copied()
     }
 
     /// A new slot for a location, holding this value now and in the initial state.
-    pub(crate) fn intern(&mut self, function: FunctionId, arguments: &[Value], value: Value) -> Slot {
+    pub(crate) fn intern(
+        &mut self,
+        function: FunctionId,
+        arguments: &[Value],
+        value: Value,
+    ) -> Slot {
         let slot = self.slots.len() as Slot;
         self.locations.push((function, arguments.into()));
         self.slots.push(value.clone());
         self.initial.push(value);
         self.asked.push(0);
         let (fixed, locations) = (self.fixed, &self.locations);
-        self.interned.insert_unique(hash(function, arguments), slot, |&slot| {
-            let (function, arguments) = &locations[(slot - fixed) as usize];
-            hash(*function, arguments)
-        });
+        self.interned
+            .insert_unique(hash(function, arguments), slot, |&slot| {
+                let (function, arguments) = &locations[(slot - fixed) as usize];
+                hash(*function, arguments)
+            });
         slot
     }
 
     /// A new element for a domain.
     pub(crate) fn fresh(&mut self, program: &Program, domain: DomainId) -> Atom {
-        let last = self.reserve.iter().rev().find(|(known, _)| *known == domain);
+        let last = self
+            .reserve
+            .iter()
+            .rev()
+            .find(|(known, _)| *known == domain);
         let number = last.map_or(1, |(_, number)| number + 1);
         self.reserve.push((domain, number));
         Atom((program.symbols.atoms.len() + self.reserve.len() - 1) as u32)
@@ -90,7 +110,10 @@ impl State {
         let index = atom.0 as usize;
         match program.symbols.atom_domains.get(index) {
             Some(&domain) => Some(domain),
-            None => self.reserve.get(index - program.symbols.atoms.len()).map(|(domain, _)| *domain),
+            None => self
+                .reserve
+                .get(index - program.symbols.atoms.len())
+                .map(|(domain, _)| *domain),
         }
     }
 
@@ -115,14 +138,22 @@ impl State {
     }
 
     /// The slot of a location, if it was met or is fixed.
-    pub fn slot(&self, program: &Program, function: FunctionId, arguments: &[Value]) -> Option<Slot> {
+    pub fn slot(
+        &self,
+        program: &Program,
+        function: FunctionId,
+        arguments: &[Value],
+    ) -> Option<Slot> {
         dense(program, function, arguments).or_else(|| self.find(function, arguments))
     }
 
     /// The function one of whose locations a slot is.
     pub fn function(&self, program: &Program, slot: Slot) -> Option<FunctionId> {
         match slot.checked_sub(self.fixed) {
-            Some(index) => self.locations.get(index as usize).map(|(function, _)| *function),
+            Some(index) => self
+                .locations
+                .get(index as usize)
+                .map(|(function, _)| *function),
             None => program.dense_function(slot),
         }
     }
@@ -139,9 +170,15 @@ impl State {
     pub(crate) fn arguments(&self, program: &Program, slot: Slot, to: &mut Vec<Value>) {
         if let Some(index) = slot.checked_sub(self.fixed) {
             let known = self.locations.get(index as usize);
-            return to.extend(known.into_iter().flat_map(|(_, arguments)| arguments.iter().cloned()));
+            return to.extend(
+                known
+                    .into_iter()
+                    .flat_map(|(_, arguments)| arguments.iter().cloned()),
+            );
         }
-        let function = program.dense_function(slot).map(|id| &program.functions[id.0 as usize].storage);
+        let function = program
+            .dense_function(slot)
+            .map(|id| &program.functions[id.0 as usize].storage);
         if let Some(Storage::Dense { base, axes, .. }) = function {
             let mut rest = slot - base;
             for axis in axes {
@@ -156,7 +193,9 @@ impl State {
         let mut all: Vec<(FunctionId, Vec<Value>, Slot)> = (0..self.slots.len() as Slot)
             .filter_map(|slot| {
                 let (function, arguments) = self.location(program, slot)?;
-                program.functions[function.0 as usize].own.then_some((function, arguments, slot))
+                program.functions[function.0 as usize]
+                    .own
+                    .then_some((function, arguments, slot))
             })
             .collect();
         all.sort();
@@ -181,9 +220,9 @@ fn listed(elements: &Elements) -> Vec<Value> {
     match elements {
         // intervals are ranged over without listing them; see `extent`
         Elements::Ints { .. } => Vec::new(),
-        Elements::Atoms { first, count } => {
-            (first.0..first.0 + count).map(|atom| Value::Atom(Atom(atom))).collect()
-        }
+        Elements::Atoms { first, count } => (first.0..first.0 + count)
+            .map(|atom| Value::Atom(Atom(atom)))
+            .collect(),
         Elements::Computed(_) | Elements::Undefined | Elements::Open => Vec::new(),
     }
 }
@@ -208,8 +247,15 @@ impl Names for Naming<'_> {
             Some((domain, number)) => {
                 let name = &symbols.domains[domain.0 as usize];
                 let mut letters = name.chars();
-                let first = letters.next().map(|letter| letter.to_lowercase().collect::<String>());
-                write!(to, "{}{}!{number}", first.unwrap_or_default(), letters.as_str())
+                let first = letters
+                    .next()
+                    .map(|letter| letter.to_lowercase().collect::<String>());
+                write!(
+                    to,
+                    "{}{}!{number}",
+                    first.unwrap_or_default(),
+                    letters.as_str()
+                )
             }
             None => write!(to, "atom!{index}"),
         }

@@ -21,6 +21,18 @@ pub struct Update {
     pub origin: Origin,
 }
 
+impl Update {
+    /// The fault that another value for the same location is.
+    fn clash(&self, second: Value) -> FaultKind {
+        FaultKind::Clash {
+            slot: self.slot,
+            first: self.value.clone(),
+            first_origin: self.origin,
+            second,
+        }
+    }
+}
+
 /// Which update is a slot's, in the set of which epoch.
 #[derive(Clone, Copy, Debug, Default)]
 struct Mark {
@@ -101,30 +113,43 @@ impl Updates {
     }
 
     /// Adds an update to the innermost set.
-    pub fn write(&mut self, slot: Slot, value: Value, origin: Origin) -> Result<(), FaultKind> {
+    #[inline]
+    pub fn write(
+        &mut self,
+        slot: Slot,
+        value: Value,
+        origin: Origin,
+    ) -> Result<(), Box<FaultKind>> {
         let mark = self.marks[slot as usize];
         if mark.epoch == self.epoch {
-            let first = &self.list[mark.index as usize];
-            if first.value == value {
-                return Ok(());
-            }
-            return Err(FaultKind::Clash {
-                slot,
-                first: first.value.clone(),
-                first_origin: first.origin,
-                second: value,
-            });
+            return self.write_again(mark.index, value);
         }
         self.mark(slot, self.list.len());
-        self.list.push(Update { slot, value, origin });
+        self.list.push(Update {
+            slot,
+            value,
+            origin,
+        });
         Ok(())
+    }
+
+    /// The same value once more is no conflict.
+    fn write_again(&self, index: u32, value: Value) -> Result<(), Box<FaultKind>> {
+        let first = &self.list[index as usize];
+        if first.value == value {
+            return Ok(());
+        }
+        Err(Box::new(first.clash(value)))
     }
 
     fn mark(&mut self, slot: Slot, index: usize) {
         if self.depth > 0 {
             self.covered.push((slot, self.marks[slot as usize]));
         }
-        self.marks[slot as usize] = Mark { epoch: self.epoch, index: index as u32 };
+        self.marks[slot as usize] = Mark {
+            epoch: self.epoch,
+            index: index as u32,
+        };
     }
 
     /// Begins a set within the current one.
@@ -172,20 +197,18 @@ impl Updates {
     }
 
     /// Ends a sequence: the state is as before it, its net updates join the set around it.
-    pub fn close_restoring(&mut self, layer: Layer, written: &mut Written<'_>) -> Result<(), (FaultKind, Origin)> {
+    pub fn close_restoring(
+        &mut self,
+        layer: Layer,
+        written: &mut Written<'_>,
+    ) -> Result<(), (FaultKind, Origin)> {
         self.take_back(layer.undo, written);
         self.uncover(&layer);
         self.merge(layer.start, |known, update| {
             if known.value == update.value {
                 return Ok(());
             }
-            let clash = FaultKind::Clash {
-                slot: update.slot,
-                first: known.value.clone(),
-                first_origin: known.origin,
-                second: update.value,
-            };
-            Err((clash, update.origin))
+            Err((known.clash(update.value), update.origin))
         })
     }
 

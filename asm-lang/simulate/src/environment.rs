@@ -39,9 +39,17 @@ impl Script {
     /// The text is not TOML, names something that is no input, or gives it a value outside its
     /// codomain; all such places are reported.
     pub fn read(file: FileId, text: &str, program: &Program) -> Result<Self, Report> {
-        let mut reading = Reading { program, file, report: Report::new() };
+        let mut reading = Reading {
+            program,
+            file,
+            report: Report::new(),
+        };
         let script = reading.script(text);
-        if reading.report.has_errors() { Err(reading.report.finish()) } else { Ok(script) }
+        if reading.report.has_errors() {
+            Err(reading.report.finish())
+        } else {
+            Ok(script)
+        }
     }
 
     /// How many steps the script has.
@@ -66,7 +74,10 @@ impl Environment for Script {
         let step = self.steps.get(self.at).and_then(|inputs| inputs.get(&key));
         match step.or_else(|| self.defaults.get(&key)) {
             Some(value) => Ok(Some(value.clone())),
-            None => Err(format!("step {} of the script gives it none, and there is no default", self.at + 1)),
+            None => Err(format!(
+                "step {} of the script gives it none, and there is no default",
+                self.at + 1
+            )),
         }
     }
 }
@@ -152,7 +163,9 @@ impl Reading<'_> {
             Some((function, self.literals().arguments(function, &arguments)?))
         });
         let Some((function, values)) = fitting.next() else {
-            let shapes = arguments.iter().zip(&self.program.functions[first.0 as usize].parameters);
+            let shapes = arguments
+                .iter()
+                .zip(&self.program.functions[first.0 as usize].parameters);
             for (argument, shape) in shapes {
                 if self.literals().value(argument, shape).is_none() {
                     self.misfit(&format!("`{argument}`"), shape, at);
@@ -180,8 +193,14 @@ impl Reading<'_> {
             .map(|known| (strsim::normalized_damerau_levenshtein(name, known), known))
             .filter(|(likeness, _)| *likeness > 0.5)
             .max_by(|a, b| a.0.total_cmp(&b.0));
-        let finding = Diagnostic::error("S003", format!("`{name}` is no input of this specification"))
-            .label(at, "not a monitored or shared function with so many arguments");
+        let finding = Diagnostic::error(
+            "S003",
+            format!("`{name}` is no input of this specification"),
+        )
+        .label(
+            at,
+            "not a monitored or shared function with so many arguments",
+        );
         self.report.push(match near {
             Some((_, known)) => finding.help(format!("did you mean `{known}`?")),
             None => finding.help("only monitored and shared functions take values from outside"),
@@ -205,12 +224,17 @@ impl Reading<'_> {
             Shape::Real => "a Real".to_owned(),
             Shape::Char => "a character".to_owned(),
             Shape::Text => "a String".to_owned(),
-            Shape::Domain(domain) => format!("an element of {}", self.program.symbols.domains[domain.0 as usize]),
+            Shape::Domain(domain) => format!(
+                "an element of {}",
+                self.program.symbols.domains[domain.0 as usize]
+            ),
             Shape::Tuple(items) => format!("a tuple of {}", items.len()),
             Shape::Seq(_) => "a sequence".to_owned(),
             Shape::Set(_) => "a set".to_owned(),
             Shape::Bag(_) => "a bag".to_owned(),
-            Shape::Map(..) | Shape::Complex | Shape::Rule | Shape::Any => "a value that scripts can give".to_owned(),
+            Shape::Map(..) | Shape::Complex | Shape::Rule | Shape::Any => {
+                "a value that scripts can give".to_owned()
+            }
         }
     }
 
@@ -220,14 +244,20 @@ impl Reading<'_> {
             (DeValue::String(text), Shape::Text) => Some(Value::text(text.as_ref())),
             (DeValue::String(text), Shape::Char) => {
                 let mut letters = text.chars();
-                letters.next().filter(|_| letters.next().is_none()).map(Value::Char)
+                letters
+                    .next()
+                    .filter(|_| letters.next().is_none())
+                    .map(Value::Char)
             }
             (DeValue::String(text), shape) => self.literals().value(text, shape),
             (DeValue::Boolean(truth), Shape::Bool) => Some(Value::Bool(*truth)),
             (DeValue::Integer(number), shape) => self.literals().value(&number.to_string(), shape),
             (DeValue::Float(number), Shape::Real) => number.as_str().parse().ok().map(Value::real),
             (DeValue::Array(items), Shape::Tuple(shapes)) if items.len() == shapes.len() => {
-                let items = items.iter().zip(shapes).map(|(item, shape)| self.value(item.get_ref(), shape));
+                let items = items
+                    .iter()
+                    .zip(shapes)
+                    .map(|(item, shape)| self.value(item.get_ref(), shape));
                 items.collect::<Option<Vec<_>>>().map(Value::tuple)
             }
             (DeValue::Array(items), Shape::Seq(shape)) => self.items(items, shape).map(Value::seq),
@@ -242,7 +272,10 @@ impl Reading<'_> {
         items: impl IntoIterator<Item = &'b Spanned<DeValue<'b>>>,
         shape: &Shape,
     ) -> Option<Vec<Value>> {
-        items.into_iter().map(|item| self.value(item.get_ref(), shape)).collect()
+        items
+            .into_iter()
+            .map(|item| self.value(item.get_ref(), shape))
+            .collect()
     }
 }
 

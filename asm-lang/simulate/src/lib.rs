@@ -3,10 +3,12 @@
 mod environment;
 mod literal;
 mod random;
+mod recording;
 mod show;
 mod trace;
 
 pub use environment::Script;
 pub use random::{Random, Seeded};
+pub use recording::{Choices, Inputs, Recorded, Recording};
 pub use show::{applied, location, updates};
-pub use trace::{Choices, Inputs, Recorded, Recording, Trace};
+pub use trace::Trace;

@@ -22,7 +22,11 @@ impl<'a> Literals<'a> {
 
     /// The value of a text that stands where this shape is wanted.
     pub fn value(self, text: &str, shape: &Shape) -> Option<Value> {
-        let mut reader = Reader { literals: self, rest: text, depth: 0 };
+        let mut reader = Reader {
+            literals: self,
+            rest: text,
+            depth: 0,
+        };
         let value = reader.value(shape)?;
         reader.rest.trim_start().is_empty().then_some(value)
     }
@@ -40,8 +44,10 @@ impl<'a> Literals<'a> {
     pub fn inputs(self, name: &str, arity: usize) -> impl Iterator<Item = FunctionId> {
         let functions = self.program.functions.iter().enumerate();
         let found = functions.filter(move |(index, function)| {
-            matches!(function.kind, FunctionKind::Monitored | FunctionKind::Shared)
-                && function.parameters.len() == arity
+            matches!(
+                function.kind,
+                FunctionKind::Monitored | FunctionKind::Shared
+            ) && function.parameters.len() == arity
                 && &*self.program.symbols.functions[*index] == name
         });
         found.map(|(index, _)| FunctionId(index as u32))
@@ -50,7 +56,11 @@ impl<'a> Literals<'a> {
     /// The arguments of a function from their texts.
     pub fn arguments(self, function: FunctionId, texts: &[&str]) -> Option<Vec<Value>> {
         let shapes = &self.program.functions[function.0 as usize].parameters;
-        texts.iter().zip(shapes).map(|(text, shape)| self.value(text, shape)).collect()
+        texts
+            .iter()
+            .zip(shapes)
+            .map(|(text, shape)| self.value(text, shape))
+            .collect()
     }
 
     /// The input location that a text names, and the value that another one gives it.
@@ -66,13 +76,16 @@ impl<'a> Literals<'a> {
     fn element(self, word: &str, domain: DomainId) -> Option<Value> {
         let number = || word.trim_end_matches('n').parse::<i64>().ok();
         match self.program.domains.get(domain.0 as usize)?.elements {
-            Elements::Ints { low, high } => {
-                number().filter(|number| (low..=high).contains(number)).map(Value::Int)
-            }
+            Elements::Ints { low, high } => number()
+                .filter(|number| (low..=high).contains(number))
+                .map(Value::Int),
             Elements::Atoms { first, count } => {
                 let mut declared = first.0..first.0 + count;
-                let found = declared.find(|&atom| &*self.program.symbols.atoms[atom as usize] == word);
-                found.or_else(|| self.taken(word)).map(|atom| Value::Atom(Atom(atom)))
+                let found =
+                    declared.find(|&atom| &*self.program.symbols.atoms[atom as usize] == word);
+                found
+                    .or_else(|| self.taken(word))
+                    .map(|atom| Value::Atom(Atom(atom)))
             }
             Elements::Computed(_) | Elements::Undefined | Elements::Open => self.word(word),
         }
@@ -103,8 +116,15 @@ impl<'a> Literals<'a> {
         if word.starts_with(|first: char| first.is_ascii_digit() || first == '-') {
             return word.parse().ok().map(Value::real);
         }
-        let declared = self.program.symbols.atoms.iter().position(|name| &**name == word);
-        let atom = declared.map(|atom| atom as u32).or_else(|| self.taken(word));
+        let declared = self
+            .program
+            .symbols
+            .atoms
+            .iter()
+            .position(|name| &**name == word);
+        let atom = declared
+            .map(|atom| atom as u32)
+            .or_else(|| self.taken(word));
         atom.map(|atom| Value::Atom(Atom(atom)))
     }
 }
@@ -122,13 +142,13 @@ fn split(text: &str) -> Vec<&str> {
             '(' | '[' | '{' => depth += 1,
             ')' | ']' | '}' => depth -= 1,
             ',' if depth == 0 => {
-                parts.push(text[start..at].trim());
+                parts.push(text.get(start..at).unwrap_or_default().trim());
                 start = at + 1;
             }
             _ => {}
         }
     }
-    let last = text[start..].trim();
+    let last = text.get(start..).unwrap_or_default().trim();
     if !last.is_empty() || !parts.is_empty() {
         parts.push(last);
     }
@@ -186,7 +206,11 @@ impl<'a> Reader<'a> {
         }
         if self.accept("<<") {
             let rule = self.word();
-            return if self.accept(">>") { self.rule(rule) } else { None };
+            return if self.accept(">>") {
+                self.rule(rule)
+            } else {
+                None
+            };
         }
         if self.accept("<") {
             let item = match shape {
@@ -236,11 +260,10 @@ impl<'a> Reader<'a> {
     /// Letters up to the next bracket, comma, blank or arrow.
     fn word(&mut self) -> &'a str {
         let rest = self.rest.trim_start();
-        let ends = |(at, letter): &(usize, char)| {
-            letter.is_whitespace() || ",()[]{}<>\"'".contains(*letter) || rest[*at..].starts_with("->")
-        };
-        let end = rest.char_indices().find(ends).map_or(rest.len(), |(at, _)| at);
-        let (word, rest) = rest.split_at(end);
+        let stops = |letter: char| letter.is_whitespace() || ",()[]{}<>\"'".contains(letter);
+        let end = rest.find(stops).unwrap_or(rest.len());
+        let arrow = rest.find("->").unwrap_or(rest.len());
+        let (word, rest) = rest.split_at(end.min(arrow));
         self.rest = rest;
         word
     }
@@ -339,7 +362,13 @@ impl<'a> Reader<'a> {
     }
 
     fn rule(&self, name: &str) -> Option<Value> {
-        let at = self.literals.program.symbols.rules.iter().position(|rule| &**rule == name)?;
+        let at = self
+            .literals
+            .program
+            .symbols
+            .rules
+            .iter()
+            .position(|rule| &**rule == name)?;
         Some(Value::Rule(RuleId(at as u32)))
     }
 }

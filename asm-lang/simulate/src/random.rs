@@ -54,7 +54,11 @@ impl Random {
             }
         };
         let extents = (0..program.domains.len()).map(extent).collect();
-        Self { random: ChaCha8Rng::seed_from_u64(seed), program, extents }
+        Self {
+            random: ChaCha8Rng::seed_from_u64(seed),
+            program,
+            extents,
+        }
     }
 
     fn value(&mut self, shape: &Shape) -> Value {
@@ -75,8 +79,10 @@ impl Random {
             Shape::Bag(item) => Value::bag(self.several(item)),
             Shape::Map(key, value) => {
                 let keys = self.several(key);
-                let pairs: Vec<(Value, Value)> =
-                    keys.into_iter().map(|key| (key, self.value(value))).collect();
+                let pairs: Vec<(Value, Value)> = keys
+                    .into_iter()
+                    .map(|key| (key, self.value(value)))
+                    .collect();
                 Value::map(pairs)
             }
             Shape::Complex | Shape::Rule | Shape::Any => Value::Undef,
@@ -101,8 +107,14 @@ impl Random {
 }
 
 impl Environment for Random {
-    fn read(&mut self, function: FunctionId, _arguments: &[Value]) -> Result<Option<Value>, String> {
+    fn read(
+        &mut self,
+        function: FunctionId,
+        _arguments: &[Value],
+    ) -> Result<Option<Value>, String> {
         let program = self.program.clone();
-        Ok(Some(self.value(&program.functions[function.0 as usize].codomain)))
+        Ok(Some(
+            self.value(&program.functions[function.0 as usize].codomain),
+        ))
     }
 }

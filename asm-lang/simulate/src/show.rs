@@ -19,7 +19,10 @@ pub fn applied(machine: &Machine, function: ir::FunctionId, arguments: &[Value])
         return name.to_string();
     }
     let naming = machine.naming();
-    let arguments: Vec<String> = arguments.iter().map(|value| value.show(&naming).to_string()).collect();
+    let arguments: Vec<String> = arguments
+        .iter()
+        .map(|value| value.show(&naming).to_string())
+        .collect();
     format!("{name}({})", arguments.join(", "))
 }
 
@@ -32,7 +35,11 @@ pub fn updates(machine: &Machine, step: &Step<'_>) -> Vec<(String, String, Strin
         .zip(step.before)
         .map(|(update, before)| {
             let show = |value: &Value| value.show(&naming).to_string();
-            (location(machine, update.slot), show(before), show(&update.value))
+            (
+                location(machine, update.slot),
+                show(before),
+                show(&update.value),
+            )
         })
         .collect();
     shown.sort();

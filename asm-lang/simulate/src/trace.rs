@@ -18,14 +18,12 @@
 //!
 //! Values are written as in the language, without blanks; the elements of sets, bags and maps are
 //! sorted by their text. Every tool that runs the language can write such a trace, so that runs can
-//! be compared; and a [`Recording`] replays one.
+//! be compared; and a [`Recording`](crate::Recording) replays one.
 
-use crate::literal::Literals;
-use ir::{DomainId, FunctionId, FunctionKind, Program, Slot};
-use machine::{Chooser, Environment, Fault, FaultKind, Machine, Step};
+use ir::{DomainId, FunctionId, FunctionKind, Slot};
+use machine::{Fault, FaultKind, Machine, Step};
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::sync::Arc;
 use value::Value;
 
 /// A trace that is being written.
@@ -93,7 +91,11 @@ impl Trace {
             self.line(format_args!("T {}", step.now_ns));
         }
         for input in step.inputs {
-            self.line(format_args!("M {} = {}", location(machine, input.slot), text(machine, &input.value)));
+            self.line(format_args!(
+                "M {} = {}",
+                location(machine, input.slot),
+                text(machine, &input.value)
+            ));
         }
         for choice in step.choices {
             self.line(format_args!("C {} of {}", choice.index, choice.count));
@@ -101,7 +103,10 @@ impl Trace {
     }
 
     fn effects(&mut self, machine: &Machine, step: &Step<'_>) {
-        let updates = step.updates.iter().map(|update| (update.slot, &update.value));
+        let updates = step
+            .updates
+            .iter()
+            .map(|update| (update.slot, &update.value));
         self.locations("U", machine, updates);
         let mut joined: BTreeMap<DomainId, Vec<Value>> = BTreeMap::new();
         for (domain, atom) in step.extended {
@@ -113,8 +118,11 @@ impl Trace {
         let state = machine.state();
         let program = machine.program();
         let is_written = |&slot: &Slot| {
-            let kind = state.function(program, slot).map(|id| program.functions[id.0 as usize].kind);
-            matches!(kind, Some(FunctionKind::Controlled | FunctionKind::Out)) && slot != program.result
+            let kind = state
+                .function(program, slot)
+                .map(|id| program.functions[id.0 as usize].kind);
+            matches!(kind, Some(FunctionKind::Controlled | FunctionKind::Out))
+                && slot != program.result
         };
         let slots = (0..state.len() as Slot).filter(is_written);
         self.locations("S", machine, slots.map(|slot| (slot, state.get(slot))));
@@ -127,7 +135,8 @@ impl Trace {
         machine: &Machine,
         locations: impl Iterator<Item = (Slot, &'a Value)>,
     ) {
-        let lines = locations.map(|(slot, value)| format!("{} = {}", location(machine, slot), text(machine, value)));
+        let lines = locations
+            .map(|(slot, value)| format!("{} = {}", location(machine, slot), text(machine, value)));
         let mut lines: Vec<String> = lines.collect();
         lines.sort();
         for line in lines {
@@ -147,7 +156,10 @@ impl Trace {
 
     fn domain(&mut self, word: &str, machine: &Machine, domain: DomainId, elements: &[Value]) {
         let name = &machine.program().symbols.domains[domain.0 as usize];
-        self.line(format_args!("{word} {name} = {}", list(machine, elements, "{", "}", true)));
+        self.line(format_args!(
+            "{word} {name} = {}",
+            list(machine, elements, "{", "}", true)
+        ));
     }
 }
 
@@ -167,6 +179,7 @@ fn kind(fault: &Fault) -> &'static str {
         FaultKind::TooDeep(_) => "EXC:TooDeep",
         FaultKind::Endless(_) => "EXC:Endless",
         FaultKind::TooLarge(_) => "EXC:TooLarge",
+        FaultKind::Unbounded => "EXC:Unbounded",
         FaultKind::NoMain => "EXC:NoMain",
     }
 }
@@ -204,14 +217,25 @@ fn text(machine: &Machine, value: &Value) -> String {
             list(machine, &items, "{", "}", true)
         }
         Value::Bag(items) => {
-            let each = items.iter().flat_map(|(item, &count)| std::iter::repeat_n(item.clone(), count));
+            let each = items
+                .iter()
+                .flat_map(|(item, &count)| std::iter::repeat_n(item.clone(), count));
             list(machine, &each.collect::<Vec<_>>(), "<", ">", true)
         }
         Value::Map(pairs) => {
-            let pairs = pairs.iter().map(|(key, value)| format!("{}->{}", text(machine, key), text(machine, value)));
+            let pairs = pairs
+                .iter()
+                .map(|(key, value)| format!("{}->{}", text(machine, key), text(machine, value)));
             let mut pairs: Vec<String> = pairs.collect();
             pairs.sort();
-            format!("{{{}}}", if pairs.is_empty() { "->".to_owned() } else { pairs.join(",") })
+            format!(
+                "{{{}}}",
+                if pairs.is_empty() {
+                    "->".to_owned()
+                } else {
+                    pairs.join(",")
+                }
+            )
         }
         Value::Rule(rule) => {
             let name = machine.program().symbols.rules.get(rule.0 as usize);
@@ -231,121 +255,14 @@ fn text(machine: &Machine, value: &Value) -> String {
 /// A number with a point, also in front of an exponent, as other tools write it.
 fn real(number: f64) -> String {
     if number.is_infinite() {
-        return if number > 0.0 { "Infinity" } else { "-Infinity" }.to_owned();
+        return if number > 0.0 {
+            "Infinity"
+        } else {
+            "-Infinity"
+        }
+        .to_owned();
     }
     let shown = format!("{number:?}");
     let exponent = if shown.contains('.') { "E" } else { ".0E" };
     shown.replace('e', exponent)
-}
-
-/// A trace that was read, to be run again.
-#[derive(Clone, Debug, Default)]
-pub struct Recording {
-    steps: Vec<Recorded>,
-}
-
-/// What caused a step.
-#[derive(Clone, Debug, Default)]
-pub struct Recorded {
-    /// The time in nanoseconds.
-    pub now_ns: i64,
-    /// Location and value.
-    inputs: Vec<(String, String)>,
-    choices: Vec<usize>,
-}
-
-impl Recording {
-    /// Reads the causes of the steps; all else is what a replay computes anew.
-    pub fn read(text: &str) -> Self {
-        let mut steps: Vec<Recorded> = Vec::new();
-        for line in text.lines() {
-            let Some((word, rest)) = line.split_once(' ') else { continue };
-            if word == "@step" {
-                steps.push(Recorded::default());
-            }
-            let Some(step) = steps.last_mut() else { continue };
-            match word {
-                "T" => step.now_ns = rest.trim().parse().unwrap_or_default(),
-                "M" => {
-                    if let Some((location, value)) = rest.split_once(" = ") {
-                        step.inputs.push((location.to_owned(), value.to_owned()));
-                    }
-                }
-                "C" => {
-                    let index = rest.split(' ').next().and_then(|index| index.parse::<usize>().ok());
-                    step.choices.extend(index);
-                }
-                _ => {}
-            }
-        }
-        Self { steps }
-    }
-
-    /// The steps, in order.
-    pub fn steps(&self) -> &[Recorded] {
-        &self.steps
-    }
-}
-
-impl Recorded {
-    /// The inputs of the step, for a machine that is about to do it.
-    ///
-    /// # Errors
-    /// A line names no input of the machine, or gives it no value: the lines.
-    pub fn inputs(&self, machine: &Machine) -> Result<Inputs, Vec<String>> {
-        let naming = machine.naming();
-        let literals = Literals::new(naming.program, naming.reserve);
-        let mut inputs = Inputs { values: BTreeMap::new(), program: machine.program().clone() };
-        let mut unreadable = Vec::new();
-        for (location, value) in &self.inputs {
-            match literals.input(location, value) {
-                // read twice in a step, the first answer holds
-                Some((location, value)) => {
-                    inputs.values.entry(location).or_insert(value);
-                }
-                None => unreadable.push(format!("{location} = {value}")),
-            }
-        }
-        if unreadable.is_empty() { Ok(inputs) } else { Err(unreadable) }
-    }
-
-    /// The choices of the step.
-    pub fn choices(&self) -> Choices {
-        Choices { indices: self.choices.clone(), at: 0 }
-    }
-}
-
-/// The inputs of one recorded step.
-#[derive(Clone, Debug)]
-pub struct Inputs {
-    values: BTreeMap<(FunctionId, Vec<Value>), Value>,
-    program: Arc<Program>,
-}
-
-impl Environment for Inputs {
-    fn read(&mut self, function: FunctionId, arguments: &[Value]) -> Result<Option<Value>, String> {
-        let key = (function, arguments.to_vec());
-        let declared = &self.program.functions[function.0 as usize];
-        match self.values.get(&key) {
-            None if declared.kind == FunctionKind::Monitored && declared.clock.is_none() => {
-                Err("the recorded step did not read it".to_owned())
-            }
-            known => Ok(known.cloned()),
-        }
-    }
-}
-
-/// The choices of one recorded step; beyond the last one the first candidate is taken.
-#[derive(Clone, Debug, Default)]
-pub struct Choices {
-    indices: Vec<usize>,
-    at: usize,
-}
-
-impl Chooser for Choices {
-    fn choose(&mut self, _count: usize) -> usize {
-        let index = self.indices.get(self.at).copied().unwrap_or(0);
-        self.at += 1;
-        index
-    }
 }

@@ -79,7 +79,10 @@ impl Diagnostic {
     /// Adds a place: the first one is the primary place, the others are secondary.
     #[must_use]
     pub fn label(mut self, span: Span, text: impl Into<String>) -> Self {
-        let label = Label { span, text: text.into() };
+        let label = Label {
+            span,
+            text: text.into(),
+        };
         if self.primary.is_none() {
             self.primary = Some(label);
         } else {
@@ -105,7 +108,11 @@ impl Diagnostic {
     /// Sets the way out that a machine can apply.
     #[must_use]
     pub fn fix(mut self, title: impl Into<String>, span: Span, text: impl Into<String>) -> Self {
-        self.fix = Some(Fix { title: title.into(), span, text: text.into() });
+        self.fix = Some(Fix {
+            title: title.into(),
+            span,
+            text: text.into(),
+        });
         self
     }
 }
@@ -135,17 +142,23 @@ impl Report {
 
     /// Whether an error is among the findings.
     pub fn has_errors(&self) -> bool {
-        self.diagnostics.iter().any(|finding| finding.severity == Severity::Error)
+        self.diagnostics
+            .iter()
+            .any(|finding| finding.severity == Severity::Error)
     }
 
     /// How many findings have this severity.
     pub fn count(&self, severity: Severity) -> usize {
-        self.diagnostics.iter().filter(|finding| finding.severity == severity).count()
+        self.diagnostics
+            .iter()
+            .filter(|finding| finding.severity == severity)
+            .count()
     }
 
     /// Sorts by place and drops findings that say the same about the same place.
     pub fn finish(mut self) -> Self {
-        self.diagnostics.sort_by_key(|finding| finding.primary.as_ref().map(|label| label.span));
+        self.diagnostics
+            .sort_by_key(|finding| finding.primary.as_ref().map(|label| label.span));
         self.diagnostics.dedup();
         self
     }

@@ -8,4 +8,4 @@ mod diagnostic;
 mod span;
 
 pub use diagnostic::{Diagnostic, Fix, Label, Report, Severity};
-pub use span::{FileId, Loader, LoadError, Sources, Span};
+pub use span::{FileId, LoadError, Loader, Sources, Span};

@@ -22,7 +22,11 @@ impl Span {
     /// The range `start..end` of `file`, in bytes.
     pub fn new(file: FileId, start: usize, end: usize) -> Self {
         let clamp = |offset: usize| u32::try_from(offset).unwrap_or(u32::MAX);
-        Self { file, start: clamp(start), end: clamp(end.max(start)) }
+        Self {
+            file,
+            start: clamp(start),
+            end: clamp(end.max(start)),
+        }
     }
 
     /// The smallest span that covers both; both lie in one file.
@@ -66,7 +70,10 @@ impl Sources {
             return id;
         }
         let id = FileId(u32::try_from(self.files.len()).unwrap_or(u32::MAX));
-        self.files.push(SourceText { path: path.to_owned(), text: text.into() });
+        self.files.push(SourceText {
+            path: path.to_owned(),
+            text: text.into(),
+        });
         self.by_path.insert(path.to_owned(), id);
         id
     }
@@ -78,17 +85,23 @@ impl Sources {
 
     /// The path of a text; empty for an unknown id.
     pub fn path(&self, file: FileId) -> &str {
-        self.files.get(file.0 as usize).map_or("", |file| &file.path)
+        self.files
+            .get(file.0 as usize)
+            .map_or("", |file| &file.path)
     }
 
     /// The text itself; empty for an unknown id.
     pub fn text(&self, file: FileId) -> &str {
-        self.files.get(file.0 as usize).map_or("", |file| &file.text)
+        self.files
+            .get(file.0 as usize)
+            .map_or("", |file| &file.text)
     }
 
     /// A shared handle on the text.
     pub fn shared_text(&self, file: FileId) -> Arc<str> {
-        self.files.get(file.0 as usize).map_or_else(|| Arc::from(""), |file| file.text.clone())
+        self.files
+            .get(file.0 as usize)
+            .map_or_else(|| Arc::from(""), |file| file.text.clone())
     }
 
     /// The characters a span covers; empty where the span lies outside its text.

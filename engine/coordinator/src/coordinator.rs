@@ -115,7 +115,8 @@ impl Component for Coordinator {
             // the step is told before what it causes
             cycle.report(STEP_REPORT, Datum::of(&record)?);
         }
-        self.outbox.send(&self.machine, &step, cycle);
+        self.outbox
+            .send(&self.machine, &step, cycle, &mut self.inbox);
         Ok(())
     }
 }

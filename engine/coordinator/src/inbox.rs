@@ -38,7 +38,8 @@ struct Input {
     stale: Option<(Duration, Value)>,
     newest: Option<Time>,
     last: Option<Value>,
-    waiting: VecDeque<Value>,
+    /// Events, each with the out function whose call it answers, if it does.
+    waiting: VecDeque<(Option<FunctionId>, Value)>,
 }
 
 impl Inbox {
@@ -91,10 +92,17 @@ impl Inbox {
         }
     }
 
-    /// Adds an event.
-    pub fn push(&mut self, input: usize, value: Value) {
+    /// Adds the outcome of a call that an update of the out function made.
+    pub fn push(&mut self, input: usize, value: Value, answers: FunctionId) {
         if let Some(input) = self.inputs.get_mut(input) {
-            self.dropped += input.wait(value);
+            self.dropped += input.wait(Some(answers), value);
+        }
+    }
+
+    /// Takes back the outcomes that still wait and answer calls of this out function.
+    pub fn withdraw(&mut self, answers: FunctionId) {
+        for input in &mut self.inputs {
+            input.waiting.retain(|(to, _)| *to != Some(answers));
         }
     }
 
@@ -110,9 +118,11 @@ impl Inbox {
                 }
                 Receive::Last => {
                     if let Flow::NewData(message) = cycle.read(port) {
-                        input.newest = Some(cycle.now());
                         match input.value(message, program) {
-                            Some(value) => input.last = Some(value),
+                            Some(value) => {
+                                input.newest = Some(cycle.now());
+                                input.last = Some(value);
+                            }
                             None => self.misfits += 1,
                         }
                     }
@@ -120,7 +130,7 @@ impl Inbox {
                 Receive::All => {
                     for message in cycle.all(port) {
                         match input.value(message, program) {
-                            Some(value) => self.dropped += input.wait(value),
+                            Some(value) => self.dropped += input.wait(None, value),
                             None => self.misfits += 1,
                         }
                     }
@@ -129,17 +139,15 @@ impl Inbox {
         }
     }
 
-    /// Fixes the inputs of the next step.
+    /// Fixes the inputs of the next step. An event that waits goes before the last message.
     pub fn freeze(&mut self, now: Time, frame: &mut Frame) {
         frame.clear();
         for input in &mut self.inputs {
+            let event = input.waiting.pop_front().map(|(_, event)| event);
             let value = match input.receive {
                 Receive::Edge => Value::Bool(input.last.take().is_some()),
-                Receive::All => input
-                    .waiting
-                    .pop_front()
-                    .unwrap_or_else(|| input.none.clone()),
-                Receive::Last => input.latest(now),
+                Receive::All => event.unwrap_or_else(|| input.none.clone()),
+                Receive::Last => event.unwrap_or_else(|| input.latest(now)),
             };
             frame.set(input.function, value);
         }
@@ -196,8 +204,8 @@ impl Input {
     }
 
     /// Adds an event; how many were dropped for it.
-    fn wait(&mut self, value: Value) -> u64 {
-        self.waiting.push_back(value);
+    fn wait(&mut self, answers: Option<FunctionId>, value: Value) -> u64 {
+        self.waiting.push_back((answers, value));
         match self.waiting.len() > MAX_WAITING {
             true => {
                 self.waiting.pop_front();

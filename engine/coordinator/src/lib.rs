@@ -17,4 +17,5 @@ pub use binding::{
     Action, Argument, Binding, Call, Case, Effect, Interfaces, Monitored, Out, PublishWhen, Receive,
 };
 pub use coordinator::{BindError, Coordinator};
+pub use outbox::UNSENT_REPORT;
 pub use step::{STEP_REPORT, StepRecord, UpdateRecord};

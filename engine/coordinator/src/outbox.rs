@@ -145,14 +145,21 @@ impl Outbox {
                     Err(CallError::Cancelled) => None,
                 };
                 if let (Some(input), Some(event)) = (outcome.event, event) {
-                    inbox.push(input, event);
+                    inbox.push(input, event, outcome.function);
                 }
             }
         }
     }
 
-    /// Does what the updates of a step ask for.
-    pub fn send(&mut self, machine: &Machine, step: &Step<'_>, cycle: &mut Cycle<'_>) {
+    /// Does what the updates of a step ask for. What would need a message that has not come yet is
+    /// not sent, and reported; a call then ends as failed.
+    pub fn send(
+        &mut self,
+        machine: &Machine,
+        step: &Step<'_>,
+        cycle: &mut Cycle<'_>,
+        inbox: &mut Inbox,
+    ) {
         for out in &self.outs {
             let slot = machine.state().slot(machine.program(), out.function, &[]);
             let update = step
@@ -183,22 +190,34 @@ impl Outbox {
                     for (call, _) in self.pending.extract_if(.., |pending| superseded(pending)) {
                         cycle.cancel(call);
                     }
+                    inbox.withdraw(out.function);
                     let case = cases.iter().find(|(literal, _)| *literal == update.value);
                     for action in case.into_iter().flat_map(|(_, actions)| actions) {
                         match action {
                             BoundAction::Publish { port, value } => {
-                                let message = compose(value, &self.kept, &self.ports, cycle);
-                                cycle.write(*port, message);
+                                match compose(value, &self.kept, &self.ports, cycle) {
+                                    Ok(message) => cycle.write(*port, message),
+                                    Err(missing) => unsent(&missing, cycle),
+                                }
                             }
                             BoundAction::Call {
                                 operation,
                                 with,
                                 outcome,
-                            } => {
-                                let argument = compose(with, &self.kept, &self.ports, cycle);
-                                let call = cycle.call(*operation, argument);
-                                self.pending.push((call, outcome.clone()));
-                            }
+                            } => match compose(with, &self.kept, &self.ports, cycle) {
+                                Ok(argument) => {
+                                    let call = cycle.call(*operation, argument);
+                                    self.pending.push((call, outcome.clone()));
+                                }
+                                Err(missing) => {
+                                    unsent(&missing, cycle);
+                                    if let (Some(input), Some(event)) =
+                                        (outcome.event, outcome.failed.clone())
+                                    {
+                                        inbox.push(input, event, outcome.function);
+                                    }
+                                }
+                            },
                         }
                     }
                 }
@@ -294,21 +313,36 @@ fn literal(
     })
 }
 
-/// Puts a message or argument together. What was never received is left out, and so has its default.
+/// The kind under which it is reported that something was not sent, with what was missing for it.
+pub const UNSENT_REPORT: &str = "asm/Unsent";
+
+fn unsent(missing: &str, cycle: &mut Cycle<'_>) {
+    cycle.report(UNSENT_REPORT, Datum::text(missing));
+}
+
+/// Puts a message or argument together.
+///
+/// # Errors
+/// The name of what it takes from a reply or port that nothing has come from yet: zeros in its place
+/// would be taken for real.
 fn compose(
     argument: &Argument,
     kept: &BTreeMap<String, Datum>,
     ports: &[(String, In<Datum>)],
     cycle: &Cycle<'_>,
-) -> Datum {
+) -> Result<Datum, String> {
     match argument {
-        Argument::Default => Datum::Record(Vec::new()),
-        Argument::Value(value) => value.clone(),
+        Argument::Default => Ok(Datum::Record(Vec::new())),
+        Argument::Value(value) => Ok(value.clone()),
         Argument::Record(fields) => {
+            let compose_field = |(name, field): &(String, Argument)| {
+                Ok((name.clone(), compose(field, kept, ports, cycle)?))
+            };
             let fields = fields
                 .iter()
-                .map(|(name, field)| (name.clone(), compose(field, kept, ports, cycle)));
-            Datum::record(fields)
+                .map(compose_field)
+                .collect::<Result<Vec<_>, String>>()?;
+            Ok(Datum::record(fields))
         }
         Argument::Kept { name, path } => {
             let received = || {
@@ -323,7 +357,10 @@ fn compose(
                 Some(path) => whole.and_then(|whole| whole.get(path)),
                 None => whole.map(Cow::Borrowed),
             };
-            part.map_or_else(|| Datum::Record(Vec::new()), Cow::into_owned)
+            part.map(Cow::into_owned).ok_or_else(|| match path {
+                Some(path) => format!("{name}.{path}"),
+                None => name.clone(),
+            })
         }
     }
 }

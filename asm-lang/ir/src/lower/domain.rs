@@ -1,7 +1,8 @@
 //! Domains: their elements, as far as they are known before the machine runs.
 
 use super::Lowering;
-use crate::program::{Domain, DomainId, Elements, Range, Shape};
+use crate::code::Range;
+use crate::program::{Domain, DomainId, Elements, Shape};
 use hir::{DomainKind, Meaning, Term, TermKind, Type, TypeId};
 use value::{Atom, Value};
 
@@ -28,7 +29,11 @@ impl Lowering<'_> {
                 DomainKind::Concrete { base } => self.is_abstract(base),
                 DomainKind::Any | DomainKind::Basic | DomainKind::Enum { .. } => false,
             };
-            self.program.domains.push(Domain { elements, base, grows });
+            self.program.domains.push(Domain {
+                elements,
+                base,
+                grows,
+            });
         }
     }
 
@@ -42,11 +47,7 @@ impl Lowering<'_> {
                 Some(definition) => match self.interval(&definition.root) {
                     Some((low, high)) => Elements::Ints { low, high },
                     None => {
-                        let body = self.reserve_body(
-                            declared.span,
-                            definition.parameters,
-                            definition.variables.len(),
-                        );
+                        let body = self.reserve_body(declared.span, definition);
                         Elements::Computed(body)
                     }
                 },
@@ -81,11 +82,19 @@ impl Lowering<'_> {
             }
             false
         };
-        let atoms = self.model.atoms.iter().enumerate().filter(|(_, atom)| contains(atom.domain));
+        let atoms = self
+            .model
+            .atoms
+            .iter()
+            .enumerate()
+            .filter(|(_, atom)| contains(atom.domain));
         let mut indices = atoms.map(|(index, _)| index as u32);
         let first = indices.next();
         let count = first.map_or(0, |_| 1 + indices.count() as u32);
-        Elements::Atoms { first: Atom(first.unwrap_or(0)), count }
+        Elements::Atoms {
+            first: Atom(first.unwrap_or(0)),
+            count,
+        }
     }
 
     /// The bounds of a closed term that is an interval of integers, or lists one.
@@ -96,8 +105,10 @@ impl Lowering<'_> {
                 (low <= high).then_some((low, high))
             }
             TermKind::Listed(_, items) => {
-                let mut numbers: Vec<i64> =
-                    items.iter().map(|item| self.integer(item, 0)).collect::<Option<_>>()?;
+                let mut numbers: Vec<i64> = items
+                    .iter()
+                    .map(|item| self.integer(item, 0))
+                    .collect::<Option<_>>()?;
                 numbers.sort_unstable();
                 numbers.dedup();
                 let (low, high) = (*numbers.first()?, *numbers.last()?);
@@ -124,7 +135,10 @@ impl Lowering<'_> {
                         self.integer(one, depth + 1)
                     }
                     (Meaning::Builtin(builtin), [left, right]) => {
-                        let (left, right) = (self.integer(left, depth + 1)?, self.integer(right, depth + 1)?);
+                        let (left, right) = (
+                            self.integer(left, depth + 1)?,
+                            self.integer(right, depth + 1)?,
+                        );
                         match builtin.name {
                             "plus" => left.checked_add(right),
                             "minus" => left.checked_sub(right),
@@ -152,7 +166,9 @@ impl Lowering<'_> {
             Type::Char => Shape::Char,
             Type::String => Shape::Text,
             Type::Rule => Shape::Rule,
-            Type::Domain(domain) if self.model.domain(*domain).kind == DomainKind::Any => Shape::Any,
+            Type::Domain(domain) if self.model.domain(*domain).kind == DomainKind::Any => {
+                Shape::Any
+            }
             Type::Domain(domain) => Shape::Domain(id(*domain)),
             Type::Prod(items) => Shape::Tuple(items.iter().map(|&item| self.shape(item)).collect()),
             Type::Seq(item) => Shape::Seq(boxed(*item)),
@@ -160,6 +176,28 @@ impl Lowering<'_> {
             Type::Bag(item) => Shape::Bag(boxed(*item)),
             Type::Map(key, value) => Shape::Map(boxed(*key), boxed(*value)),
         }
+    }
+
+    /// Whether values of a type may nest without end: so if some part of it may be anything.
+    pub(super) fn is_open(&self, ty: TypeId) -> bool {
+        let mut parts = self.model.types.reach(ty, &self.model.domains);
+        parts.any(|part| match self.model.types.get(part) {
+            Type::Invalid | Type::Undef => true,
+            Type::Domain(domain) => self.model.domain(*domain).kind == DomainKind::Any,
+            Type::Prod(_)
+            | Type::Seq(_)
+            | Type::Powerset(_)
+            | Type::Bag(_)
+            | Type::Map(..)
+            | Type::Boolean
+            | Type::Integer
+            | Type::Natural
+            | Type::Real
+            | Type::Complex
+            | Type::Char
+            | Type::String
+            | Type::Rule => false,
+        })
     }
 
     /// The domain whose elements a type's values must be, when they are written: concrete domains.
@@ -175,9 +213,14 @@ impl Lowering<'_> {
 
     /// The elements of a domain as a range, where nothing has to be computed for it.
     pub(super) fn range(&self, domain: hir::DomainId) -> Range {
-        match (&self.program.domains[domain.0 as usize].elements, &self.model.domain(domain).kind) {
+        match (
+            &self.program.domains[domain.0 as usize].elements,
+            &self.model.domain(domain).kind,
+        ) {
             (Elements::Ints { low, high }, _) => Range::Ints(*low, *high),
-            (Elements::Atoms { first, count }, DomainKind::Enum { .. }) => Range::Atoms(first.0, *count),
+            (Elements::Atoms { first, count }, DomainKind::Enum { .. }) => {
+                Range::Atoms(first.0, *count)
+            }
             _ => Range::Domain(id(domain)),
         }
     }

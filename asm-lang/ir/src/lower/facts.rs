@@ -1,6 +1,9 @@
 //! What is true of the functions and rules of a model, whoever calls them.
 
-use hir::{Body, Function, FunctionId, FunctionKind, Meaning, Model, RuleKind, RuleTerm, Target, Term, TermKind};
+use hir::{
+    Body, DomainKind, Function, FunctionId, FunctionKind, Meaning, Model, RuleKind, RuleTerm,
+    Target, Term, TermKind, Type, TypeId,
+};
 use std::collections::BTreeSet;
 use value::RuleId;
 
@@ -9,6 +12,8 @@ use value::RuleId;
 pub(super) struct Facts {
     /// Functions whose value may change from state to state.
     dynamic: BTreeSet<FunctionId>,
+    /// Types whose elements may become more: `extend` adds to abstract domains.
+    growing: BTreeSet<TypeId>,
     /// Functions whose value may depend on an input.
     inputs: BTreeSet<FunctionId>,
     /// Functions whose initial value may.
@@ -23,7 +28,11 @@ pub(super) struct Facts {
 
 impl Facts {
     pub fn of(model: &Model) -> Self {
-        let mut facts = Self::default();
+        let growing = model.types.ids().filter(|&ty| grows(model, ty));
+        let mut facts = Self {
+            growing: growing.collect(),
+            ..Self::default()
+        };
         facts.functions(model);
         facts.rules(model);
         facts
@@ -36,7 +45,10 @@ impl Facts {
 
     /// Whether a rule writes one of its parameters.
     pub fn assigns_parameter(&self, rule: RuleId) -> bool {
-        self.assigned.range((rule, 0)..=(rule, usize::MAX)).next().is_some()
+        self.assigned
+            .range((rule, 0)..=(rule, usize::MAX))
+            .next()
+            .is_some()
     }
 
     /// Whether a rule writes this parameter.
@@ -51,7 +63,13 @@ impl Facts {
 
     /// Whether the value of a term may change during a step.
     pub fn is_dynamic(&self, term: &Term) -> bool {
-        mentions(term, &|function| self.dynamic.contains(&function))
+        let mut ranges_over_growing = false;
+        visit(term, &mut |term| {
+            if let TermKind::Extent(ty) = &*term.kind {
+                ranges_over_growing |= self.growing.contains(ty);
+            }
+        });
+        ranges_over_growing || mentions(term, &|function| self.dynamic.contains(&function))
     }
 
     /// Whether the initial value of a function may depend on an input.
@@ -74,9 +92,15 @@ impl Facts {
                 Meaning::Builtin(builtin) if builtin.name.starts_with("currTime") => {
                     self.dynamic.insert(id);
                 }
-                Meaning::Defined(_) | Meaning::Builtin(_) | Meaning::Constant(_) | Meaning::Missing => {}
+                Meaning::Defined(_)
+                | Meaning::Builtin(_)
+                | Meaning::Constant(_)
+                | Meaning::Missing => {}
             }
-            if matches!(function.kind, FunctionKind::Monitored | FunctionKind::Shared) {
+            if matches!(
+                function.kind,
+                FunctionKind::Monitored | FunctionKind::Shared
+            ) {
                 self.inputs.insert(id);
             }
         }
@@ -94,7 +118,9 @@ impl Facts {
                     }
                 }
                 for body in definition(function).into_iter().chain(&function.initial) {
-                    let begins = |function| self.inputs.contains(&function) || self.initial_inputs.contains(&function);
+                    let begins = |function| {
+                        self.inputs.contains(&function) || self.initial_inputs.contains(&function)
+                    };
                     if mentions(&body.root, &begins) {
                         self.initial_inputs.insert(id);
                     }
@@ -107,14 +133,18 @@ impl Facts {
     }
 
     fn rules(&mut self, model: &Model) {
-        self.rule_values.extend(model.programs.iter().map(|program| program.rule));
+        self.rule_values
+            .extend(model.programs.iter().map(|program| program.rule));
         for function in &model.functions {
             for body in definition(function).into_iter().chain(&function.initial) {
                 self.rule_values_of(&body.root);
             }
         }
         for program in &model.programs {
-            program.arguments.iter().for_each(|argument| self.rule_values_of(&argument.root));
+            program
+                .arguments
+                .iter()
+                .for_each(|argument| self.rule_values_of(&argument.root));
         }
         loop {
             let before = self.assigned.len() + self.sequential.len() + self.rule_values.len();
@@ -144,7 +174,9 @@ impl Facts {
                     }
                     self.call(id, body.parameters, *callee, &[]);
                 }
-                RuleKind::Call(callee, arguments) => self.call(id, body.parameters, *callee, arguments),
+                RuleKind::Call(callee, arguments) => {
+                    self.call(id, body.parameters, *callee, arguments)
+                }
                 // what runs is not known: assume the worst
                 RuleKind::Run(..) => {
                     self.sequential.insert(id);
@@ -181,7 +213,12 @@ impl Facts {
 /// The functions with initial values, each after those its initial values depend on; functions that
 /// depend on each other stand in order of declaration.
 pub(super) fn initial_order(model: &Model) -> Vec<FunctionId> {
-    fn add(model: &Model, function: FunctionId, seen: &mut BTreeSet<FunctionId>, order: &mut Vec<FunctionId>) {
+    fn add(
+        model: &Model,
+        function: FunctionId,
+        seen: &mut BTreeSet<FunctionId>,
+        order: &mut Vec<FunctionId>,
+    ) {
         if !seen.insert(function) {
             return;
         }
@@ -195,7 +232,9 @@ pub(super) fn initial_order(model: &Model) -> Vec<FunctionId> {
             });
         }
         stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
-            needed.into_iter().for_each(|function| add(model, function, seen, order));
+            needed
+                .into_iter()
+                .for_each(|function| add(model, function, seen, order));
         });
         if declared.initial.is_some() {
             order.push(function);
@@ -213,7 +252,11 @@ pub(super) fn initial_order(model: &Model) -> Vec<FunctionId> {
 fn definition(function: &Function) -> Option<&Body<Term>> {
     match &function.meaning {
         Meaning::Defined(body) => Some(body),
-        Meaning::State | Meaning::Builtin(_) | Meaning::Constant(_) | Meaning::Machine | Meaning::Missing => None,
+        Meaning::State
+        | Meaning::Builtin(_)
+        | Meaning::Constant(_)
+        | Meaning::Machine
+        | Meaning::Missing => None,
     }
 }
 
@@ -222,7 +265,9 @@ fn walk(rule: &RuleTerm, see: &mut dyn FnMut(&RuleTerm)) {
     stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
         see(rule);
         match &*rule.kind {
-            RuleKind::Par(rules) | RuleKind::Seq(rules) => rules.iter().for_each(|rule| walk(rule, see)),
+            RuleKind::Par(rules) | RuleKind::Seq(rules) => {
+                rules.iter().for_each(|rule| walk(rule, see))
+            }
             RuleKind::If(_, then, otherwise) => {
                 walk(then, see);
                 otherwise.iter().for_each(|rule| walk(rule, see));
@@ -290,7 +335,16 @@ fn each_term(rule: &RuleTerm, see: &mut dyn FnMut(&Term)) {
     }
 }
 
-/// Whether a term applies a function that passes the test, or ranges over a domain that may grow.
+/// Whether the elements of a type may become more while a machine runs.
+fn grows(model: &Model, ty: TypeId) -> bool {
+    let mut parts = model.types.reach(ty, &model.domains);
+    parts.any(|part| match model.types.get(part) {
+        Type::Domain(domain) => model.domain(*domain).kind == DomainKind::Abstract,
+        _ => false,
+    })
+}
+
+/// Whether a term applies a function that passes the test.
 fn mentions(term: &Term, wanted: &dyn Fn(FunctionId) -> bool) -> bool {
     let mut found = false;
     visit(term, &mut |term| match &*term.kind {

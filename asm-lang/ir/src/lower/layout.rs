@@ -22,12 +22,17 @@ impl Lowering<'_> {
                     self.program.result = base;
                 }
             }
-            let parameters = function.parameters.iter().map(|&ty| self.shape(ty)).collect();
+            let parameters = function
+                .parameters
+                .iter()
+                .map(|&ty| self.shape(ty))
+                .collect();
             self.program.functions.push(Function {
                 kind: kind(function.kind),
                 parameters,
                 codomain: self.shape(function.codomain),
                 within: self.membership(function.codomain),
+                open: self.is_open(function.codomain),
                 storage,
                 initial: None,
                 clock: clock(&function.name).filter(|_| function.library),
@@ -37,13 +42,19 @@ impl Lowering<'_> {
     }
 
     fn storage(&mut self, parameters: &[TypeId]) -> Storage {
-        let Some(ranges) = parameters.iter().map(|&ty| self.axis(ty)).collect::<Option<Vec<_>>>() else {
+        let Some(ranges) = parameters
+            .iter()
+            .map(|&ty| self.axis(ty))
+            .collect::<Option<Vec<_>>>()
+        else {
             return Storage::Interned;
         };
         let count = ranges.iter().try_fold(1u64, |product, range| {
-            product.checked_mul(u64::from(range.count())).filter(|&product| product <= self.dense)
+            product
+                .checked_mul(u64::from(range.count()))
+                .filter(|&product| product <= self.dense)
         });
-        let Some(count) = count else {
+        let Some(count) = count.filter(|&count| count > 0) else {
             return Storage::Interned;
         };
         let base = self.program.slots;
@@ -59,7 +70,11 @@ impl Lowering<'_> {
             })
             .collect();
         axes.reverse();
-        Storage::Dense { base, count: count as u32, axes }
+        Storage::Dense {
+            base,
+            count: count as u32,
+            axes,
+        }
     }
 
     /// What an argument of this type ranges over, if that is finite and known.
@@ -72,13 +87,16 @@ impl Lowering<'_> {
                         let count = u32::try_from(high.checked_sub(*low)?.checked_add(1)?).ok()?;
                         Some(AxisRange::Ints { low: *low, count })
                     }
-                    Elements::Atoms { first, count } => {
-                        Some(AxisRange::Atoms { first: first.0, count: *count })
+                    Elements::Atoms { first, count } => Some(AxisRange::Atoms {
+                        first: first.0,
+                        count: *count,
+                    }),
+                    Elements::Computed(_) | Elements::Undefined => {
+                        match self.model.domain(*declared).kind {
+                            hir::DomainKind::Concrete { base } => self.axis(base),
+                            _ => None,
+                        }
                     }
-                    Elements::Computed(_) | Elements::Undefined => match self.model.domain(*declared).kind {
-                        hir::DomainKind::Concrete { base } => self.axis(base),
-                        _ => None,
-                    },
                     Elements::Open => None,
                 }
             }

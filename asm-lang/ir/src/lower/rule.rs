@@ -2,7 +2,8 @@
 //! all others are passed by value.
 
 use super::{Lowering, domain, facts};
-use crate::program::{Kind, Local, Node, Origin, RoutineId, Rule, RuleNode, Term};
+use crate::code::{Kind, Node, Rule, RuleNode, Term};
+use crate::program::{Local, Origin, RoutineId};
 use hir::{RuleKind, RuleTerm, TermKind, VarId};
 use source::{Diagnostic, Span};
 use std::collections::BTreeSet;
@@ -53,7 +54,10 @@ impl Frame {
         let bindings = (0..variables)
             .map(|index| (index < arguments).then_some(Binding::Local(index as Local)))
             .collect();
-        Self { bindings, locals: arguments as u32 }
+        Self {
+            bindings,
+            locals: arguments as u32,
+        }
     }
 
     pub fn binding(&self, variable: VarId) -> Option<Binding> {
@@ -95,21 +99,35 @@ impl Lowering<'_> {
 
     /// The routine of a rule for these by-name arguments, whose variables are `extras` more
     /// arguments after those passed by value.
-    fn routine(&mut self, rule: RuleId, by_name: Vec<Option<Rc<Closed>>>, extras: u32) -> RoutineId {
-        let keys = by_name.iter().map(|closed| closed.as_ref().map(|closed| closed.key.clone())).collect();
+    fn routine(
+        &mut self,
+        rule: RuleId,
+        by_name: Vec<Option<Rc<Closed>>>,
+        extras: u32,
+    ) -> RoutineId {
+        let keys = by_name
+            .iter()
+            .map(|closed| closed.as_ref().map(|closed| closed.key.clone()))
+            .collect();
         let special = (rule, keys);
         if let Some(&known) = self.routines.get(&special) {
             return known;
         }
         let declared = self.model.rule(rule);
-        let id = self.reserve_routine(declared.span);
+        let id = self.reserve_routine(declared);
         self.routines.insert(special, id);
         let Some(body) = &declared.body else {
             return id;
         };
         if self.depth >= MAX_DEPTH {
-            let finding = Diagnostic::error("A031", format!("`{}` calls itself with ever other terms", declared.name))
-                .label(declared.span, "this macro takes a term by name that grows with each call");
+            let finding = Diagnostic::error(
+                "A031",
+                format!("`{}` calls itself with ever other terms", declared.name),
+            )
+            .label(
+                declared.span,
+                "this macro takes a term by name that grows with each call",
+            );
             self.grows(finding);
             return id;
         }
@@ -157,7 +175,13 @@ impl Lowering<'_> {
     }
 
     /// A call: which arguments are passed by name is decided here.
-    fn call(&mut self, rule: RuleId, arguments: &[hir::Term], frame: &mut Frame, span: Span) -> RuleNode {
+    fn call(
+        &mut self,
+        rule: RuleId,
+        arguments: &[hir::Term],
+        frame: &mut Frame,
+        span: Span,
+    ) -> RuleNode {
         let mut values = Vec::new();
         let mut by_name = Vec::new();
         let mut extras: Vec<Local> = Vec::new();
@@ -170,7 +194,8 @@ impl Lowering<'_> {
                     Some(closed) => (closed.term.clone(), closed.bindings.clone()),
                     None => (argument.clone(), frame.bindings.clone()),
                 };
-                (!turbo && self.is_by_name(rule, index, &term, &bindings)).then_some((term, bindings))
+                (!turbo && self.is_by_name(rule, index, &term, &bindings))
+                    .then_some((term, bindings))
             })
             .collect();
         let value_count = named.iter().filter(|named| named.is_none()).count() as u32;
@@ -184,7 +209,12 @@ impl Lowering<'_> {
                     if self.facts.assigns(rule, index) && !is_location(self.model, &term) {
                         self.not_a_location(rule, index, argument.span);
                     }
-                    by_name.push(Some(Rc::new(close(&term, &bindings, &mut extras, value_count))));
+                    by_name.push(Some(Rc::new(close(
+                        &term,
+                        &bindings,
+                        &mut extras,
+                        value_count,
+                    ))));
                 }
             }
         }
@@ -222,7 +252,10 @@ impl Lowering<'_> {
             let mut found = false;
             facts::visit(argument, &mut |term| {
                 if let TermKind::Variable(variable) = &*term.kind {
-                    found |= matches!(bindings.get(variable.0 as usize), Some(Some(Binding::Term(_))));
+                    found |= matches!(
+                        bindings.get(variable.0 as usize),
+                        Some(Some(Binding::Term(_)))
+                    );
                 }
             });
             found
@@ -233,12 +266,20 @@ impl Lowering<'_> {
 
     fn not_a_location(&mut self, rule: RuleId, parameter: usize, span: Span) {
         let declared = self.model.rule(rule);
-        let name = declared.body.as_ref().map_or_else(String::new, |body| body.variables[parameter].name.to_string());
+        let name = declared.body.as_ref().map_or_else(String::new, |body| {
+            body.variables[parameter].name.to_string()
+        });
         self.report.push(
-            Diagnostic::error("A032", format!("`{}` updates its parameter `{name}`, so it needs a location", declared.name))
-                .label(span, "this is a value")
-                .label(declared.span, "declared here")
-                .help("pass a controlled function, applied to its arguments"),
+            Diagnostic::error(
+                "A032",
+                format!(
+                    "`{}` updates its parameter `{name}`, so it needs a location",
+                    declared.name
+                ),
+            )
+            .label(span, "this is a value")
+            .label(declared.span, "declared here")
+            .help("pass a controlled function, applied to its arguments"),
         );
     }
 
@@ -246,12 +287,18 @@ impl Lowering<'_> {
     pub(super) fn rule(&mut self, rule: &RuleTerm, frame: &mut Frame) -> Rule {
         stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
             let node = self.rule_node(rule, frame);
-            Rule { node: Box::new(node), origin: self.origin(rule.span) }
+            Rule {
+                node: Box::new(node),
+                origin: self.origin(rule.span),
+            }
         })
     }
 
     fn skip(&mut self, span: Span) -> Rule {
-        Rule { node: Box::new(RuleNode::Skip), origin: self.origin(span) }
+        Rule {
+            node: Box::new(RuleNode::Skip),
+            origin: self.origin(span),
+        }
     }
 
     fn or_skip(&mut self, rule: Option<&RuleTerm>, span: Span, frame: &mut Frame) -> Rule {
@@ -267,7 +314,7 @@ impl Lowering<'_> {
             RuleKind::Skip | RuleKind::Invalid => RuleNode::Skip,
             RuleKind::Update(target, value) => {
                 let value = self.term(value, frame);
-                match self.place(target, frame, span) {
+                match self.place(target, frame) {
                     Some(place) => RuleNode::Update(place, value),
                     None => RuleNode::Skip,
                 }
@@ -275,7 +322,7 @@ impl Lowering<'_> {
             RuleKind::Assign(target, callee, arguments) => {
                 let arguments = self.terms(arguments, frame);
                 let routine = self.routine_by_value(*callee);
-                match self.place(target, frame, span) {
+                match self.place(target, frame) {
                     Some(place) => RuleNode::Assign(Some(place), routine, arguments),
                     None => RuleNode::Skip,
                 }
@@ -300,13 +347,22 @@ impl Lowering<'_> {
                     let case = self.term(case, frame);
                     lowered.push((case, self.rule(rule, frame)));
                 }
-                RuleNode::Switch(subject, lowered, self.or_skip(otherwise.as_ref(), span, frame))
+                RuleNode::Switch(
+                    subject,
+                    lowered,
+                    self.or_skip(otherwise.as_ref(), span, frame),
+                )
             }
             RuleKind::Choose(binders, guard, body, ifnone) => {
                 let binders = self.binders(binders, frame);
                 let guard = self.guard(guard.as_ref(), frame);
                 let body = self.rule(body, frame);
-                RuleNode::Choose(binders, guard, body, self.or_skip(ifnone.as_ref(), span, frame))
+                RuleNode::Choose(
+                    binders,
+                    guard,
+                    body,
+                    self.or_skip(ifnone.as_ref(), span, frame),
+                )
             }
             RuleKind::Forall(binders, guard, body) => {
                 let binders = self.binders(binders, frame);
@@ -318,7 +374,10 @@ impl Lowering<'_> {
                 RuleNode::Let(bindings, self.rule(body, frame))
             }
             RuleKind::Extend(extended, variables, body) => {
-                let locals = variables.iter().map(|&variable| frame.bind(variable)).collect();
+                let locals = variables
+                    .iter()
+                    .map(|&variable| frame.bind(variable))
+                    .collect();
                 RuleNode::Extend(domain::id(*extended), locals, self.rule(body, frame))
             }
             RuleKind::While(guard, body) => {
@@ -342,7 +401,13 @@ impl Lowering<'_> {
         match *term.node {
             Node::Program(agent) => RuleNode::RunAgent(agent, arguments),
             Node::Constant(Value::Undef) => RuleNode::Skip,
-            node => RuleNode::Run(Term { node: Box::new(node), ..term }, arguments),
+            node => RuleNode::Run(
+                Term {
+                    node: Box::new(node),
+                    ..term
+                },
+                arguments,
+            ),
         }
     }
 }
@@ -360,7 +425,12 @@ fn is_location(model: &hir::Model, term: &hir::Term) -> bool {
 
 /// Closes a term over the locals its variables stand for: they become further arguments of the
 /// macro, numbered from `base` on.
-fn close(term: &hir::Term, bindings: &[Option<Binding>], extras: &mut Vec<Local>, base: u32) -> Closed {
+fn close(
+    term: &hir::Term,
+    bindings: &[Option<Binding>],
+    extras: &mut Vec<Local>,
+    base: u32,
+) -> Closed {
     let mut variables = BTreeSet::new();
     facts::visit(term, &mut |term| {
         if let TermKind::Variable(variable) = &*term.kind {
@@ -370,7 +440,9 @@ fn close(term: &hir::Term, bindings: &[Option<Binding>], extras: &mut Vec<Local>
     let mut closed: Vec<Option<Binding>> = vec![None; bindings.len()];
     let mut key = format!("{:?}", term.span);
     for index in variables {
-        let Some(Some(binding)) = bindings.get(index) else { continue };
+        let Some(Some(binding)) = bindings.get(index) else {
+            continue;
+        };
         let rebound = match binding {
             Binding::Local(local) => {
                 extras.push(*local);
@@ -386,5 +458,9 @@ fn close(term: &hir::Term, bindings: &[Option<Binding>], extras: &mut Vec<Local>
         };
         closed[index] = Some(rebound);
     }
-    Closed { term: term.clone(), bindings: closed, key }
+    Closed {
+        term: term.clone(),
+        bindings: closed,
+        key,
+    }
 }

@@ -2,19 +2,20 @@
 
 use super::rule::{Binding, Frame};
 use super::{Lowering, function_id};
-use crate::program::{
-    Arithmetic, Binder, Collection, Comparison, FunctionId, Kind, Local, Logic, Node, Origin, Place,
-    Quantifier, Range, Slot, Storage, Term,
-};
+use crate::code::{Arithmetic, Binder, Comparison, Kind, Logic, Node, Place, Range, Term};
+use crate::program::{FunctionId, Local, Origin, Slot, Storage};
 use hir::{Meaning, TermKind, Type, TypeId};
 use source::Span;
-use syntax::ast;
 use value::Value;
 
 impl Term {
     /// `undef`, standing here.
     pub(super) fn undef(origin: Origin) -> Self {
-        Self { node: Box::new(Node::Constant(Value::Undef)), kind: Kind::Other, origin }
+        Self {
+            node: Box::new(Node::Constant(Value::Undef)),
+            kind: Kind::Other,
+            origin,
+        }
     }
 }
 
@@ -27,7 +28,9 @@ impl Lowering<'_> {
             Type::Real => Kind::Real,
             Type::Domain(domain) => match self.model.domain(*domain).kind {
                 hir::DomainKind::Enum { .. } | hir::DomainKind::Abstract => Kind::Atom,
-                hir::DomainKind::Any | hir::DomainKind::Basic | hir::DomainKind::Concrete { .. } => Kind::Other,
+                hir::DomainKind::Any
+                | hir::DomainKind::Basic
+                | hir::DomainKind::Concrete { .. } => Kind::Other,
             },
             Type::Invalid
             | Type::Undef
@@ -98,21 +101,21 @@ impl Lowering<'_> {
             TermKind::Quantified(quantifier, binders, guard) => {
                 let binders = self.binders(binders, frame);
                 let guard = self.optional(guard.as_ref(), frame);
-                Node::Quantified(quantifier_of(*quantifier), binders, guard)
+                Node::Quantified(*quantifier, binders, guard)
             }
             TermKind::Listed(collection, items) => {
-                Node::Listed(collection_of(*collection), self.terms(items, frame))
+                Node::Listed(*collection, self.terms(items, frame))
             }
             TermKind::Interval(collection, from, to, step) => {
                 let from = self.term(from, frame);
                 let to = self.term(to, frame);
                 let step = self.optional(step.as_ref(), frame);
-                Node::Interval(collection_of(*collection), from, to, step)
+                Node::Interval(*collection, from, to, step)
             }
             TermKind::Comprehension(collection, binders, guard, item) => {
                 let binders = self.binders(binders, frame);
                 let guard = self.optional(guard.as_ref(), frame);
-                Node::Collect(collection_of(*collection), binders, guard, self.term(item, frame))
+                Node::Collect(*collection, binders, guard, self.term(item, frame))
             }
             TermKind::Map(pairs) => {
                 let mut lowered = Vec::new();
@@ -132,10 +135,18 @@ impl Lowering<'_> {
             TermKind::Extent(ty) => Node::Extent(self.shape(*ty)),
             TermKind::Invalid => Node::Constant(Value::Undef),
         };
-        Term { node: Box::new(node), kind, origin }
+        Term {
+            node: Box::new(node),
+            kind,
+            origin,
+        }
     }
 
-    pub(super) fn bindings(&mut self, bindings: &[(hir::VarId, hir::Term)], frame: &mut Frame) -> Vec<(Local, Term)> {
+    pub(super) fn bindings(
+        &mut self,
+        bindings: &[(hir::VarId, hir::Term)],
+        frame: &mut Frame,
+    ) -> Vec<(Local, Term)> {
         let mut bound = Vec::new();
         for (variable, term) in bindings {
             let term = self.term(term, frame);
@@ -156,13 +167,23 @@ impl Lowering<'_> {
                 },
                 _ => Range::Elements(self.term(&binder.range, frame)),
             };
-            bound.push(Binder { local: frame.bind(binder.variable), range, origin });
+            bound.push(Binder {
+                local: frame.bind(binder.variable),
+                range,
+                origin,
+            });
         }
         bound
     }
 
     /// A function applied to arguments that are lowered already.
-    fn apply(&mut self, function: hir::FunctionId, arguments: Vec<Term>, origin: Origin, span: Span) -> Node {
+    fn apply(
+        &mut self,
+        function: hir::FunctionId,
+        arguments: Vec<Term>,
+        origin: Origin,
+        span: Span,
+    ) -> Node {
         let reserved = self.model.reserved;
         if reserved.self_ == Some(function) {
             return Node::Agent;
@@ -173,10 +194,12 @@ impl Lowering<'_> {
             Meaning::Machine if reserved.result == Some(function) => {
                 self.location(function_id(function), arguments)
             }
-            Meaning::Machine if reserved.program == Some(function) => match arguments.into_iter().next() {
-                Some(agent) => Node::Program(agent),
-                None => Node::Constant(Value::Undef),
-            },
+            Meaning::Machine if reserved.program == Some(function) => {
+                match arguments.into_iter().next() {
+                    Some(agent) => Node::Program(agent),
+                    None => Node::Constant(Value::Undef),
+                }
+            }
             Meaning::Machine => {
                 self.unsupported(&format!("`{}`", declared.name), span);
                 Node::Constant(Value::Undef)
@@ -194,7 +217,14 @@ impl Lowering<'_> {
                 match self.caches.get(&function) {
                     Some(&cache) => {
                         let kind = self.kind(declared.codomain);
-                        Node::Cached(cache, Term { node: Box::new(Node::Call(id, arguments)), kind, origin })
+                        Node::Cached(
+                            cache,
+                            Term {
+                                node: Box::new(Node::Call(id, arguments)),
+                                kind,
+                                origin,
+                            },
+                        )
                     }
                     None => Node::Call(id, arguments),
                 }
@@ -203,13 +233,27 @@ impl Lowering<'_> {
     }
 
     /// `f(t)` where the one term is a tuple of all arguments.
-    fn spread(&mut self, function: hir::FunctionId, tuple: &hir::Term, frame: &mut Frame, term: &hir::Term) -> Term {
+    fn spread(
+        &mut self,
+        function: hir::FunctionId,
+        tuple: &hir::Term,
+        frame: &mut Frame,
+        term: &hir::Term,
+    ) -> Term {
         let origin = self.origin(term.span);
         let kind = self.kind(term.ty);
         let (bindings, arguments) = self.components(function, tuple, frame);
         let node = self.apply(function, arguments, origin, term.span);
-        let applied = Term { node: Box::new(node), kind, origin };
-        Term { node: Box::new(Node::Let(bindings, applied)), kind, origin }
+        let applied = Term {
+            node: Box::new(node),
+            kind,
+            origin,
+        };
+        Term {
+            node: Box::new(Node::Let(bindings, applied)),
+            kind,
+            origin,
+        }
     }
 
     /// Binds a tuple, and gives its components as the arguments of a function.
@@ -227,9 +271,17 @@ impl Lowering<'_> {
             .iter()
             .enumerate()
             .map(|(index, &ty)| {
-                let tuple = Term { node: Box::new(Node::Local(local)), kind: Kind::Other, origin };
+                let tuple = Term {
+                    node: Box::new(Node::Local(local)),
+                    kind: Kind::Other,
+                    origin,
+                };
                 let node = Node::Component(tuple, index as u32);
-                Term { node: Box::new(node), kind: self.kind(ty), origin }
+                Term {
+                    node: Box::new(node),
+                    kind: self.kind(ty),
+                    origin,
+                }
             })
             .collect();
         (vec![(local, lowered)], components)
@@ -244,7 +296,9 @@ impl Lowering<'_> {
     }
 
     fn slot(&self, function: FunctionId, arguments: &[Term]) -> Option<Slot> {
-        let Storage::Dense { base, axes, .. } = &self.program.functions[function.0 as usize].storage else {
+        let Storage::Dense { base, axes, .. } =
+            &self.program.functions[function.0 as usize].storage
+        else {
             return None;
         };
         let mut slot = *base;
@@ -258,7 +312,7 @@ impl Lowering<'_> {
     }
 
     /// What an update writes; `None` after an error.
-    pub(super) fn place(&mut self, target: &hir::Target, frame: &mut Frame, span: Span) -> Option<Place> {
+    pub(super) fn place(&mut self, target: &hir::Target, frame: &mut Frame) -> Option<Place> {
         match target {
             hir::Target::Location(function, arguments) => {
                 let wanted = self.model.function(*function).parameters.len();
@@ -285,7 +339,7 @@ impl Lowering<'_> {
                         _ => None,
                     };
                     if let Some(target) = target {
-                        return frame.within(&closed, |frame| self.place(&target, frame, span));
+                        return frame.within(&closed, |frame| self.place(&target, frame));
                     }
                 }
                 None
@@ -309,9 +363,10 @@ impl Lowering<'_> {
             components
                 .into_iter()
                 .map(|component| match *component.node {
-                    Node::Component(_, index) => {
-                        Term { node: Box::new(Node::Component(tuple.clone(), index)), ..component }
-                    }
+                    Node::Component(_, index) => Term {
+                        node: Box::new(Node::Component(tuple.clone(), index)),
+                        ..component
+                    },
                     _ => component,
                 })
                 .collect(),
@@ -319,12 +374,22 @@ impl Lowering<'_> {
     }
 
     /// A library function: the operators that machines know become nodes.
-    fn builtin(&mut self, builtin: &'static stdlib::Builtin, arguments: Vec<Term>, origin: Origin) -> Node {
-        let integers = !arguments.is_empty() && arguments.iter().all(|argument| argument.kind == Kind::Int);
-        let truths = !arguments.is_empty() && arguments.iter().all(|argument| argument.kind == Kind::Bool);
+    fn builtin(
+        &mut self,
+        builtin: &'static stdlib::Builtin,
+        arguments: Vec<Term>,
+        origin: Origin,
+    ) -> Node {
+        let integers =
+            !arguments.is_empty() && arguments.iter().all(|argument| argument.kind == Kind::Int);
+        let truths =
+            !arguments.is_empty() && arguments.iter().all(|argument| argument.kind == Kind::Bool);
         let mut operands = arguments.iter().cloned();
-        if let (Some(left), Some(right), None) = (operands.next(), operands.next(), operands.next()) {
-            if let Some(logic) = logic(builtin.name).filter(|_| builtin.domain == "Prod(Boolean,Boolean)") {
+        if let (Some(left), Some(right), None) = (operands.next(), operands.next(), operands.next())
+        {
+            if let Some(logic) =
+                logic(builtin.name).filter(|_| builtin.domain == "Prod(Boolean,Boolean)")
+            {
                 return Node::Logic(logic, left, right);
             }
             if let Some(comparison) = comparison(builtin.name).filter(|_| integers) {
@@ -340,7 +405,11 @@ impl Lowering<'_> {
             }
             if builtin.name == "neq" && !mixed {
                 let equal = Node::Equal(left, right);
-                return Node::Not(Term { node: Box::new(equal), kind: Kind::Bool, origin });
+                return Node::Not(Term {
+                    node: Box::new(equal),
+                    kind: Kind::Bool,
+                    origin,
+                });
             }
         }
         if builtin.name == "not" && truths {
@@ -391,20 +460,4 @@ fn arithmetic(name: &str) -> Option<Arithmetic> {
         "mod" => Arithmetic::Mod,
         _ => return None,
     })
-}
-
-fn collection_of(collection: ast::Collection) -> Collection {
-    match collection {
-        ast::Collection::Set => Collection::Set,
-        ast::Collection::Seq => Collection::Seq,
-        ast::Collection::Bag => Collection::Bag,
-    }
-}
-
-fn quantifier_of(quantifier: ast::Quantifier) -> Quantifier {
-    match quantifier {
-        ast::Quantifier::Forall => Quantifier::Forall,
-        ast::Quantifier::Exists => Quantifier::Exists,
-        ast::Quantifier::ExistsUnique => Quantifier::ExistsUnique,
-    }
 }

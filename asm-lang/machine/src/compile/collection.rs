@@ -31,7 +31,13 @@ impl Compiler<'_> {
         })
     }
 
-    pub(super) fn comprehension(&self, collection: Collection, ranges: Ranges, item: &Term, origin: Origin) -> TermCode {
+    pub(super) fn comprehension(
+        &self,
+        collection: Collection,
+        ranges: Ranges,
+        item: &Term,
+        origin: Origin,
+    ) -> TermCode {
         let item = self.term(item);
         Box::new(move |run| {
             let mut items = Vec::new();
@@ -69,11 +75,15 @@ fn listed(from: &Value, to: &Value, step: Option<&Value>) -> Result<Option<Vec<V
             if step <= 0 || from > to {
                 return Ok(Some(Vec::new()));
             }
-            let count = to.abs_diff(*from) / step.unsigned_abs() + 1;
+            let count = (to.abs_diff(*from) / step.unsigned_abs()).saturating_add(1);
             if count > MAX_ELEMENTS {
                 return Err(count);
             }
-            Ok(Some((0..count as i64).map(|index| Value::Int(from + index * step)).collect()))
+            Ok(Some(
+                (0..count as i64)
+                    .map(|index| Value::Int(from.wrapping_add(index.wrapping_mul(step))))
+                    .collect(),
+            ))
         }
         (Value::Real(from), Value::Real(to), None | Some(Value::Real(_))) => {
             let step = match step {
@@ -88,7 +98,11 @@ fn listed(from: &Value, to: &Value, step: Option<&Value>) -> Result<Option<Vec<V
                 return Err(count as u64);
             }
             let number = |index: u64| Real::new(decimal(from.get() + index as f64 * step));
-            Ok(Some((0..count as u64).map(|index| Value::Real(number(index))).collect()))
+            Ok(Some(
+                (0..count as u64)
+                    .map(|index| Value::Real(number(index)))
+                    .collect(),
+            ))
         }
         _ => Ok(None),
     }

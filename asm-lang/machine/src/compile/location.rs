@@ -2,7 +2,7 @@
 
 use super::{Compiler, TermCode};
 use crate::run::Run;
-use ir::{Axis, AxisRange, FunctionId, FunctionKind, Kind, Node, Slot, Storage, Term};
+use ir::{Axis, AxisRange, FunctionId, FunctionKind, Kind, Node, Origin, Slot, Storage, Term};
 use value::Value;
 
 /// Finds the slot of a location.
@@ -16,37 +16,36 @@ type IndexCode = Box<dyn Fn(&mut Run<'_>) -> u32 + Send + Sync>;
 const MISS: u32 = u32::MAX;
 
 /// Functions of more arguments take the way over the stack.
-const MAX_AXES: usize = 4;
+pub(crate) const MAX_AXES: usize = 4;
 
 impl Compiler<'_> {
-    /// What a location holds.
-    pub(super) fn location(&self, term: &Term) -> TermCode {
-        let origin = term.origin;
-        match &*term.node {
-            Node::Slot(function, slot) if self.is_input(*function) => {
-                let (function, slot) = (*function, *slot);
-                Box::new(move |run| run.input(slot, function, origin))
-            }
-            Node::Slot(_, slot) => {
-                let slot = *slot as usize;
-                Box::new(move |run| run.state.slots[slot].clone())
-            }
-            Node::Location(function, arguments) if self.is_input(*function) => {
-                let (function, slot) = (*function, self.slot(*function, arguments));
-                Box::new(move |run| {
-                    let slot = slot(run);
-                    run.input(slot, function, origin)
-                })
-            }
-            Node::Location(function, arguments) => {
-                let slot = self.slot(*function, arguments);
-                Box::new(move |run| {
-                    let slot = slot(run) as usize;
-                    run.state.slots[slot].clone()
-                })
-            }
-            _ => Box::new(|_| Value::Undef),
+    /// What the location of a known slot holds.
+    pub(super) fn fixed(&self, function: FunctionId, slot: Slot, origin: Origin) -> TermCode {
+        if self.is_input(function) {
+            return Box::new(move |run| run.input(slot, function, origin));
         }
+        let slot = slot as usize;
+        Box::new(move |run| run.state.slots[slot].clone())
+    }
+
+    /// What a location holds.
+    pub(super) fn location(
+        &self,
+        function: FunctionId,
+        arguments: &[Term],
+        origin: Origin,
+    ) -> TermCode {
+        let slot = self.slot(function, arguments);
+        if self.is_input(function) {
+            return Box::new(move |run| {
+                let slot = slot(run);
+                run.input(slot, function, origin)
+            });
+        }
+        Box::new(move |run| {
+            let slot = slot(run) as usize;
+            run.state.slots[slot].clone()
+        })
     }
 
     /// The slot of a term that is a location and no input: its value can be looked at where it is.
@@ -68,25 +67,42 @@ impl Compiler<'_> {
 
     /// The slot of a function applied to arguments.
     pub(super) fn slot(&self, function: FunctionId, arguments: &[Term]) -> SlotCode {
-        match &self.program.functions[function.0 as usize].storage {
-            Storage::Dense { base, axes, .. } if axes.len() <= MAX_AXES => {
-                let axes = arguments.iter().zip(axes).map(|(argument, axis)| (self.index(argument, axis.over), *axis));
-                on_axes(function, *base, axes.collect())
+        let storage = &self.program.functions[function.0 as usize].storage;
+        match (storage, &self.windows[function.0 as usize]) {
+            (Storage::Dense { base, axes, .. }, _) if axes.len() <= MAX_AXES => {
+                let base = *base;
+                on_axes(function, self.indices(arguments, axes), move |_, index| {
+                    base + index
+                })
             }
-            Storage::Dense { .. } | Storage::Interned | Storage::None => {
-                let arguments = self.terms(arguments);
+            (_, Some((window, axes))) => {
+                let (window, known) = (*window, axes.clone());
+                on_axes(
+                    function,
+                    self.indices(arguments, axes),
+                    move |run, index| match run.state.near.find(window, index) {
+                        Some(slot) => slot,
+                        None => meet(run, function, window, &known, index),
+                    },
+                )
+            }
+            (Storage::Dense { .. } | Storage::Interned | Storage::None, _) => {
+                let arguments = self.values(arguments);
                 Box::new(move |run| {
-                    let from = run.stack.len();
-                    for argument in &arguments {
-                        let argument = argument(run);
-                        run.stack.push(argument);
-                    }
+                    let from = arguments.stacked(run);
                     let slot = run.slot(function, from);
                     run.stack.truncate(from);
                     slot
                 })
             }
         }
+    }
+
+    fn indices(&self, arguments: &[Term], axes: &[Axis]) -> Vec<(IndexCode, Axis)> {
+        let pairs = arguments.iter().zip(axes);
+        pairs
+            .map(|(argument, axis)| (self.index(argument, axis.over), *axis))
+            .collect()
     }
 
     fn index(&self, argument: &Term, over: AxisRange) -> IndexCode {
@@ -101,7 +117,7 @@ impl Compiler<'_> {
             (_, AxisRange::Ints { low, count }) if argument.kind == Kind::Int => {
                 let integer = self.integer(argument);
                 Box::new(move |run| {
-                    let number = integer(run);
+                    let number = integer.get(run);
                     match number.and_then(|number| number.checked_sub(low)) {
                         Some(index) if (0..i64::from(count)).contains(&index) => index as u32,
                         _ => missed(run, number.map_or(Value::Undef, Value::Int)),
@@ -128,17 +144,22 @@ fn missed(run: &mut Run<'_>, argument: Value) -> u32 {
     MISS
 }
 
-fn on_axes(function: FunctionId, base: Slot, mut axes: Vec<(IndexCode, Axis)>) -> SlotCode {
+/// Finds the index of the arguments together, and by it the slot.
+fn on_axes(
+    function: FunctionId,
+    mut axes: Vec<(IndexCode, Axis)>,
+    found: impl Fn(&mut Run<'_>, u32) -> Slot + Send + Sync + 'static,
+) -> SlotCode {
     if axes.len() == 1
         && let Some((index, axis)) = axes.pop()
     {
         return Box::new(move |run| match index(run) {
             MISS => off_axes(run, function, &[], &[]),
-            index => base + index * axis.stride,
+            index => found(run, index * axis.stride),
         });
     }
     Box::new(move |run| {
-        let mut slot = base;
+        let mut together = 0;
         let mut indices = [0; MAX_AXES];
         for (position, (index, axis)) in axes.iter().enumerate() {
             let index = index(run);
@@ -146,19 +167,39 @@ fn on_axes(function: FunctionId, base: Slot, mut axes: Vec<(IndexCode, Axis)>) -
                 return off_axes(run, function, &axes, &indices[..position]);
             }
             indices[position] = index;
-            slot += index * axis.stride;
+            together += index * axis.stride;
         }
-        slot
+        found(run, together)
     })
+}
+
+/// The slot of a location that is met for the first time within a window.
+#[cold]
+fn meet(run: &mut Run<'_>, function: FunctionId, window: usize, axes: &[Axis], index: u32) -> Slot {
+    let from = run.stack.len();
+    let argument = |axis: &Axis| axis.over.argument(index / axis.stride % axis.over.count());
+    run.stack.extend(axes.iter().map(argument));
+    let slot = run.slot(function, from);
+    run.stack.truncate(from);
+    run.state.near.remember(window, index, slot);
+    slot
 }
 
 /// The slot of a location one of whose arguments lies off its axis. That one is on the stack; the
 /// ones before it have indices, the ones after it are still to be computed.
 #[cold]
-fn off_axes(run: &mut Run<'_>, function: FunctionId, axes: &[(IndexCode, Axis)], before: &[u32]) -> Slot {
+fn off_axes(
+    run: &mut Run<'_>,
+    function: FunctionId,
+    axes: &[(IndexCode, Axis)],
+    before: &[u32],
+) -> Slot {
     let argument = run.stack.pop().unwrap_or_default();
     let from = run.stack.len();
-    let known = axes.iter().zip(before).map(|((_, axis), &index)| axis.over.argument(index));
+    let known = axes
+        .iter()
+        .zip(before)
+        .map(|((_, axis), &index)| axis.over.argument(index));
     run.stack.extend(known);
     run.stack.push(argument);
     for (index, axis) in axes.iter().skip(before.len() + 1) {

@@ -1,43 +1,61 @@
 //! Terms compiled to code that gives integers: arithmetic takes this way.
 
-use super::{Compiler, IntCode};
+use super::Compiler;
 use crate::fault::FaultKind;
-use crate::run::Truth;
-use ir::{Arithmetic, Node, Origin, Term};
+use crate::run::{Run, Truth};
+use ir::{Arithmetic, Local, Node, Origin, Term};
 use value::Value;
+
+/// Gives an integer, or nothing where it is undef.
+type IntCode = Box<dyn Fn(&mut Run<'_>) -> Option<i64> + Send + Sync>;
+
+/// An integer: the commonest operands need no code of their own.
+pub(super) enum Int {
+    Constant(i64),
+    Local(Local),
+    Slot(usize),
+    Code(IntCode),
+}
+
+impl Int {
+    #[inline]
+    pub fn get(&self, run: &mut Run<'_>) -> Option<i64> {
+        match self {
+            Self::Constant(number) => Some(*number),
+            Self::Local(local) => as_integer(run.local(*local)),
+            Self::Slot(slot) => as_integer(&run.state.slots[*slot]),
+            Self::Code(code) => code(run),
+        }
+    }
+}
 
 impl Compiler<'_> {
     /// A term as code that gives an integer.
-    pub(super) fn integer(&self, term: &Term) -> IntCode {
+    pub(super) fn integer(&self, term: &Term) -> Int {
         match &*term.node {
-            Node::Constant(Value::Int(number)) => {
-                let number = *number;
-                Box::new(move |_| Some(number))
-            }
-            Node::Local(local) => {
-                let local = *local;
-                Box::new(move |run| as_integer(run.local(local)))
-            }
-            Node::Slot(function, slot) if !self.is_input(*function) => {
-                let slot = *slot as usize;
-                Box::new(move |run| as_integer(&run.state.slots[slot]))
-            }
+            Node::Constant(Value::Int(number)) => Int::Constant(*number),
+            Node::Local(local) => Int::Local(*local),
+            Node::Slot(function, slot) if !self.is_input(*function) => Int::Slot(*slot as usize),
             Node::Arithmetic(arithmetic, left, right) => {
-                self.arithmetic(*arithmetic, left, right, term.origin)
+                Int::Code(self.arithmetic(*arithmetic, left, right, term.origin))
             }
             Node::If(guard, then, otherwise) => {
                 let origin = guard.origin;
-                let (guard, then, otherwise) = (self.truth(guard), self.integer(then), self.integer(otherwise));
-                Box::new(move |run| match guard(run) {
-                    Truth::True => then(run),
-                    Truth::False => otherwise(run),
+                let (guard, then, otherwise) = (
+                    self.truth(guard),
+                    self.integer(then),
+                    self.integer(otherwise),
+                );
+                Int::Code(Box::new(move |run| match guard(run) {
+                    Truth::True => then.get(run),
+                    Truth::False => otherwise.get(run),
                     Truth::Undef => {
                         run.fail(FaultKind::UndefinedGuard, origin);
                         None
                     }
-                })
+                }))
             }
-            _ => match self.stored(term) {
+            _ => Int::Code(match self.stored(term) {
                 Some(slot) => Box::new(move |run| {
                     let slot = slot(run) as usize;
                     as_integer(&run.state.slots[slot])
@@ -46,31 +64,47 @@ impl Compiler<'_> {
                     let code = self.term(term);
                     Box::new(move |run| as_integer(&code(run)))
                 }
-            },
+            }),
         }
     }
 
-    fn arithmetic(&self, arithmetic: Arithmetic, left: &Term, right: &Term, origin: Origin) -> IntCode {
+    fn arithmetic(
+        &self,
+        arithmetic: Arithmetic,
+        left: &Term,
+        right: &Term,
+        origin: Origin,
+    ) -> IntCode {
         let (left, right) = (self.integer(left), self.integer(right));
-        let operation = match arithmetic {
-            Arithmetic::Plus => stdlib::integer::plus,
-            Arithmetic::Minus => stdlib::integer::minus,
-            Arithmetic::Mult => stdlib::integer::mult,
-            Arithmetic::Mod => stdlib::integer::modulo,
-        };
-        Box::new(move |run| {
-            let (left, right) = (left(run)?, right(run)?);
-            match operation(left, right) {
-                Ok(number) => Some(number),
-                Err(fault) => {
-                    run.fail(FaultKind::Library(fault), origin);
-                    None
-                }
-            }
-        })
+        match arithmetic {
+            Arithmetic::Plus => computed(left, right, origin, stdlib::integer::plus),
+            Arithmetic::Minus => computed(left, right, origin, stdlib::integer::minus),
+            Arithmetic::Mult => computed(left, right, origin, stdlib::integer::mult),
+            Arithmetic::Mod => computed(left, right, origin, stdlib::integer::modulo),
+        }
     }
 }
 
+/// One operation on two integers; each gets code of its own, without a call.
+fn computed(
+    left: Int,
+    right: Int,
+    origin: Origin,
+    operation: impl Fn(i64, i64) -> Result<i64, stdlib::Fault> + Send + Sync + 'static,
+) -> IntCode {
+    Box::new(move |run| {
+        let (left, right) = (left.get(run)?, right.get(run)?);
+        match operation(left, right) {
+            Ok(number) => Some(number),
+            Err(fault) => {
+                run.fail(FaultKind::Library(fault), origin);
+                None
+            }
+        }
+    })
+}
+
+#[inline]
 fn as_integer(value: &Value) -> Option<i64> {
     match value {
         Value::Int(number) => Some(*number),

@@ -7,6 +7,9 @@ use ir::{Binder, DomainId, Local, Origin, Range, Term};
 use std::ops::ControlFlow;
 use value::{Atom, Value};
 
+/// A step that binds variables more often than this is not what anybody meant.
+const MAX_BINDINGS: u32 = 10_000_000;
+
 /// Variables with their ranges, and a guard.
 pub(super) struct Ranges {
     binders: Vec<(Local, RangeCode, Origin)>,
@@ -48,7 +51,11 @@ impl Compiler<'_> {
 impl Ranges {
     /// Calls `visit` for every assignment of the variables for which the guard holds, in ascending
     /// order, until it breaks. An undef guard does not hold; in rules it is a fault.
-    pub(super) fn each(&self, run: &mut Run<'_>, visit: &mut dyn FnMut(&mut Run<'_>) -> ControlFlow<()>) {
+    pub(super) fn each(
+        &self,
+        run: &mut Run<'_>,
+        visit: &mut dyn FnMut(&mut Run<'_>) -> ControlFlow<()>,
+    ) {
         // a break here only says that `visit` broke; it has noted its result itself
         let _ = self.nest(0, run, &mut |run, truth| match truth {
             Truth::True => visit(run),
@@ -86,17 +93,28 @@ impl Ranges {
             return visit(run, truth);
         };
         let mut bind = |run: &mut Run<'_>, value: Value| {
+            run.bindings += 1;
+            if run.bindings > MAX_BINDINGS {
+                run.fail(FaultKind::Endless(MAX_BINDINGS), *origin);
+                return ControlFlow::Break(());
+            }
             run.set_local(*local, value);
             self.nest(depth + 1, run, visit)
         };
         match range {
-            RangeCode::Ints(low, high) => (*low..=*high).try_for_each(|number| bind(run, Value::Int(number))),
+            RangeCode::Ints(low, high) => {
+                (*low..=*high).try_for_each(|number| bind(run, Value::Int(number)))
+            }
             RangeCode::Atoms(first, count) => {
                 (*first..*first + *count).try_for_each(|atom| bind(run, Value::Atom(Atom(atom))))
             }
-            RangeCode::Bools => [false, true].into_iter().try_for_each(|truth| bind(run, Value::Bool(truth))),
+            RangeCode::Bools => [false, true]
+                .into_iter()
+                .try_for_each(|truth| bind(run, Value::Bool(truth))),
             RangeCode::Domain(domain) => match run.elements(*domain) {
-                Ok(elements) => elements.iter().try_for_each(|element| bind(run, element.clone())),
+                Ok(elements) => elements
+                    .iter()
+                    .try_for_each(|element| bind(run, element.clone())),
                 Err(kind) => {
                     run.fail(kind, *origin);
                     ControlFlow::Break(())
@@ -108,8 +126,12 @@ impl Ranges {
                     return ControlFlow::Break(());
                 }
                 match &collection {
-                    Value::Set(elements) => elements.iter().try_for_each(|element| bind(run, element.clone())),
-                    Value::Seq(elements) => elements.iter().try_for_each(|element| bind(run, element.clone())),
+                    Value::Set(elements) => elements
+                        .iter()
+                        .try_for_each(|element| bind(run, element.clone())),
+                    Value::Seq(elements) => elements
+                        .iter()
+                        .try_for_each(|element| bind(run, element.clone())),
                     Value::Bag(elements) => elements.iter().try_for_each(|(element, &count)| {
                         (0..count).try_for_each(|_| bind(run, element.clone()))
                     }),

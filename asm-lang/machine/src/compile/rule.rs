@@ -2,11 +2,11 @@
 
 use super::location::SlotCode;
 use super::range::Ranges;
-use super::{Compiler, RuleCode, TermCode};
+use super::{Compiler, RuleCode, Values};
 use crate::fault::FaultKind;
 use crate::machine::Choice;
-use crate::run::{Run, Stopped, Truth};
-use ir::{DomainId, Origin, Place, RoutineId, Rule, RuleNode, Term};
+use crate::run::{Codomain, Run, Stopped, Truth};
+use ir::{Origin, Place, RoutineId, Rule, RuleNode, Term};
 use std::ops::ControlFlow;
 use value::{RuleId, Value};
 
@@ -16,15 +16,14 @@ const MAX_ITERATIONS: u32 = 10_000_000;
 /// Where a value goes.
 struct Target {
     slot: SlotCode,
-    /// What the value must be an element of.
-    within: Option<DomainId>,
+    codomain: Codomain,
     origin: Origin,
 }
 
 impl Target {
     fn write(&self, run: &mut Run<'_>, value: Value) -> Result<(), Stopped> {
         let slot = (self.slot)(run);
-        run.write(slot, value, self.within, self.origin)
+        run.write(slot, value, self.codomain, self.origin)
     }
 }
 
@@ -38,7 +37,9 @@ impl Compiler<'_> {
         match &*rule.node {
             RuleNode::Skip => Box::new(|_| Ok(())),
             RuleNode::Update(place, value) => self.update(place, value, origin),
-            RuleNode::Assign(place, routine, arguments) => self.assign(place.as_ref(), *routine, arguments, origin),
+            RuleNode::Assign(place, routine, arguments) => {
+                self.assign(place.as_ref(), *routine, arguments, origin)
+            }
             RuleNode::Call(routine, arguments) => self.call(*routine, arguments),
             RuleNode::Run(term, arguments) => self.run(term, arguments, origin),
             RuleNode::RunAgent(agent, arguments) => self.run_agent(agent, arguments, origin),
@@ -46,21 +47,19 @@ impl Compiler<'_> {
             RuleNode::Seq(rules) => self.seq(rules),
             RuleNode::If(guard, then, otherwise) => self.branch(guard, then, otherwise),
             RuleNode::Switch(subject, cases, otherwise) => self.switch(subject, cases, otherwise),
-            RuleNode::Choose(binders, guard, body, ifnone) => {
-                self.choose(self.ranges(binders, guard.as_ref(), true), body, ifnone, origin)
-            }
+            RuleNode::Choose(binders, guard, body, ifnone) => self.choose(
+                self.ranges(binders, guard.as_ref(), true),
+                body,
+                ifnone,
+                origin,
+            ),
             RuleNode::Forall(binders, guard, body) => {
                 self.forall(self.ranges(binders, guard.as_ref(), true), body)
             }
             RuleNode::Let(bindings, body) => {
-                let bindings: Vec<_> =
-                    bindings.iter().map(|(local, term)| (*local, self.term(term))).collect();
-                let body = self.rule(body);
+                let (bindings, body) = (self.bindings(bindings), self.rule(body));
                 Box::new(move |run| {
-                    for (local, term) in &bindings {
-                        let value = term(run);
-                        run.set_local(*local, value);
-                    }
+                    bindings.bind(run);
                     run.checked()?;
                     body(run)
                 })
@@ -88,16 +87,20 @@ impl Compiler<'_> {
             }
             Place::Location(function, arguments) => self.slot(*function, arguments),
         };
-        Target { slot, within: self.program.functions[place.function().0 as usize].within, origin }
+        Target {
+            slot,
+            codomain: Codomain::of(self.program, place.function()),
+            origin,
+        }
     }
 
     fn update(&self, place: &Place, value: &Term, origin: Origin) -> RuleCode {
         let value = self.term(value);
         if let Place::Slot(function, slot) = place {
-            let (slot, within) = (*slot, self.program.functions[function.0 as usize].within);
+            let (slot, codomain) = (*slot, Codomain::of(self.program, *function));
             return Box::new(move |run| {
                 let value = value(run);
-                run.write(slot, value, within, origin)
+                run.write(slot, value, codomain, origin)
             });
         }
         let target = self.target(place, origin);
@@ -131,20 +134,16 @@ impl Compiler<'_> {
     }
 
     fn call(&self, routine: RoutineId, arguments: &[Term]) -> RuleCode {
-        let arguments = self.terms(arguments);
+        let arguments = self.values(arguments);
         Box::new(move |run| {
-            let from = run.locals.len();
-            for argument in &arguments {
-                let argument = argument(run);
-                run.locals.push(argument);
-            }
+            let from = arguments.passed(run);
             run.call_routine(routine, from)
         })
     }
 
     fn run(&self, term: &Term, arguments: &[Term], origin: Origin) -> RuleCode {
         let term = self.term(term);
-        let arguments = self.terms(arguments);
+        let arguments = self.values(arguments);
         Box::new(move |run| {
             let rule = term(run);
             run.checked()?;
@@ -155,7 +154,7 @@ impl Compiler<'_> {
     /// `program(a)`: the agent is `self` while its program runs.
     fn run_agent(&self, agent: &Term, arguments: &[Term], origin: Origin) -> RuleCode {
         let agent = self.term(agent);
-        let arguments = self.terms(arguments);
+        let arguments = self.values(arguments);
         Box::new(move |run| {
             let agent = agent(run);
             run.checked()?;
@@ -233,7 +232,10 @@ impl Compiler<'_> {
 
     fn switch(&self, subject: &Term, cases: &[(Term, Rule)], otherwise: &Rule) -> RuleCode {
         let subject = self.term(subject);
-        let cases: Vec<_> = cases.iter().map(|(case, rule)| (self.term(case), self.rule(rule))).collect();
+        let cases: Vec<_> = cases
+            .iter()
+            .map(|(case, rule)| (self.term(case), self.rule(rule)))
+            .collect();
         let otherwise = self.rule(otherwise);
         Box::new(move |run| {
             let subject = subject(run);
@@ -273,7 +275,11 @@ impl Compiler<'_> {
                 run.checked()?;
                 if count > 0 {
                     wanted = run.chooser.choose(count).min(count - 1);
-                    run.record.choices.push(Choice { origin, index: wanted, count });
+                    run.record.choices.push(Choice {
+                        origin,
+                        index: wanted,
+                        count,
+                    });
                 }
             }
             let mut seen = 0;
@@ -301,16 +307,25 @@ pub(super) fn program_of(run: &Run<'_>, agent: &Value) -> Option<RuleId> {
     };
     let domain = run.state.domain_of(run.program, *atom)?;
     let mut programs = run.program.programs.iter();
-    programs.find(|(of, _)| *of == domain).map(|(_, rule)| *rule)
+    programs
+        .find(|(of, _)| *of == domain)
+        .map(|(_, rule)| *rule)
 }
 
-fn run_value(run: &mut Run<'_>, rule: &Value, arguments: &[TermCode], origin: Origin) -> Result<(), Stopped> {
+fn run_value(
+    run: &mut Run<'_>,
+    rule: &Value,
+    arguments: &Values,
+    origin: Origin,
+) -> Result<(), Stopped> {
     let program = run.program;
     let Value::Rule(id) = rule else {
         return Err(run.stop(FaultKind::NotARule(rule.clone()), origin));
     };
-    let Some((rule, routine)) =
-        program.rules.get(id.0 as usize).and_then(|rule| Some((rule, rule.routine?)))
+    let Some((rule, routine)) = program
+        .rules
+        .get(id.0 as usize)
+        .and_then(|rule| Some((rule, rule.routine?)))
     else {
         return Err(run.stop(FaultKind::NotARule(rule.clone()), origin));
     };
@@ -320,11 +335,11 @@ fn run_value(run: &mut Run<'_>, rule: &Value, arguments: &[TermCode], origin: Or
         let argument = run.call_body(body, end);
         run.locals.push(argument);
     }
-    for argument in arguments {
-        let argument = argument(run);
-        run.locals.push(argument);
-    }
-    let (wanted, actual) = (run.code.routines[routine.0 as usize].arguments, (run.locals.len() - from) as u32);
+    arguments.passed(run);
+    let (wanted, actual) = (
+        run.code.routines[routine.0 as usize].arguments,
+        (run.locals.len() - from) as u32,
+    );
     if wanted != actual {
         run.locals.truncate(from);
         return Err(run.stop(FaultKind::RuleArity { wanted, actual }, origin));

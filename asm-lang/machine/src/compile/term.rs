@@ -12,10 +12,6 @@ use std::sync::Arc;
 use value::Value;
 
 impl Compiler<'_> {
-    pub(super) fn terms(&self, terms: &[Term]) -> Vec<TermCode> {
-        terms.iter().map(|term| self.term(term)).collect()
-    }
-
     /// A term as code that gives a value.
     pub(super) fn term(&self, term: &Term) -> TermCode {
         stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.term_here(term))
@@ -33,7 +29,8 @@ impl Compiler<'_> {
                 Box::new(move |run| run.local(local).clone())
             }
             Node::Agent => Box::new(|run| run.agent.clone()),
-            Node::Slot(..) | Node::Location(..) => self.location(term),
+            Node::Slot(function, slot) => self.fixed(*function, *slot, origin),
+            Node::Location(function, arguments) => self.location(*function, arguments, origin),
             Node::Call(body, arguments) => self.call_body(*body, arguments),
             Node::Cached(cache, term) => {
                 let (cache, term) = (*cache as usize, self.term(term));
@@ -49,13 +46,17 @@ impl Compiler<'_> {
                 })
             }
             Node::Builtin(builtin, arguments) => self.builtin(builtin, arguments, origin),
-            Node::Logic(..) | Node::Not(_) | Node::Equal(..) | Node::Compare(..) | Node::Quantified(..) => {
+            Node::Logic(..)
+            | Node::Not(_)
+            | Node::Equal(..)
+            | Node::Compare(..)
+            | Node::Quantified(..) => {
                 let truth = self.truth(term);
                 Box::new(move |run| truth(run).value())
             }
             Node::Arithmetic(..) => {
                 let integer = self.integer(term);
-                Box::new(move |run| integer(run).map_or(Value::Undef, Value::Int))
+                Box::new(move |run| integer.get(run).map_or(Value::Undef, Value::Int))
             }
             Node::Tuple(items) => {
                 let items = self.terms(items);
@@ -81,8 +82,10 @@ impl Compiler<'_> {
             }
             Node::Switch(subject, cases, otherwise) => {
                 let subject = self.term(subject);
-                let cases: Vec<_> =
-                    cases.iter().map(|(case, value)| (self.term(case), self.term(value))).collect();
+                let cases: Vec<_> = cases
+                    .iter()
+                    .map(|(case, value)| (self.term(case), self.term(value)))
+                    .collect();
                 let otherwise = self.term(otherwise);
                 Box::new(move |run| {
                     let subject = subject(run);
@@ -95,20 +98,17 @@ impl Compiler<'_> {
                 })
             }
             Node::Let(bindings, body) => {
-                let bindings: Vec<_> =
-                    bindings.iter().map(|(local, term)| (*local, self.term(term))).collect();
-                let body = self.term(body);
+                let (bindings, body) = (self.bindings(bindings), self.term(body));
                 Box::new(move |run| {
-                    for (local, term) in &bindings {
-                        let value = term(run);
-                        run.set_local(*local, value);
-                    }
+                    bindings.bind(run);
                     body(run)
                 })
             }
             Node::Listed(collection, items) => {
                 let (collection, items) = (*collection, self.terms(items));
-                Box::new(move |run| collect(collection, items.iter().map(|item| item(run)).collect()))
+                Box::new(move |run| {
+                    collect(collection, items.iter().map(|item| item(run)).collect())
+                })
             }
             Node::Interval(collection, from, to, step) => {
                 self.interval(*collection, from, to, step.as_ref(), origin)
@@ -118,9 +118,13 @@ impl Compiler<'_> {
                 self.comprehension(*collection, ranges, item, origin)
             }
             Node::Map(pairs) => {
-                let pairs: Vec<_> =
-                    pairs.iter().map(|(key, value)| (self.term(key), self.term(value))).collect();
-                Box::new(move |run| Value::map(pairs.iter().map(|(key, value)| (key(run), value(run)))))
+                let pairs: Vec<_> = pairs
+                    .iter()
+                    .map(|(key, value)| (self.term(key), self.term(value)))
+                    .collect();
+                Box::new(move |run| {
+                    Value::map(pairs.iter().map(|(key, value)| (key(run), value(run))))
+                })
             }
             Node::CollectMap(binders, guard, key, value) => {
                 let ranges = self.ranges(binders, guard.as_ref(), true);
@@ -153,30 +157,30 @@ impl Compiler<'_> {
     }
 
     fn call_body(&self, body: BodyId, arguments: &[Term]) -> TermCode {
-        let arguments = self.terms(arguments);
+        let arguments = self.values(arguments);
         Box::new(move |run| {
-            let from = run.locals.len();
-            for argument in &arguments {
-                let argument = argument(run);
-                run.locals.push(argument);
-            }
+            let from = arguments.passed(run);
             run.call_body(body, from)
         })
     }
 
-    fn builtin(&self, builtin: &'static stdlib::Builtin, arguments: &[Term], origin: Origin) -> TermCode {
-        let arguments = self.terms(arguments);
+    fn builtin(
+        &self,
+        builtin: &'static stdlib::Builtin,
+        arguments: &[Term],
+        origin: Origin,
+    ) -> TermCode {
+        let arguments = self.values(arguments);
         Box::new(move |run| {
-            let from = run.stack.len();
-            for argument in &arguments {
-                let argument = argument(run);
-                run.stack.push(argument);
-            }
+            let from = arguments.stacked(run);
             let result = match builtin.strict && run.stack[from..].iter().any(Value::is_undef) {
                 true => Ok(Value::Undef),
                 false => {
                     // `naming` borrows the run only in part
-                    let names = crate::state::Naming { program: run.program, reserve: &run.state.reserve };
+                    let names = crate::state::Naming {
+                        program: run.program,
+                        reserve: &run.state.reserve,
+                    };
                     let mut context = stdlib::Context {
                         names: &names,
                         now_ns: run.now_ns,

@@ -31,7 +31,8 @@ impl Compiler<'_> {
             }
             Node::If(guard, then, otherwise) => {
                 let origin = guard.origin;
-                let (guard, then, otherwise) = (self.truth(guard), self.truth(then), self.truth(otherwise));
+                let (guard, then, otherwise) =
+                    (self.truth(guard), self.truth(then), self.truth(otherwise));
                 Box::new(move |run| match guard(run) {
                     Truth::True => then(run),
                     Truth::False => otherwise(run),
@@ -62,17 +63,35 @@ impl Compiler<'_> {
             Logic::And => Box::new(move |run| match left(run) {
                 False => False,
                 True => right(run),
-                Undef => if right(run) == False { False } else { Undef },
+                Undef => {
+                    if right(run) == False {
+                        False
+                    } else {
+                        Undef
+                    }
+                }
             }),
             Logic::Or => Box::new(move |run| match left(run) {
                 True => True,
                 False => right(run),
-                Undef => if right(run) == True { True } else { Undef },
+                Undef => {
+                    if right(run) == True {
+                        True
+                    } else {
+                        Undef
+                    }
+                }
             }),
             Logic::Implies => Box::new(move |run| match left(run) {
                 False => True,
                 True => right(run),
-                Undef => if right(run) == True { True } else { Undef },
+                Undef => {
+                    if right(run) == True {
+                        True
+                    } else {
+                        Undef
+                    }
+                }
             }),
             Logic::Xor => Box::new(move |run| match (left(run), right(run)) {
                 (Undef, _) | (_, Undef) => Undef,
@@ -108,7 +127,7 @@ impl Compiler<'_> {
             }
             _ if left.kind == Kind::Int && right.kind == Kind::Int => {
                 let (left, right) = (self.integer(left), self.integer(right));
-                Box::new(move |run| Truth::of(left(run) == right(run)))
+                Box::new(move |run| Truth::of(left.get(run) == right.get(run)))
             }
             _ => {
                 let (left, right) = (self.term(left), self.term(right));
@@ -124,7 +143,7 @@ impl Compiler<'_> {
         let (left, right) = (self.integer(left), self.integer(right));
         macro_rules! compared {
             ($operator:tt) => {
-                Box::new(move |run| match (left(run), right(run)) {
+                Box::new(move |run| match (left.get(run), right.get(run)) {
                     (Some(left), Some(right)) => Truth::of(left $operator right),
                     _ => Truth::Undef,
                 })
@@ -144,17 +163,27 @@ impl Compiler<'_> {
             Quantifier::Forall => Truth::False,
             Quantifier::Exists | Quantifier::ExistsUnique => Truth::True,
         };
-        let enough = if quantifier == Quantifier::ExistsUnique { 2 } else { 1 };
+        let enough = if quantifier == Quantifier::ExistsUnique {
+            2
+        } else {
+            1
+        };
         Box::new(move |run| {
             let mut found = 0;
             let mut open = false;
             ranges.each_guard(run, &mut |_, truth| {
                 open |= truth == Truth::Undef;
                 found += usize::from(truth == decided_by);
-                if found >= enough { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                if found >= enough {
+                    ControlFlow::Break(())
+                } else {
+                    ControlFlow::Continue(())
+                }
             });
             match (quantifier, found) {
-                (Quantifier::Forall, 0) | (Quantifier::Exists | Quantifier::ExistsUnique, 0) | (Quantifier::ExistsUnique, 1)
+                (Quantifier::Forall, 0)
+                | (Quantifier::Exists | Quantifier::ExistsUnique, 0)
+                | (Quantifier::ExistsUnique, 1)
                     if open =>
                 {
                     Truth::Undef

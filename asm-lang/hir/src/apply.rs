@@ -1,0 +1,330 @@
+//! Names applied to arguments: which of several functions or rules is meant.
+
+use crate::error::HirError;
+use crate::model::{FunctionId, Meaning, Term, TermKind};
+use crate::resolver::Resolver;
+use crate::types::{Bindings, Type, TypeId};
+use source::Span;
+use std::sync::Arc;
+use syntax::ast::{self, Operator};
+use value::{RuleId, Value};
+
+impl Resolver<'_> {
+    pub fn operator(
+        &mut self,
+        operator: Operator,
+        at: Span,
+        arguments: Vec<Term>,
+        span: Span,
+    ) -> Term {
+        let name = ast::Name {
+            text: Arc::from(operator.function()),
+            span: at,
+        };
+        let candidates = self.candidates(&name);
+        if candidates.is_empty() {
+            let types: Vec<String> = arguments.iter().map(|term| self.show(term.ty)).collect();
+            self.error(HirError::NoOverload {
+                name: Arc::from(operator.symbol()),
+                at,
+                actual: types.join(" and "),
+                candidates: Vec::new(),
+                hint: Some("operators come with `import StandardLibrary`".to_owned()),
+            });
+            return self.invalid(span);
+        }
+        self.best(operator.symbol(), &name, &candidates, arguments, span)
+    }
+
+    /// The functions of this name.
+    fn candidates(&self, name: &ast::Name) -> Vec<FunctionId> {
+        self.declared.scopes[self.unit]
+            .functions
+            .get(&name.text)
+            .cloned()
+            .unwrap_or_default()
+    }
+
+    pub fn lint_not(&mut self, operator: Operator, left: &ast::Term, whole: Span) {
+        let comparison = matches!(
+            operator,
+            Operator::Eq
+                | Operator::Neq
+                | Operator::Lt
+                | Operator::Le
+                | Operator::Gt
+                | Operator::Ge
+        );
+        if !comparison {
+            return;
+        }
+        // `(not a) = b` in brackets says what it means; its span begins before the `not`.
+        if let ast::TermKind::Unary {
+            operator: Operator::Not,
+            at,
+            ..
+        } = &*left.kind
+            && left.span.start == at.start
+            && whole.start == at.start
+        {
+            self.error(HirError::NotBinds {
+                operator: operator.symbol(),
+                at: *at,
+                operand: whole,
+            });
+        }
+    }
+
+    /// The best overload of a function for these arguments.
+    pub fn apply(&mut self, name: &ast::Name, arguments: Vec<Term>, span: Span) -> Term {
+        let candidates = self.candidates(name);
+        if candidates.is_empty() {
+            let scope = &self.declared.scopes[self.unit];
+            let similar = scope.similar_function(&name.text).map(|found| {
+                let declared = scope.functions.get(&found).and_then(|ids| ids.first());
+                let span = declared.map_or_else(Span::default, |id| {
+                    self.declared.functions[id.0 as usize].span
+                });
+                (found, span)
+            });
+            self.error(HirError::UnknownFunction {
+                name: name.text.clone(),
+                at: name.span,
+                similar,
+            });
+            return self.invalid(span);
+        }
+        self.best(&name.text, name, &candidates, arguments, span)
+    }
+
+    /// The candidate that fits the arguments best, applied to them.
+    fn best(
+        &mut self,
+        shown: &str,
+        name: &ast::Name,
+        candidates: &[FunctionId],
+        arguments: Vec<Term>,
+        span: Span,
+    ) -> Term {
+        // of two that fit alike, this file's own is meant
+        let fitting = candidates.iter().filter_map(|&candidate| {
+            let (fit, bindings) = self.fit(candidate, &arguments)?;
+            let foreign = self.declared.functions[candidate.0 as usize].span.file != name.span.file;
+            Some(((fit, foreign), candidate, bindings))
+        });
+        let Some((_, function, bindings)) = fitting.min_by_key(|(fit, ..)| *fit) else {
+            return self.no_overload(shown, candidates, &arguments, span);
+        };
+        let codomain = self.declared.functions[function.0 as usize].codomain;
+        let ty = self
+            .declared
+            .types
+            .substitute(codomain, &self.declared.domains, &bindings);
+        // `undef` and errors fit everything: no type of the result follows from them.
+        let wanted = self.declared.functions[function.0 as usize]
+            .parameters
+            .len();
+        let kind = match &self.declared.functions[function.0 as usize].meaning {
+            Meaning::Constant(atom) => TermKind::Value(Value::Atom(*atom)),
+            _ if wanted != arguments.len() => match arguments.into_iter().next() {
+                Some(tuple) => TermKind::Spread(function, tuple),
+                None => TermKind::Invalid,
+            },
+            _ => TermKind::Apply(function, arguments),
+        };
+        Term {
+            kind: Box::new(kind),
+            ty,
+            span,
+        }
+    }
+
+    /// How well a function fits the arguments, and what its type variables become.
+    fn fit(&self, function: FunctionId, arguments: &[Term]) -> Option<(u32, Bindings)> {
+        let parameters = &self.declared.functions[function.0 as usize].parameters;
+        let types = &self.declared.types;
+        let mut bindings = Bindings::new();
+        let actual: Vec<TypeId> = match arguments {
+            [tuple] if parameters.len() > 1 => {
+                match types.get(types.root(tuple.ty, &self.declared.domains)) {
+                    Type::Prod(items) => items.clone(),
+                    _ => return None,
+                }
+            }
+            _ => arguments.iter().map(|term| term.ty).collect(),
+        };
+        if parameters.len() != actual.len() {
+            return None;
+        }
+        let mut total = 0;
+        for (&wanted, &actual) in parameters.iter().zip(&actual) {
+            total += types.fit(wanted, actual, &self.declared.domains, &mut bindings)?;
+        }
+        Some((total, bindings))
+    }
+
+    fn no_overload(
+        &mut self,
+        name: &str,
+        candidates: &[FunctionId],
+        arguments: &[Term],
+        span: Span,
+    ) -> Term {
+        if arguments
+            .iter()
+            .any(|term| *self.declared.types.get(term.ty) == Type::Invalid)
+        {
+            return self.invalid(span);
+        }
+        let types: Vec<String> = arguments.iter().map(|term| self.show(term.ty)).collect();
+        let actual = match types.as_slice() {
+            [] => "no arguments".to_owned(),
+            [one] => one.clone(),
+            several => several.join(" and "),
+        };
+        let own: Vec<(String, Span)> = candidates
+            .iter()
+            .map(|id| &self.declared.functions[id.0 as usize])
+            .filter(|function| !function.library)
+            .map(|function| {
+                let types: Vec<String> = function
+                    .parameters
+                    .iter()
+                    .map(|&ty| self.show(ty))
+                    .collect();
+                (
+                    format!("this one takes ({})", types.join(", ")),
+                    function.span,
+                )
+            })
+            .collect();
+        let roots: Vec<String> = arguments
+            .iter()
+            .map(|term| self.show(self.declared.types.root(term.ty, &self.declared.domains)))
+            .collect();
+        let hint = overload_hint(&roots);
+        self.error(HirError::NoOverload {
+            name: Arc::from(name),
+            at: span,
+            actual,
+            candidates: own,
+            hint,
+        });
+        self.invalid(span)
+    }
+
+    pub fn rule_ref(&mut self, name: &ast::Name, domains: &[ast::Type], span: Span) -> Term {
+        let domains: Vec<TypeId> = domains
+            .iter()
+            .map(|domain| self.declared.resolve_type(self.unit, domain))
+            .collect();
+        let candidates = self.declared.scopes[self.unit]
+            .rules
+            .get(&name.text)
+            .cloned()
+            .unwrap_or_default();
+        // the domains pick the overload; without them the first rule is meant
+        let best = candidates.iter().copied().filter_map(|id| {
+            let fit = if domains.is_empty() {
+                Some(0)
+            } else {
+                self.rule_fit(id, &domains)
+            };
+            Some((fit?, id))
+        });
+        match best.min() {
+            Some((_, rule)) => self.made(TermKind::Rule(rule), Type::Rule, span),
+            None => {
+                self.unknown_rule(name);
+                self.invalid(span)
+            }
+        }
+    }
+
+    pub fn unknown_rule(&mut self, name: &ast::Name) {
+        let scope = &self.declared.scopes[self.unit];
+        let similar = scope.similar_rule(&name.text).map(|found| {
+            let declared = scope.rules.get(&found).and_then(|ids| ids.first());
+            let span =
+                declared.map_or_else(Span::default, |id| self.declared.rules[id.0 as usize].span);
+            (found, span)
+        });
+        self.error(HirError::UnknownRule {
+            name: name.text.clone(),
+            at: name.span,
+            similar,
+        });
+    }
+
+    /// How well a rule's parameters fit.
+    fn rule_fit(&self, rule: RuleId, actual: &[TypeId]) -> Option<u32> {
+        let parameters = &self.declared.rules[rule.0 as usize].parameters;
+        if parameters.len() != actual.len() {
+            return None;
+        }
+        let (types, domains) = (&self.declared.types, &self.declared.domains);
+        let mut bindings = Bindings::new();
+        let mut pairs = parameters.iter().zip(actual);
+        pairs.try_fold(0, |sum, (&wanted, &actual)| {
+            Some(sum + types.fit(wanted, actual, domains, &mut bindings)?)
+        })
+    }
+
+    /// The rule of this name that fits the arguments best.
+    pub fn callee(&mut self, name: &ast::Name, arguments: &[Term]) -> Option<RuleId> {
+        let candidates = self.declared.scopes[self.unit]
+            .rules
+            .get(&name.text)
+            .cloned()
+            .unwrap_or_default();
+        let Some(&first) = candidates.first() else {
+            self.unknown_rule(name);
+            return None;
+        };
+        let types: Vec<TypeId> = arguments.iter().map(|argument| argument.ty).collect();
+        let fitting = candidates
+            .iter()
+            .filter_map(|&id| Some((self.rule_fit(id, &types)?, id)));
+        if let Some((_, id)) = fitting.min() {
+            return Some(id);
+        }
+        let rule = &self.declared.rules[first.0 as usize];
+        let (declared, parameters) = (rule.span, rule.parameters.clone());
+        if parameters.len() == arguments.len() {
+            for (&wanted, argument) in parameters.iter().zip(arguments) {
+                self.expect(
+                    argument,
+                    wanted,
+                    &format!("`{}`", name.text),
+                    Some((declared, "takes")),
+                );
+            }
+        } else {
+            self.error(HirError::Arity {
+                name: name.text.clone(),
+                wanted: parameters.len(),
+                actual: arguments.len(),
+                at: name.span,
+                declared,
+            });
+        }
+        None
+    }
+}
+
+/// What helps when numbers of different kinds meet.
+fn overload_hint(types: &[String]) -> Option<String> {
+    let has = |name: &str| types.iter().any(|ty| ty == name);
+    if has("Integer") && has("Real") {
+        Some(
+            "Integer and Real do not mix: write `1.0` instead of `1`, or convert with `itor(…)`"
+                .to_owned(),
+        )
+    } else if has("Natural") && has("Real") {
+        Some("Natural and Real do not mix: convert with `ntor(…)`".to_owned())
+    } else if has("Integer") && has("Natural") {
+        Some("Integer and Natural do not mix here: write `1n`, or convert with `iton(…)` or `ntoi(…)`".to_owned())
+    } else {
+        None
+    }
+}

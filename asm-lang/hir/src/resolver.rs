@@ -1,0 +1,174 @@
+//! What resolving a body needs: its variables, the types, a place for findings.
+
+use crate::declare::Declared;
+use crate::error::HirError;
+use crate::model::{Body, Term, TermKind, VarId, Variable};
+use crate::scope::similar;
+use crate::types::{Type, TypeId};
+use source::Span;
+use syntax::ast;
+use value::Value;
+
+/// Resolves one body: a rule, a definition, a condition.
+pub(crate) struct Resolver<'a> {
+    pub declared: &'a mut Declared,
+    pub unit: usize,
+    variables: Vec<Variable>,
+    /// The variables that can be seen, innermost last.
+    visible: Vec<VarId>,
+    /// How many of the first variables are parameters that may stand for locations: a macro's.
+    location_parameters: usize,
+    /// The domain of the turbo rule's result, while one is being resolved.
+    pub result: Option<TypeId>,
+}
+
+impl<'a> Resolver<'a> {
+    pub fn new(declared: &'a mut Declared, unit: usize) -> Self {
+        Self {
+            declared,
+            unit,
+            variables: Vec::new(),
+            visible: Vec::new(),
+            location_parameters: 0,
+            result: None,
+        }
+    }
+
+    /// Says that the body is that of a macro, whose parameters may stand for locations.
+    pub fn enter_macro(&mut self, parameters: usize) {
+        self.location_parameters = parameters;
+    }
+
+    /// Says that the body is that of a turbo rule with such a result.
+    pub fn enter_turbo(&mut self, result: Option<TypeId>) {
+        self.result = result;
+    }
+
+    /// Whether a variable may stand for a location. Parameters are bound before anything else.
+    pub fn stands_for_location(&self, id: VarId) -> bool {
+        (id.0 as usize) < self.location_parameters
+    }
+
+    pub fn body<T>(self, parameters: usize, root: T) -> Body<T> {
+        Body {
+            parameters,
+            variables: self.variables,
+            root,
+        }
+    }
+
+    pub fn variables(&self) -> Vec<Variable> {
+        self.variables.clone()
+    }
+
+    /// Binds a variable from here on.
+    pub fn bind(&mut self, name: &ast::Name, ty: TypeId) -> VarId {
+        let id = VarId(self.variables.len() as u32);
+        self.variables.push(Variable {
+            name: name.text.clone(),
+            ty,
+            span: name.span,
+        });
+        self.visible.push(id);
+        id
+    }
+
+    /// Does something with the variables it binds, and forgets them.
+    pub fn scoped<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
+        let depth = self.visible.len();
+        let result = work(self);
+        self.visible.truncate(depth);
+        result
+    }
+
+    pub fn lookup(&self, name: &str) -> Option<VarId> {
+        self.visible
+            .iter()
+            .rev()
+            .copied()
+            .find(|id| &*self.variable(*id).name == name)
+    }
+
+    pub fn variable(&self, id: VarId) -> &Variable {
+        &self.variables[id.0 as usize]
+    }
+
+    pub fn ty(&mut self, ty: Type) -> TypeId {
+        self.declared.types.id(ty)
+    }
+
+    pub fn show(&self, ty: TypeId) -> String {
+        self.declared.types.show(ty, &self.declared.domains)
+    }
+
+    pub fn error(&mut self, error: HirError) {
+        self.declared.report.push(error.diagnostic());
+    }
+
+    pub fn compatible(&self, a: TypeId, b: TypeId) -> bool {
+        self.declared.types.compatible(a, b, &self.declared.domains)
+    }
+
+    /// Reports a term whose type does not fit.
+    pub fn expect(
+        &mut self,
+        term: &Term,
+        wanted: TypeId,
+        what: &str,
+        because: Option<(Span, &'static str)>,
+    ) {
+        if self.compatible(wanted, term.ty) {
+            return;
+        }
+        let number = self.written_as(term, wanted);
+        let (wanted, actual) = (self.show(wanted), self.show(term.ty));
+        self.error(HirError::Mismatch {
+            what: what.to_owned(),
+            wanted,
+            actual,
+            at: term.span,
+            because,
+            number,
+        });
+    }
+
+    /// How a number is written in another domain of numbers.
+    fn written_as(&self, term: &Term, wanted: TypeId) -> Option<String> {
+        let TermKind::Value(Value::Int(number)) = *term.kind else {
+            return None;
+        };
+        let root = self.declared.types.root(wanted, &self.declared.domains);
+        match self.declared.types.get(root) {
+            Type::Integer => Some(number.to_string()),
+            Type::Natural => Some(format!("{number}n")),
+            Type::Real => Some(format!("{number}.0")),
+            _ => None,
+        }
+    }
+
+    pub fn boolean(&mut self, term: &ast::Term, what: &str) -> Term {
+        let term = self.term(term);
+        let boolean = self.ty(Type::Boolean);
+        self.expect(&term, boolean, what, None);
+        term
+    }
+
+    pub fn unknown_variable(&mut self, name: &ast::Name) {
+        let bound = self
+            .variables
+            .iter()
+            .rev()
+            .find(|known| known.name == name.text)
+            .map(|known| known.span);
+        let similar = similar(
+            &name.text,
+            self.visible.iter().map(|id| &self.variable(*id).name),
+        );
+        self.error(HirError::UnknownVariable {
+            name: name.text.clone(),
+            at: name.span,
+            similar,
+            bound,
+        });
+    }
+}

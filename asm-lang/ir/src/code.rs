@@ -1,0 +1,233 @@
+//! Terms and rules as a machine executes them.
+
+use crate::program::{BodyId, DomainId, FunctionId, Local, Origin, RoutineId, Shape, Slot};
+use value::Value;
+
+pub use hir::{Collection, Quantifier};
+
+/// Code with a frame of its own.
+#[derive(Debug)]
+pub struct Body<T> {
+    /// How many locals are arguments; they come first.
+    pub arguments: u32,
+    /// How many locals there are.
+    pub locals: u32,
+    /// The code.
+    pub code: T,
+    /// Where it is declared.
+    pub origin: Origin,
+    /// Whether the types of its arguments or result leave open how large a value may grow.
+    pub open: bool,
+}
+
+/// What a term's value is, where that is known before it runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A truth value or undef.
+    Bool,
+    /// An integer or undef.
+    Int,
+    /// A real number or undef.
+    Real,
+    /// An atom or undef.
+    Atom,
+    /// Anything.
+    Other,
+}
+
+/// A term.
+#[derive(Clone, Debug)]
+pub struct Term {
+    /// What it is.
+    pub node: Box<Node>,
+    /// What its value is.
+    pub kind: Kind,
+    /// Where it stands.
+    pub origin: Origin,
+}
+
+/// The forms of a term.
+#[derive(Clone, Debug)]
+pub enum Node {
+    /// A constant.
+    Constant(Value),
+    /// A variable.
+    Local(Local),
+    /// The agent that runs.
+    Agent,
+    /// The location of a known slot.
+    Slot(FunctionId, Slot),
+    /// A location whose arguments are computed.
+    Location(FunctionId, Vec<Term>),
+    /// A definition applied.
+    Call(BodyId, Vec<Term>),
+    /// A closed static term, evaluated once.
+    Cached(u32, Term),
+    /// A library function applied.
+    Builtin(&'static stdlib::Builtin, Vec<Term>),
+    /// A connective; strong Kleene.
+    Logic(Logic, Term, Term),
+    /// `not`
+    Not(Term),
+    /// `=`; total, `undef = undef`.
+    Equal(Term, Term),
+    /// `<` and its kin on two integers.
+    Compare(Comparison, Term, Term),
+    /// `+` and its kin on two integers.
+    Arithmetic(Arithmetic, Term, Term),
+    /// A tuple.
+    Tuple(Vec<Term>),
+    /// A component of a tuple, from 0.
+    Component(Term, u32),
+    /// `if`
+    If(Term, Term, Term),
+    /// `switch`: subject, cases, otherwise
+    Switch(Term, Vec<(Term, Term)>, Term),
+    /// `let`
+    Let(Vec<(Local, Term)>, Term),
+    /// `forall`, `exists`, `exists unique`
+    Quantified(Quantifier, Vec<Binder>, Option<Term>),
+    /// Listed elements.
+    Listed(Collection, Vec<Term>),
+    /// From, to, step.
+    Interval(Collection, Term, Term, Option<Term>),
+    /// Binders, guard, item.
+    Collect(Collection, Vec<Binder>, Option<Term>, Term),
+    /// Listed pairs.
+    Map(Vec<(Term, Term)>),
+    /// Binders, guard, key, value.
+    CollectMap(Vec<Binder>, Option<Term>, Term, Term),
+    /// All values of a shape, as a set.
+    Extent(Shape),
+    /// The program of an agent.
+    Program(Term),
+}
+
+/// The binary connectives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Logic {
+    /// `and`
+    And,
+    /// `or`
+    Or,
+    /// `xor`
+    Xor,
+    /// `implies`
+    Implies,
+    /// `iff`
+    Iff,
+}
+
+/// The order relations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Comparison {
+    /// `<`
+    Lt,
+    /// `<=`
+    Le,
+    /// `>`
+    Gt,
+    /// `>=`
+    Ge,
+}
+
+/// Integer operations; a result beyond 64 bits is a fault.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Arithmetic {
+    /// `+`
+    Plus,
+    /// `-`
+    Minus,
+    /// `*`
+    Mult,
+    /// `mod`: the sign is the dividend's.
+    Mod,
+}
+
+/// A variable and what it ranges over.
+#[derive(Clone, Debug)]
+pub struct Binder {
+    /// The variable.
+    pub local: Local,
+    /// Its range.
+    pub range: Range,
+    /// Where the range stands.
+    pub origin: Origin,
+}
+
+/// What a variable ranges over, in ascending order.
+#[derive(Clone, Debug)]
+pub enum Range {
+    /// Integers, bounds included.
+    Ints(i64, i64),
+    /// Atoms from the first, so many.
+    Atoms(u32, u32),
+    /// `false`, `true`
+    Bools,
+    /// The elements a domain has at the time.
+    Domain(DomainId),
+    /// The elements of a collection.
+    Elements(Term),
+}
+
+/// What an update writes.
+#[derive(Clone, Debug)]
+pub enum Place {
+    /// A location of a known slot.
+    Slot(FunctionId, Slot),
+    /// A location whose arguments are computed.
+    Location(FunctionId, Vec<Term>),
+}
+
+impl Place {
+    /// The function written.
+    pub fn function(&self) -> FunctionId {
+        match self {
+            Self::Slot(function, _) | Self::Location(function, _) => *function,
+        }
+    }
+}
+
+/// A rule.
+#[derive(Clone, Debug)]
+pub struct Rule {
+    /// What it is.
+    pub node: Box<RuleNode>,
+    /// Where it stands.
+    pub origin: Origin,
+}
+
+/// The forms of a rule.
+#[derive(Clone, Debug)]
+pub enum RuleNode {
+    /// Nothing.
+    Skip,
+    /// `place := value`
+    Update(Place, Term),
+    /// `place <- routine(…)`; without a place, the result is dropped.
+    Assign(Option<Place>, RoutineId, Vec<Term>),
+    /// A routine with its arguments.
+    Call(RoutineId, Vec<Term>),
+    /// A rule value with its arguments.
+    Run(Term, Vec<Term>),
+    /// The program of an agent, which is `self` meanwhile.
+    RunAgent(Term, Vec<Term>),
+    /// At once.
+    Par(Vec<Rule>),
+    /// One after the other.
+    Seq(Vec<Rule>),
+    /// Guard, then, else.
+    If(Term, Rule, Rule),
+    /// Subject, cases, otherwise.
+    Switch(Term, Vec<(Term, Rule)>, Rule),
+    /// Binders, guard, body, ifnone.
+    Choose(Vec<Binder>, Option<Term>, Rule, Rule),
+    /// Binders, guard, body.
+    Forall(Vec<Binder>, Option<Term>, Rule),
+    /// Bindings, body.
+    Let(Vec<(Local, Term)>, Rule),
+    /// Domain, variables, body.
+    Extend(DomainId, Vec<Local>, Rule),
+    /// Guard, body.
+    While(Term, Rule),
+}

@@ -1,0 +1,142 @@
+//! Runs again what a trace recorded: the same inputs, choices and times.
+
+use crate::literal::Literals;
+use ir::{FunctionId, FunctionKind, Program};
+use machine::{Chooser, Environment, Machine};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use value::Value;
+
+/// A trace that was read, to be run again.
+#[derive(Clone, Debug, Default)]
+pub struct Recording {
+    steps: Vec<Recorded>,
+}
+
+/// What caused a step.
+#[derive(Clone, Debug, Default)]
+pub struct Recorded {
+    /// The time in nanoseconds.
+    pub now_ns: i64,
+    /// Location and value.
+    inputs: Vec<(String, String)>,
+    choices: Vec<usize>,
+}
+
+impl Recording {
+    /// Reads the causes of the steps; all else is what a replay computes anew.
+    pub fn read(text: &str) -> Self {
+        let mut steps: Vec<Recorded> = Vec::new();
+        for line in text.lines() {
+            let Some((word, rest)) = line.split_once(' ') else {
+                continue;
+            };
+            if word == "@step" {
+                steps.push(Recorded::default());
+            }
+            let Some(step) = steps.last_mut() else {
+                continue;
+            };
+            match word {
+                "T" => step.now_ns = rest.trim().parse().unwrap_or_default(),
+                "M" => {
+                    if let Some((location, value)) = rest.split_once(" = ") {
+                        step.inputs.push((location.to_owned(), value.to_owned()));
+                    }
+                }
+                "C" => {
+                    let index = rest
+                        .split(' ')
+                        .next()
+                        .and_then(|index| index.parse::<usize>().ok());
+                    step.choices.extend(index);
+                }
+                _ => {}
+            }
+        }
+        Self { steps }
+    }
+
+    /// The steps, in order.
+    pub fn steps(&self) -> &[Recorded] {
+        &self.steps
+    }
+}
+
+impl Recorded {
+    /// The inputs of the step, for a machine that is about to do it.
+    ///
+    /// # Errors
+    /// A line names no input of the machine, or gives it no value: the lines.
+    pub fn inputs(&self, machine: &Machine) -> Result<Inputs, Vec<String>> {
+        let naming = machine.naming();
+        let literals = Literals::new(naming.program, naming.reserve);
+        let mut inputs = Inputs {
+            values: BTreeMap::new(),
+            program: machine.program().clone(),
+        };
+        let mut unreadable = Vec::new();
+        for (location, value) in &self.inputs {
+            match literals.input(location, value) {
+                // read twice in a step, the first answer holds
+                Some((location, value)) => {
+                    inputs.values.entry(location).or_insert(value);
+                }
+                None => unreadable.push(format!("{location} = {value}")),
+            }
+        }
+        if unreadable.is_empty() {
+            Ok(inputs)
+        } else {
+            Err(unreadable)
+        }
+    }
+
+    /// The choices of the step.
+    pub fn choices(&self) -> Choices {
+        Choices {
+            indices: self.choices.clone(),
+            at: 0,
+        }
+    }
+}
+
+/// The inputs of one recorded step.
+#[derive(Clone, Debug)]
+pub struct Inputs {
+    values: BTreeMap<(FunctionId, Vec<Value>), Value>,
+    program: Arc<Program>,
+}
+
+impl Environment for Inputs {
+    fn read(&mut self, function: FunctionId, arguments: &[Value]) -> Result<Option<Value>, String> {
+        let key = (function, arguments.to_vec());
+        let declared = &self.program.functions[function.0 as usize];
+        match self.values.get(&key) {
+            None if declared.kind == FunctionKind::Monitored && declared.clock.is_none() => {
+                Err("the recorded step did not read it".to_owned())
+            }
+            known => Ok(known.cloned()),
+        }
+    }
+}
+
+/// The choices of one recorded step; beyond the last one the first candidate is taken.
+#[derive(Clone, Debug, Default)]
+pub struct Choices {
+    indices: Vec<usize>,
+    at: usize,
+}
+
+impl Chooser for Choices {
+    fn choose(&mut self, _count: usize) -> usize {
+        let index = self.indices.get(self.at).copied().unwrap_or(0);
+        self.at += 1;
+        index
+    }
+
+    /// A step that counted no candidates is not counted again.
+    fn takes_first(&self) -> bool {
+        self.indices.is_empty()
+    }
+}

@@ -1,0 +1,71 @@
+//! A step of the coordinator asks for no memory: its own binary, for it counts all of them.
+
+#![allow(unsafe_code, reason = "a global allocator is unsafe to write")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
+
+#[path = "../benches/machines/mission.rs"]
+mod mission;
+
+use asm_lang::{Files, First};
+use mission::Mission;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// The system's allocator, counted.
+struct Counted;
+
+static COUNT: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: every call is handed to the system's allocator as it is.
+unsafe impl GlobalAlloc for Counted {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller's contract is the system allocator's.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller's contract is the system allocator's.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        COUNT.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller's contract is the system allocator's.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counted = Counted;
+
+#[test]
+fn a_step_asks_for_no_memory() {
+    let mut files = Files::new();
+    files.add(
+        "S1_navigate.asm",
+        include_str!("../benches/machines/S1_navigate.asm"),
+    );
+    let specification =
+        asm_lang::open("S1_navigate.asm", &files).unwrap_or_else(|failure| panic!("{failure}"));
+    let mut machine = specification.machine().unwrap();
+    let mut mission = Mission::of(&machine);
+    let mut steps = |count: usize| {
+        for _ in 0..count {
+            machine.step(&mut mission, &mut First, 0).unwrap();
+        }
+    };
+    steps(1_000);
+    let before = COUNT.load(Ordering::Relaxed);
+    steps(10_000);
+    assert_eq!(
+        COUNT.load(Ordering::Relaxed) - before,
+        0,
+        "allocations in 10,000 steps"
+    );
+}
