@@ -364,11 +364,11 @@ fn survives_domains_of_domains() {
                 of.replace("It", &inner)
             )
         };
-        first + &(0..2_000).map(next).collect::<String>()
+        first + &(0..1_000).map(next).collect::<String>()
     };
     let text = main_rule(
         &format!(
-            "{}{} controlled a: Ax2000\n controlled b: Bx2000",
+            "{}{} controlled a: Ax1000\n controlled b: Bx1000",
             chain('A', "Seq(It)"),
             chain('B', "Seq(It)")
         ),
@@ -376,7 +376,7 @@ fn survives_domains_of_domains() {
     );
     assert!(codes(&text).iter().all(|code| code.starts_with('W')));
     let text = main_rule(
-        &format!("{} controlled a: Ax2000", chain('A', "Prod(It, It)")),
+        &format!("{} controlled a: Ax1000", chain('A', "Prod(It, It)")),
         "a := undef",
     );
     assert!(codes(&text).iter().all(|code| code.starts_with('W')));
