@@ -10,8 +10,6 @@
 //! # Ok::<(), &str>(())
 //! ```
 
-#![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]
-
 use component::declaration::OperationDeclaration;
 use component::{Component, Interface, Operation};
 use datum::{Message, Schema};

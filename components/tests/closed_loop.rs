@@ -1,6 +1,10 @@
 //! The reactive layer in the simulated world, without a coordinator: paths are drawn by hand.
 
-#![allow(clippy::unwrap_used, missing_docs)]
+#![allow(
+    clippy::unwrap_used,
+    missing_docs,
+    reason = "a test fails by panicking"
+)]
 
 mod course;
 

@@ -3,8 +3,6 @@
 //! What the laser saw is remembered ([`Memory`]), the path is bent within [`Limits`], [`Adviser`] says what to do,
 //! [`TrajectoryAdapter`] is the component.
 
-#![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]
-
 mod adapter;
 mod advice;
 mod bend;

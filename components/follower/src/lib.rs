@@ -2,8 +2,6 @@
 //!
 //! [`Settings`] is the control law, [`Task`] what the follower is doing, [`TrajectoryFollower`] the component.
 
-#![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]
-
 mod follower;
 mod pursuit;
 mod task;

@@ -3,8 +3,6 @@
 //! Metres and radians, x forward, y left, angles counter-clockwise (REP-103); coordinates are those of the map frame
 //! (REP-105) unless a name says otherwise. This is the one room that knows parry2d: see [`Scene`].
 
-#![cfg_attr(test, allow(clippy::unwrap_used))]
-
 mod distances;
 mod draw;
 mod grid;

@@ -2,8 +2,6 @@
 //!
 //! [`Optics`] makes a sweep, [`LaserDriver`] is the component.
 
-#![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]
-
 mod driver;
 mod sweep;
 

@@ -2,7 +2,7 @@
 //!
 //! `cargo run -p robot-map --example render -- map.geojson out.png [x,y x,y | name name]…`
 
-#![allow(clippy::print_stdout)]
+#![allow(clippy::print_stdout, reason = "an example tells what it drew")]
 
 use std::error::Error;
 

@@ -2,8 +2,6 @@
 //!
 //! Metres in the map frame, x forward (east), y left (north), angles counter-clockwise (REP-103, REP-105).
 
-#![cfg_attr(test, allow(clippy::unwrap_used))]
-
 mod drawing;
 mod error;
 mod files;

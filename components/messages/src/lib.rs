@@ -3,8 +3,6 @@
 //! Units and frames are ROS': SI units and radians, x forward, y left, z up, angles counter-clockwise (REP-103);
 //! frames `map`, `odom`, `base_link`, `laser` (REP-105).
 
-#![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]
-
 mod builtin_interfaces;
 mod geometry_msgs;
 mod nav;

@@ -1,6 +1,11 @@
 //! How long a plan takes on 400 × 400 cells: an open hall, a hall full of pillars, a serpentine, and no way at all.
 
-#![allow(missing_docs, clippy::unwrap_used, clippy::expect_used)]
+#![allow(
+    missing_docs,
+    clippy::unwrap_used,
+    clippy::expect_used,
+    reason = "a bench fails by panicking"
+)]
 
 use std::hint::black_box;
 

@@ -2,8 +2,6 @@
 //!
 //! Metres and radians in the frame of the map (REP-103, REP-105).
 
-#![cfg_attr(test, allow(clippy::unwrap_used))]
-
 mod astar;
 mod component;
 mod costs;

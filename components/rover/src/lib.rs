@@ -2,8 +2,6 @@
 //!
 //! [`Drive`] and [`Limits`] say how the wheels turn, [`Odometer`] where that leads, [`RoverDriver`] is the component.
 
-#![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]
-
 mod drive;
 mod driver;
 mod odometry;

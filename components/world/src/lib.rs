@@ -2,8 +2,6 @@
 //!
 //! [`Body`] moves and bumps, [`Schedule`] lets obstacles come and go, [`World`] is the component.
 
-#![cfg_attr(test, allow(clippy::unwrap_used, clippy::panic))]
-
 mod body;
 mod schedule;
 mod world;
