@@ -3,8 +3,6 @@
 use asm_lang::Loader;
 use assembly::{AsmFiles, Context, Environment, Tables};
 
-use crate::files::Disk;
-
 /// The components, messages and interfaces of this build.
 pub const BUILD: Tables = Tables {
     components: components::COMPONENTS,
@@ -13,9 +11,8 @@ pub const BUILD: Tables = Tables {
     builtins: &[],
 };
 
-/// Opens a composite of the disk, with the properties that are set from outside: name and text.
-pub fn open(path: &str, settings: &[(String, String)]) -> assembly::Opened {
-    let loader: &dyn Loader = &Disk;
+/// Opens a composite, with the properties that are set from outside: name and text.
+pub fn open(path: &str, settings: &[(String, String)], loader: &dyn Loader) -> assembly::Opened {
     let context = Context {
         loader,
         environment: &Variables,

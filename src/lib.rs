@@ -5,6 +5,7 @@
 
 mod build;
 mod command;
+mod diff;
 mod exit;
 mod files;
 pub mod mission;

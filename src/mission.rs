@@ -169,7 +169,7 @@ impl Mission {
         mut hear: impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static,
         stop: &AtomicBool,
     ) -> Result<Ended, MissionError> {
-        let opened = build::open(&self.composite, &self.settings);
+        let opened = build::open(&self.composite, &self.settings, &Disk);
         if opened.report.has_errors() {
             return Err(MissionError::Composite {
                 sources: opened.sources,

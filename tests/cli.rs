@@ -128,6 +128,49 @@ fn what_ships_has_no_findings() {
     assert!(!out.contains("error["), "{out}");
 }
 
+/// Two old spellings, a foreign sign, and a name that only a person can mend.
+const OLD: &str = "asm old\nimport StandardLibrary\nsignature:\n  controlled ok: Boolean\ndefinitions:\n  \
+                   main rule r_Main = par ok := (exist $x in {1..3} with $x == 2) oc := true endpar\n";
+
+#[test]
+fn check_mends_what_is_sure_and_says_what_is_left() {
+    let (folder, path) = file("old.asm", OLD);
+    let (code, out, err) = run(&["check", "--fix", &path]);
+    assert_eq!(code, 1, "`oc` is left: {out}{err}");
+    assert!(err.contains("[L070]") && err.contains("[A001]"), "{err}");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let mended = OLD
+        .replace("exist ", "exists ")
+        .replace("1..3", "1 : 3")
+        .replace("==", "=");
+    assert_eq!(text, mended);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn check_shows_what_it_would_mend_and_leaves_the_file() {
+    let (_folder, path) = file("old.asm", OLD);
+    let (_, out, err) = run(&["check", "--fix", "--diff", &path]);
+    assert!(out.contains("\n-  main rule"), "{out}");
+    assert!(
+        out.contains("\n+  main rule") && out.contains("{1 : 3}"),
+        "{out}"
+    );
+    assert!(err.contains("Would fix"), "{err}");
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), OLD);
+}
+
+#[test]
+fn a_file_that_cannot_be_rewritten_is_left_as_it_is() {
+    let mut bytes = OLD.as_bytes().to_vec();
+    bytes.extend(b"// \xff\n");
+    let (_folder, path) = file("old.asm", &bytes);
+    let (code, out, err) = run(&["check", "--fix", &path]);
+    assert_eq!(code, 2, "{out}{err}");
+    assert!(err.contains("cannot rewrite"), "{err}");
+    assert_eq!(std::fs::read(&path).unwrap(), bytes);
+}
+
 #[test]
 fn sim_takes_its_inputs_by_name() {
     let script = "[default]\nestop = false\ncancelArrived = false\ngoalArrived = false\nevent = \"NOTHING\"\n\

@@ -2,7 +2,7 @@
 
 use annotate_snippets::renderer::DecorStyle;
 use annotate_snippets::{Annotation, AnnotationKind, Group, Level, Patch, Renderer, Snippet};
-use source::{Diagnostic, FileId, Label, Report, Severity, Sources};
+use source::{Diagnostic, Edit, FileId, Fix, Label, Report, Severity, Sources};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
@@ -48,15 +48,11 @@ pub fn render(diagnostic: &Diagnostic, sources: &Sources, style: Style) -> Strin
     }
     let mut groups = vec![group];
     if let Some(fix) = &diagnostic.fix {
-        let text = sources.text(fix.span.file);
-        let patch = Patch::new(within(fix.span.range(), text), fix.text.as_str());
-        let snippet = Snippet::source(text)
-            .path(sources.path(fix.span.file))
-            .patch(patch);
+        let patches = patches(fix, sources);
         groups.push(
             Level::HELP
                 .secondary_title(fix.title.as_str())
-                .element(snippet),
+                .elements(patches),
         );
     }
     for help in &diagnostic.helps {
@@ -122,6 +118,16 @@ fn snippets<'a>(
         }
         Some(snippet)
     })
+}
+
+/// The lines as they would read.
+fn patches<'a>(fix: &'a Fix, sources: &'a Sources) -> Option<Snippet<'a, Patch<'a>>> {
+    let file = fix.edits.first()?.span.file;
+    let text = sources.text(file);
+    let patch = |edit: &'a Edit| Patch::new(within(edit.span.range(), text), edit.text.as_str());
+    let edits = fix.edits.iter().filter(|edit| edit.span.file == file);
+    let snippet = Snippet::source(text).path(sources.path(file));
+    Some(snippet.patches(edits.map(patch)))
 }
 
 /// The range, moved so that it lies in the text and between characters.

@@ -1,11 +1,16 @@
 //! `asmotion check`: what is wrong, before anything runs.
 
+mod json;
+mod mend;
+
 use crate::build;
 use crate::exit::Exit;
 use crate::files::Disk;
 use crate::terminal::{Terminal, count};
-use asm_lang::{Report, Severity, Sources};
+use asm_lang::source::Applicability;
+use asm_lang::{Diagnostic, Loader, Report, Sources};
 use clap::{Args, ValueEnum};
+use mend::Mended;
 use serde_json::{Value, json};
 
 /// Says what is wrong with specifications and composites, before anything runs.
@@ -22,6 +27,19 @@ pub struct Check {
     /// The same as `--format json`.
     #[arg(long, conflicts_with = "format")]
     json: bool,
+
+    /// Applies the fixes that are sure, rewrites the files, and says what is left.
+    #[arg(long)]
+    fix: bool,
+
+    /// With `--fix`: shows the changes as a diff and leaves the files alone.
+    #[arg(
+        long,
+        visible_alias = "dry-run",
+        requires = "fix",
+        conflicts_with = "json"
+    )]
+    diff: bool,
 }
 
 /// How findings are written.
@@ -35,91 +53,132 @@ enum Format {
     Json,
 }
 
+/// What was seen in all files.
+#[derive(Default)]
+struct Seen {
+    report: Report,
+    /// Findings as JSON.
+    findings: Vec<Value>,
+    /// Applied fixes as JSON.
+    fixed: Vec<Value>,
+    /// Whether a file could not be rewritten.
+    unwritten: bool,
+}
+
 impl Check {
     /// Checks all files.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
-        let format = if self.json { Format::Json } else { self.format };
-        let mut total = Report::new();
-        let mut documents = Vec::new();
+        let mut seen = Seen::default();
         for path in &self.files {
-            if format == Format::Full {
+            if self.format() == Format::Full {
                 terminal.status("Checking", path);
             }
-            let (report, sources) = check(path);
-            match format {
-                Format::Full => terminal.report(&report, &sources),
-                Format::Concise => {
-                    for finding in &report.diagnostics {
-                        terminal.result(asm_lang::concise(finding, &sources));
-                    }
-                }
-                Format::Json => documents.extend(findings_json(&report, &sources)),
+            let (report, sources) = match self.fix.then(|| mend::mend(path)) {
+                Some(Ok(mended)) => self.mended(path, mended, &mut seen, terminal),
+                // a file that cannot be read is a finding like any other
+                Some(Err(_)) | None => findings(path, &Disk),
+            };
+            self.show(&report, &sources, &mut seen, terminal);
+            seen.report.extend(report);
+        }
+        if self.format() == Format::Json {
+            let mut document =
+                json!({ "type": "check", "v": 1, "files": self.files, "findings": seen.findings });
+            if self.fix {
+                document["fixed"] = seen.fixed.into();
             }
-            total.extend(report);
+            terminal.result(document);
         }
-        if format == Format::Json {
-            terminal.result(
-                json!({ "type": "check", "v": 1, "files": self.files, "findings": documents }),
-            );
-        }
-        let files = match self.files.len() {
-            1 => "1 file".to_owned(),
-            several => format!("{several} files"),
-        };
-        match (count(&total), total.has_errors()) {
-            (Some(found), true) => terminal.error(format_args!("{found} in {files}")),
-            (Some(found), false) => terminal.status("Checked", format_args!("{files}: {found}")),
-            (None, _) => terminal.status("Checked", format_args!("{files}: no findings")),
-        }
-        if total.has_errors() {
+        self.conclude(&seen.report, terminal);
+        if seen.unwritten {
+            Exit::Usage
+        } else if seen.report.has_errors() {
             Exit::Findings
         } else {
             Exit::Ok
         }
     }
+
+    fn format(&self) -> Format {
+        if self.json { Format::Json } else { self.format }
+    }
+
+    /// Writes a mended file, or shows what would be written; what is left to find.
+    fn mended(
+        &self,
+        path: &str,
+        mended: Mended,
+        seen: &mut Seen,
+        terminal: &mut Terminal,
+    ) -> (Report, Sources) {
+        if !mended.done.is_empty() {
+            if self.diff {
+                terminal.result(mended.diff(path).trim_end());
+            } else if let Err(error) = mended.write(path) {
+                terminal.error(format_args!("cannot rewrite `{path}`: {error}"));
+                seen.unwritten = true;
+                return findings(path, &Disk);
+            }
+        }
+        let verb = if self.diff { "Would fix" } else { "Fixed" };
+        for done in &mended.done {
+            terminal.status(verb, format_args!("{path}:{done}"));
+        }
+        seen.fixed
+            .extend(mended.done.iter().map(|done| done.json(path)));
+        (mended.report, mended.sources)
+    }
+
+    fn show(&self, report: &Report, sources: &Sources, seen: &mut Seen, terminal: &mut Terminal) {
+        match self.format() {
+            Format::Full => terminal.report(report, sources),
+            Format::Concise => {
+                for finding in &report.diagnostics {
+                    terminal.result(asm_lang::concise(finding, sources));
+                }
+            }
+            Format::Json => seen.findings.extend(
+                report
+                    .diagnostics
+                    .iter()
+                    .map(|finding| json::finding(finding, sources)),
+            ),
+        }
+    }
+
+    fn conclude(&self, report: &Report, terminal: &mut Terminal) {
+        let files = match self.files.len() {
+            1 => "1 file".to_owned(),
+            several => format!("{several} files"),
+        };
+        match (count(report), report.has_errors()) {
+            (Some(found), true) => terminal.error(format_args!("{found} in {files}")),
+            (Some(found), false) => terminal.status("Checked", format_args!("{files}: {found}")),
+            (None, _) => terminal.status("Checked", format_args!("{files}: no findings")),
+        }
+        let sure = report.diagnostics.iter().filter(|finding| is_sure(finding));
+        match sure.count() {
+            0 => {}
+            1 => terminal.say("`--fix` mends one of them"),
+            several => terminal.say(format_args!("`--fix` mends {several} of them")),
+        }
+    }
+}
+
+/// Whether a machine can mend it.
+fn is_sure(finding: &Diagnostic) -> bool {
+    let fix = finding.fix.as_ref();
+    fix.is_some_and(|fix| fix.applicability == Applicability::Sure)
 }
 
 /// The findings in one file and what it names.
-fn check(path: &str) -> (Report, Sources) {
+fn findings(path: &str, loader: &dyn Loader) -> (Report, Sources) {
     if path.ends_with(".toml") {
-        let opened = build::open(path, &[]);
+        let opened = build::open(path, &[], loader);
         return (opened.report, opened.sources);
     }
-    match asm_lang::open(path, &Disk) {
+    match asm_lang::open(path, loader) {
         Ok(specification) => (specification.report, specification.sources),
         Err(failure) => (failure.report, failure.sources),
     }
-}
-
-fn findings_json(report: &Report, sources: &Sources) -> Vec<Value> {
-    let place = |label: &asm_lang::source::Label| {
-        let (line, column) = sources.position(label.span.file, label.span.start);
-        let (end_line, end_column) = sources.position(label.span.file, label.span.end);
-        json!({
-            "path": sources.path(label.span.file),
-            "line": line, "column": column, "end_line": end_line, "end_column": end_column,
-            "text": label.text,
-        })
-    };
-    let each = report.diagnostics.iter().map(|finding| {
-        let places: Vec<Value> = finding
-            .primary
-            .iter()
-            .chain(&finding.secondary)
-            .map(place)
-            .collect();
-        json!({
-            "severity": match finding.severity {
-                Severity::Error => "error",
-                Severity::Warning => "warning",
-            },
-            "code": finding.code, "message": finding.message, "places": places,
-            "notes": finding.notes, "helps": finding.helps,
-            "fix": finding.fix.as_ref().map(|fix| json!({
-                "title": fix.title, "text": fix.text, "start": fix.span.start, "end": fix.span.end,
-                "path": sources.path(fix.span.file),
-            })),
-        })
-    });
-    each.collect()
 }

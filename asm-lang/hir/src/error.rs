@@ -190,7 +190,7 @@ impl HirError {
                     (Some(bound), _) => finding
                         .label(*bound, "bound here, for the rule or term that follows it and no further")
                         .help("move what needs it into that rule, or bind it again with `let`, `forall` or `choose`"),
-                    (None, Some(name)) => finding.fix(format!("did you mean `{name}`?"), *at, name.to_string()),
+                    (None, Some(name)) => finding.guess(format!("did you mean `{name}`?"), *at, name.to_string()),
                     (None, None) => finding
                         .help("bind it with `let`, `forall`, `choose`, or make it a parameter of the rule"),
                 }
@@ -208,7 +208,7 @@ impl HirError {
                 let finding = error("A004").label(*at, "no domain has this name");
                 match similar {
                     Some(name) => {
-                        finding.fix(format!("did you mean `{name}`?"), *at, name.to_string())
+                        finding.guess(format!("did you mean `{name}`?"), *at, name.to_string())
                     }
                     None => finding
                         .help("declare it in the signature, or import the module that declares it"),
@@ -217,7 +217,7 @@ impl HirError {
             Self::UnknownConstant { at, similar, .. } => {
                 let finding = error("A005").label(*at, "unknown name");
                 match similar {
-                    Some(name) => finding.fix(format!("did you mean `{name}`?"), *at, name.to_string()),
+                    Some(name) => finding.guess(format!("did you mean `{name}`?"), *at, name.to_string()),
                     None => finding.help("names that begin with a capital are literals of an `enum domain`, or domains"),
                 }
             }
@@ -415,7 +415,7 @@ fn with_similar(
     match similar {
         Some((name, declared)) => finding
             .label(*declared, "a similar name is declared here")
-            .fix(format!("did you mean `{name}`?"), at, name.to_string()),
+            .guess(format!("did you mean `{name}`?"), at, name.to_string()),
         None => finding.help(help),
     }
 }

@@ -1,6 +1,6 @@
 //! What a stage has to say about places in the sources.
 
-use crate::Span;
+use crate::{Fix, Span};
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -17,17 +17,6 @@ pub struct Label {
     /// The place.
     pub span: Span,
     /// What is to be seen there; lower case, no full stop.
-    pub text: String,
-}
-
-/// A replacement that mends the finding; empty `text` deletes.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Fix {
-    /// What to say about it, as in "did you mean `speed`?".
-    pub title: String,
-    /// The characters to replace.
-    pub span: Span,
-    /// What to put there.
     pub text: String,
 }
 
@@ -48,7 +37,7 @@ pub struct Diagnostic {
     pub notes: Vec<String>,
     /// Ways out in words.
     pub helps: Vec<String>,
-    /// A way out that a machine can apply.
+    /// A way out that a machine can take.
     pub fix: Option<Fix>,
 }
 
@@ -105,14 +94,22 @@ impl Diagnostic {
         self
     }
 
-    /// Sets the way out that a machine can apply.
+    /// Replaces one place: a way out that a machine may take without asking.
     #[must_use]
-    pub fn fix(mut self, title: impl Into<String>, span: Span, text: impl Into<String>) -> Self {
-        self.fix = Some(Fix {
-            title: title.into(),
-            span,
-            text: text.into(),
-        });
+    pub fn fix(self, title: impl Into<String>, span: Span, text: impl Into<String>) -> Self {
+        self.with_fix(Fix::sure(title, span, text))
+    }
+
+    /// Replaces one place: a way out that a person decides on, as in "did you mean".
+    #[must_use]
+    pub fn guess(self, title: impl Into<String>, span: Span, text: impl Into<String>) -> Self {
+        self.with_fix(Fix::maybe(title, span, text))
+    }
+
+    /// Sets the way out that a machine can take.
+    #[must_use]
+    pub fn with_fix(mut self, fix: Fix) -> Self {
+        self.fix = Some(fix);
         self
     }
 }

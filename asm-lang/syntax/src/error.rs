@@ -243,7 +243,7 @@ impl SyntaxError {
                 if text.is_empty() {
                     found
                 } else {
-                    found.fix("a text stands in double quotes", *at, format!("\"{text}\""))
+                    found.guess("a text stands in double quotes", *at, format!("\"{text}\""))
                 }
             }
             Self::TooLarge { at, .. } => error("L006")
@@ -342,7 +342,7 @@ impl SyntaxError {
                 let found = found.help("put them into `par … endpar` or `seq … endseq`");
                 match all {
                     Some((span, text)) => {
-                        found.fix("do them in parallel", *span, format!("par {text} endpar"))
+                        found.guess("do them in parallel", *span, format!("par {text} endpar"))
                     }
                     None => found,
                 }
@@ -398,7 +398,7 @@ impl SyntaxError {
             }
             Self::UnknownWord { found, meant } => error("L053")
                 .label(found.1, "not understood here")
-                .fix(format!("did you mean `{meant}`?"), found.1, meant.clone()),
+                .guess(format!("did you mean `{meant}`?"), found.1, meant.clone()),
             Self::ReservedName { found, .. } => error("L054")
                 .label(found.1, "reserved")
                 .help("take another name"),
@@ -410,7 +410,7 @@ impl SyntaxError {
                 let misnamed = error("L056").label(found.1, "not such a name");
                 match better {
                     Some(better) => {
-                        misnamed.fix(format!("call it `{better}`"), found.1, better.clone())
+                        misnamed.guess(format!("call it `{better}`"), found.1, better.clone())
                     }
                     None => misnamed,
                 }

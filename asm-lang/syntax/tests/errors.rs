@@ -6,7 +6,7 @@
 #![allow(clippy::disallowed_methods, reason = "the texts are on the disk")]
 
 use asm_syntax::parse;
-use source::{Diagnostic, FileId, Severity, Sources};
+use source::{Applicability, Diagnostic, Edit, FileId, Severity, Sources};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
@@ -94,11 +94,13 @@ fn render(sources: &Sources, file: FileId, finding: &Diagnostic) -> String {
     lines.extend(finding.notes.iter().map(|note| format!("  note: {note}")));
     lines.extend(finding.helps.iter().map(|help| format!("  help: {help}")));
     if let Some(fix) = &finding.fix {
-        let snippet = sources.snippet(fix.span);
-        lines.push(format!(
-            "  fix: {}: `{snippet}` → `{}`",
-            fix.title, fix.text
-        ));
+        let edit = |edit: &Edit| format!("`{}` → `{}`", sources.snippet(edit.span), edit.text);
+        let edits: Vec<String> = fix.edits.iter().map(edit).collect();
+        let word = match fix.applicability {
+            Applicability::Sure => "fix",
+            Applicability::Maybe => "perhaps",
+        };
+        lines.push(format!("  {word}: {}: {}", fix.title, edits.join(", ")));
     }
     lines.join("\n")
 }

@@ -80,7 +80,7 @@ impl Suggest for Diagnostic {
             Some(declared) => self.label(*declared, "a similar name is declared here"),
             None => self,
         };
-        diagnostic.fix(format!("did you mean `{name}`?"), span, name)
+        diagnostic.guess(format!("did you mean `{name}`?"), span, name)
     }
 
     fn suggest_or(self, span: Span, nearest: &Option<Nearest>, help: impl Into<String>) -> Self {

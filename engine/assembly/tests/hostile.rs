@@ -218,8 +218,8 @@ proptest! {
                 let text = opened.sources.text(label.span.file);
                 prop_assert!(text.get(label.span.range()).is_some(), "{finding:?}");
             }
-            if let Some(fix) = &finding.fix {
-                prop_assert!(opened.sources.text(fix.span.file).get(fix.span.range()).is_some());
+            for edit in finding.fix.iter().flat_map(|fix| &fix.edits) {
+                prop_assert!(opened.sources.text(edit.span.file).get(edit.span.range()).is_some());
             }
         }
     }

@@ -80,7 +80,7 @@ impl Finding for TopicError {
                 };
                 match written {
                     Written::At(span) => {
-                        diagnostic.fix(format!("did you mean `{name}`?"), *span, name)
+                        diagnostic.guess(format!("did you mean `{name}`?"), *span, name)
                     }
                     Written::AsPort(port) => diagnostic.help(format!(
                         "did you mean `rename = {{ {port} = \"{name}\" }}`?"

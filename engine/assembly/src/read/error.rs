@@ -141,7 +141,7 @@ impl Finding for ReadError {
                 .label(*at, format!("must lie in {least} ..= {greatest}")),
             Self::UnknownSchema { wanted, at, .. } => Diagnostic::error("C008", self)
                 .label(*at, "not known here")
-                .fix(format!("this version reads `{wanted}`"), *at, *wanted),
+                .guess(format!("this version reads `{wanted}`"), *at, *wanted),
             Self::NotAName { rule, at, .. } => Diagnostic::error("C009", self).label(*at, *rule),
             Self::Excluded {
                 first,

@@ -162,7 +162,7 @@ impl Finding for BindingError {
             Self::MainRule { at, found, .. } => {
                 let diagnostic = Diagnostic::error("C101", self).label(*at, "named here");
                 match found {
-                    Some((name, declared)) => diagnostic.label(*declared, "the main rule").fix(
+                    Some((name, declared)) => diagnostic.label(*declared, "the main rule").guess(
                         format!("did you mean `{name}`?"),
                         *at,
                         name,

@@ -1,0 +1,137 @@
+//! Fixing a file: rounds of sure fixes in memory, then one write.
+
+use super::findings;
+use crate::files::Disk;
+use asm_lang::source::{self, LoadError};
+use asm_lang::{Loader, Report, Sources};
+use serde_json::{Value, json};
+use std::fmt;
+use std::io::Write;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A file that is not mended after so many rounds goes on as it is.
+const MAX_ROUNDS: usize = 100;
+
+/// A file before and after its fixes.
+pub struct Mended {
+    before: Arc<str>,
+    after: Arc<str>,
+    /// What was done, in the order it was done.
+    pub done: Vec<Done>,
+    /// What is still found.
+    pub report: Report,
+    /// The new text and those it names.
+    pub sources: Sources,
+}
+
+/// A fix that was applied.
+pub struct Done {
+    code: &'static str,
+    message: String,
+    /// Where it was found in the text of its round; both from 1.
+    line: usize,
+    column: usize,
+}
+
+/// Applies sure fixes until none is left. Only this file is changed, none that it imports.
+pub fn mend(path: &str) -> Result<Mended, LoadError> {
+    let before = Disk.read(path)?;
+    let mut after = before.clone();
+    let mut done = Vec::new();
+    let mut rounds = 0;
+    loop {
+        let (report, sources) = findings(path, &Overlay { path, text: &after });
+        let file = sources.find(path).unwrap_or_default();
+        let fixed = source::apply(&after, file, &report.diagnostics);
+        if fixed.applied.is_empty() || *fixed.text == *after || rounds == MAX_ROUNDS {
+            return Ok(Mended {
+                before,
+                after,
+                done,
+                report,
+                sources,
+            });
+        }
+        done.extend(fixed.applied.iter().map(|finding| {
+            let at = finding.primary.as_ref().map(|label| label.span);
+            let (line, column) = at.map_or((1, 1), |at| sources.position(at.file, at.start));
+            Done {
+                code: finding.code,
+                message: finding.message.clone(),
+                line,
+                column,
+            }
+        }));
+        after = fixed.text.into();
+        rounds += 1;
+    }
+}
+
+impl Mended {
+    /// What changes, as a diff.
+    pub fn diff(&self, path: &str) -> String {
+        crate::diff::unified(path, &self.before, &self.after)
+    }
+
+    /// Puts the new text in the place of the old one; the file is the one or the other at all times.
+    pub fn write(&self, path: &str) -> std::io::Result<()> {
+        // through a symbolic link, so that it stays one
+        let path = std::fs::canonicalize(path)?;
+        if std::fs::read(&path)? != self.before.as_bytes() {
+            return Err(std::io::Error::other(
+                "it is not UTF-8, or was changed meanwhile",
+            ));
+        }
+        let folder = path.parent().unwrap_or(Path::new("."));
+        let mut new = tempfile::NamedTempFile::new_in(folder)?;
+        new.write_all(self.after.as_bytes())?;
+        new.as_file()
+            .set_permissions(std::fs::metadata(&path)?.permissions())?;
+        new.as_file().sync_all()?;
+        new.persist(&path).map_err(|failed| failed.error)?;
+        Ok(())
+    }
+}
+
+impl Done {
+    /// For tools.
+    pub fn json(&self, path: &str) -> Value {
+        json!({
+            "path": path, "line": self.line, "column": self.column,
+            "code": self.code, "message": self.message,
+        })
+    }
+}
+
+impl fmt::Display for Done {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            code,
+            message,
+            line,
+            column,
+        } = self;
+        write!(to, "{line}:{column}: [{code}] {message}")
+    }
+}
+
+/// The disk, with another text at one path.
+struct Overlay<'a> {
+    path: &'a str,
+    text: &'a Arc<str>,
+}
+
+impl Loader for Overlay<'_> {
+    fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
+        if path == self.path {
+            Ok(self.text.clone())
+        } else {
+            Disk.read(path)
+        }
+    }
+
+    fn resolve(&self, from: &str, import: &str) -> Option<String> {
+        Disk.resolve(from, import)
+    }
+}
