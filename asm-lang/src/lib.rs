@@ -20,12 +20,15 @@
 mod explain;
 mod files;
 mod render;
+mod session;
 
 pub use files::Files;
 pub use hir::{FunctionKind, Model};
 pub use machine::{Chooser, Environment, Fault, FaultKind, First, Machine, NoInputs, Step, Update};
 pub use render::{Style, concise, render, render_all};
+pub use session::Session;
 pub use source::{Diagnostic, Loader, Report, Severity, Sources, Span};
+pub use value::Value;
 pub use {hir, ir, machine, simulate, source, syntax, value};
 
 use std::fmt;
@@ -107,6 +110,17 @@ impl Specification {
     /// An initial value cannot be computed, or an invariant does not hold initially.
     pub fn machine(&self) -> Result<Machine, Box<Fault>> {
         Machine::new(self.program.clone())
+    }
+
+    /// Lowers the model anew, with what was added to it. A machine goes on with
+    /// [`Machine::adopt`].
+    ///
+    /// # Errors
+    /// What was added cannot be lowered; the program is as before.
+    pub fn lower(&mut self) -> Result<(), Report> {
+        let lowered = ir::lower(&self.model)?;
+        (self.program, self.origins) = (Arc::new(lowered.program), lowered.origins);
+        Ok(())
     }
 
     /// The function of this name that takes so many arguments, declared by the specification itself.

@@ -1,5 +1,6 @@
 //! From trees to a model: declarations, then definitions, rules, properties and the initial state.
 
+use crate::added::{Added, seen_from_outside};
 use crate::declare::{Declared, declare};
 use crate::error::HirError;
 use crate::load::Loaded;
@@ -471,6 +472,8 @@ impl Analysis<'_> {
             invariants: self.invariants,
             properties: self.properties,
             reserved,
+            added: Added::default(),
+            scope: seen_from_outside(self.declared.scopes),
         }
     }
 }

@@ -3,6 +3,7 @@
 //! [`load`] reads a file and all that it imports; [`analyse`] turns the trees into a [`Model`]. Both
 //! go on after an error and report all of them; a model is built only from files without errors.
 
+mod added;
 mod analyse;
 mod apply;
 mod collection;
@@ -17,6 +18,7 @@ mod scope;
 mod term;
 mod types;
 
+pub use added::{Added, AddedRule, AddedTerm, Assignment};
 pub use analyse::analyse;
 pub use load::{Loaded, Unit, load};
 pub use model::*;

@@ -1,5 +1,7 @@
 //! The model: what a specification declares and defines, by id.
 
+use crate::added::Added;
+use crate::scope::Scope;
 use crate::types::{TypeId, Types};
 use source::Span;
 use std::sync::Arc;
@@ -45,6 +47,10 @@ pub struct Model {
     pub properties: Vec<TemporalProperty>,
     /// The functions with a meaning of their own.
     pub reserved: Reserved,
+    /// Terms and rules from outside.
+    pub added: Added,
+    /// The names that are seen from outside.
+    pub(crate) scope: Scope,
 }
 
 /// The functions that the machine itself gives a meaning.

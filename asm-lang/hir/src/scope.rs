@@ -35,6 +35,19 @@ impl Scope {
         merge(&mut self.literals, &other.literals, |_, atom| literal(atom));
     }
 
+    /// Takes over the names of another file that it does not have.
+    pub fn complete(&mut self, other: &Scope) {
+        fn missing<T: Clone>(into: &mut BTreeMap<Arc<str>, T>, from: &BTreeMap<Arc<str>, T>) {
+            for (name, item) in from {
+                into.entry(name.clone()).or_insert_with(|| item.clone());
+            }
+        }
+        missing(&mut self.domains, &other.domains);
+        missing(&mut self.functions, &other.functions);
+        missing(&mut self.rules, &other.rules);
+        missing(&mut self.literals, &other.literals);
+    }
+
     /// The candidates for "did you mean" among the functions.
     pub fn similar_function(&self, name: &str) -> Option<Arc<str>> {
         similar(name, self.functions.keys())

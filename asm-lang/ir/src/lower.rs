@@ -51,6 +51,7 @@ pub fn lower_with(model: &Model, dense: u32) -> Result<Lowered, Report> {
     let main = model.main.map(|rule| lowering.routine_by_value(rule));
     lowering.rule_values();
     lowering.program.main = main;
+    lowering.added();
     if lowering.report.has_errors() {
         return Err(lowering.report.finish());
     }
@@ -114,6 +115,8 @@ impl<'a> Lowering<'a> {
             programs: Vec::new(),
             main: None,
             invariants: Vec::new(),
+            added_terms: Vec::new(),
+            added_rules: Vec::new(),
             caches: 0,
             result: 0,
         };
@@ -257,6 +260,18 @@ impl<'a> Lowering<'a> {
         }
     }
 
+    /// What came from outside: it adds code, and no location.
+    fn added(&mut self) {
+        for body in &self.model.added.terms {
+            let id = self.body(body.root.span, body);
+            self.program.added_terms.push(id);
+        }
+        for body in &self.model.added.rules {
+            let id = self.added_routine(body);
+            self.program.added_rules.push(id);
+        }
+    }
+
     fn reserve_body(&mut self, span: Span, body: &hir::Body<hir::Term>) -> BodyId {
         let origin = self.origin(span);
         let code = Term::undef(origin);
@@ -291,7 +306,11 @@ impl<'a> Lowering<'a> {
 
     fn reserve_routine(&mut self, rule: &hir::Rule) -> RoutineId {
         let open = rule.parameters.iter().any(|&ty| self.is_open(ty));
-        let origin = self.origin(rule.span);
+        self.reserve_routine_at(rule.span, open)
+    }
+
+    fn reserve_routine_at(&mut self, span: Span, open: bool) -> RoutineId {
+        let origin = self.origin(span);
         let code = Rule {
             node: Box::new(RuleNode::Skip),
             origin,

@@ -4,6 +4,8 @@ use crate::code::{Body, Rule, Term};
 use std::sync::Arc;
 use value::{Atom, RuleId, Value};
 
+pub use hir::{AddedRule, AddedTerm, Assignment};
+
 /// The number of a location.
 pub type Slot = u32;
 
@@ -59,6 +61,10 @@ pub struct Program {
     pub main: Option<RoutineId>,
     /// What must hold in every state.
     pub invariants: Vec<Invariant>,
+    /// Terms from outside, by [`AddedTerm`].
+    pub added_terms: Vec<BodyId>,
+    /// Rules from outside, by [`AddedRule`].
+    pub added_rules: Vec<RoutineId>,
     /// How many values of closed static terms can be kept.
     pub caches: u32,
     /// The location of `result`, where turbo rules leave theirs.

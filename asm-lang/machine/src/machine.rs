@@ -5,7 +5,7 @@ use crate::choose::First;
 use crate::compile::Code;
 use crate::environment::{Environment, NoInputs};
 use crate::fault::{Fault, FaultKind};
-use crate::run::{Record, Run, Truth};
+use crate::run::{Record, Run, Stopped, Truth};
 use crate::state::{Naming, State};
 use crate::updates::{Update, Updates};
 use ir::{DomainId, Elements, FunctionId, Origin, Program, Slot, Storage};
@@ -56,19 +56,21 @@ pub struct Step<'a> {
 /// A program, compiled, and its state. Cloning shares the code and copies the state.
 #[derive(Clone)]
 pub struct Machine {
-    program: Arc<Program>,
-    code: Arc<Code>,
-    state: State,
-    scratch: Scratch,
-    steps: u64,
+    pub(crate) program: Arc<Program>,
+    pub(crate) code: Arc<Code>,
+    pub(crate) state: State,
+    pub(crate) scratch: Scratch,
+    pub(crate) steps: u64,
     /// How often a step was begun: what was asked of the environment counts for one of them.
-    rounds: u64,
+    pub(crate) rounds: u64,
+    /// Whether the initial state holds the values that depend on inputs.
+    pub(crate) is_complete: bool,
 }
 
 /// What a step needs and the next one can use again.
 #[derive(Default)]
-struct Scratch {
-    updates: Updates,
+pub(crate) struct Scratch {
+    pub updates: Updates,
     record: Record,
     locals: Vec<Value>,
     stack: Vec<Value>,
@@ -97,6 +99,7 @@ impl Machine {
             scratch: Scratch::default(),
             steps: 0,
             rounds: 0,
+            is_complete: false,
         };
         machine.initialise()?;
         Ok(machine)
@@ -137,21 +140,40 @@ impl Machine {
         now_ns: i64,
     ) -> Result<Step<'_>, Box<Fault>> {
         let number = self.steps + 1;
+        self.attempt(environment, chooser, now_ns, |run| {
+            match run.program.main {
+                Some(main) => run.call_routine(main, 0)?,
+                None => return Err(run.stop(FaultKind::NoMain, Origin::default())),
+            }
+            run.check_invariants(true)
+        })?;
+        self.steps = number;
+        self.run(environment, chooser, number, now_ns, |run| {
+            // a violation is reported as the fault of the run
+            let _ = run.check_invariants(false);
+        })?;
+        Ok(self.last_step())
+    }
+
+    /// Evaluates rules in the current state, and applies their updates.
+    pub(crate) fn attempt(
+        &mut self,
+        environment: &mut dyn Environment,
+        chooser: &mut dyn Chooser,
+        now_ns: i64,
+        rules: impl FnOnce(&mut Run<'_>) -> Result<(), Stopped>,
+    ) -> Result<(), Box<Fault>> {
         self.rounds += 1;
         self.scratch.record.begin(now_ns);
         self.scratch.before.clear();
         self.scratch.updates.begin(self.state.len());
         let reserve = self.state.reserve.len();
-        if self.steps == 0 && !self.program.initial_inputs.is_empty() {
+        if !self.is_complete {
             self.initialise_with_inputs(environment, now_ns)?;
         }
+        let number = self.steps + 1;
         let evaluated = self.run(environment, chooser, number, now_ns, |run| {
-            let main = run.program.main;
-            let done = match main {
-                Some(main) => run.call_routine(main, 0),
-                None => Err(run.stop(FaultKind::NoMain, Origin::default())),
-            };
-            if done.is_err() || run.check_invariants(true).is_err() || run.fault.is_some() {
+            if rules(run).is_err() || run.fault.is_some() {
                 run.abandon();
             }
         });
@@ -159,13 +181,8 @@ impl Machine {
             self.state.reserve.truncate(reserve);
             return Err(fault);
         }
-        self.fire();
-        self.steps = number;
-        self.run(environment, chooser, number, now_ns, |run| {
-            // a violation is reported as the fault of the run
-            let _ = run.check_invariants(false);
-        })?;
-        Ok(self.last_step())
+        self.fire_updates();
+        Ok(())
     }
 
     /// The step done last, or failed; its update set is empty before the first one.
@@ -183,7 +200,7 @@ impl Machine {
     }
 
     /// Applies the update set to the state.
-    fn fire(&mut self) {
+    fn fire_updates(&mut self) {
         let Scratch {
             updates, before, ..
         } = &mut self.scratch;
@@ -222,14 +239,15 @@ impl Machine {
             self.initialise_function(&program, function, &mut NoInputs, 0)?;
         }
         self.state.initial = self.state.slots.clone();
-        match program.initial_inputs.is_empty() {
+        self.is_complete = program.initial_inputs.is_empty();
+        match self.is_complete {
             true => self.check_initial(),
             false => Ok(()),
         }
     }
 
     /// Completes the initial state with what the environment says in the first step.
-    fn initialise_with_inputs(
+    pub(crate) fn initialise_with_inputs(
         &mut self,
         environment: &mut dyn Environment,
         now_ns: i64,
@@ -239,6 +257,7 @@ impl Machine {
             self.initialise_function(&program, function, environment, now_ns)?;
         }
         self.state.initial = self.state.slots.clone();
+        self.is_complete = true;
         self.check_initial()
     }
 
@@ -289,7 +308,7 @@ impl Machine {
     }
 
     /// Does some work with code at hand.
-    fn run<T>(
+    pub(crate) fn run<T>(
         &mut self,
         environment: &mut dyn Environment,
         chooser: &mut dyn Chooser,
@@ -337,7 +356,7 @@ impl Machine {
 
 impl Run<'_> {
     /// Checks the invariants that speak of inputs, or all others.
-    fn check_invariants(&mut self, assumptions: bool) -> Result<(), crate::run::Stopped> {
+    fn check_invariants(&mut self, assumptions: bool) -> Result<(), Stopped> {
         let program = self.program;
         for (index, invariant) in program.invariants.iter().enumerate() {
             if invariant.assumes != assumptions {

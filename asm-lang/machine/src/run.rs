@@ -307,11 +307,28 @@ impl Run<'_> {
         codomain: Codomain,
         origin: Origin,
     ) -> Result<(), Stopped> {
+        self.accepts(slot, &value, codomain, origin)?;
+        match self.updates.write(slot, value, origin) {
+            Ok(()) => Ok(()),
+            Err(clash) => Err(self.stop(*clash, origin)),
+        }
+    }
+
+    /// Whether a location takes a value.
+    #[inline]
+    pub fn accepts(
+        &mut self,
+        slot: Slot,
+        value: &Value,
+        codomain: Codomain,
+        origin: Origin,
+    ) -> Result<(), Stopped> {
         self.checked()?;
         if let Some(domain) = codomain.within
             && !value.is_undef()
-            && !self.is_element(domain, &value)
+            && !self.is_element(domain, value)
         {
+            let value = value.clone();
             return Err(self.stop(
                 FaultKind::Outside {
                     slot,
@@ -321,13 +338,10 @@ impl Run<'_> {
                 origin,
             ));
         }
-        if codomain.open && !is_bounded(&value) {
+        if codomain.open && !is_bounded(value) {
             return Err(self.stop(FaultKind::Unbounded, origin));
         }
-        match self.updates.write(slot, value, origin) {
-            Ok(()) => Ok(()),
-            Err(clash) => Err(self.stop(*clash, origin)),
-        }
+        Ok(())
     }
 
     fn written(&mut self) -> (&mut Updates, Written<'_>) {

@@ -73,6 +73,16 @@ impl<'input, 'run> Explainer<'input, 'run> {
         }
     }
 
+    /// Leaves out what stands before a place.
+    pub(crate) fn starting_at(mut self, start: usize) -> Self {
+        self.lexer.start_at(start);
+        if self.found.is_some_and(|(from, _, _)| from < start) {
+            self.found = self.lexer.next();
+        }
+        self.recent = [start; 3];
+        self
+    }
+
     /// Reports an error, unless it only follows from one before. What the parser gave up for it
     /// reaches from `start` to `resumed`.
     pub(crate) fn explain(&mut self, failure: &Failure<'_>, start: usize, resumed: usize) {

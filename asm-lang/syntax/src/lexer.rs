@@ -58,6 +58,11 @@ impl<'input, 'run> Lexer<'input, 'run> {
         }
     }
 
+    /// Leaves out what stands before a place, which is the beginning of a token.
+    pub(crate) fn start_at(&mut self, start: usize) {
+        self.position = self.position.max(start);
+    }
+
     /// The token that begins here, if one does.
     fn read(&mut self) -> Option<Read<'input>> {
         if self.previous == Some(Token::Keyword(Keyword::Import))

@@ -8,6 +8,7 @@ pub mod ast;
 mod error;
 mod explain;
 mod findings;
+mod fragment;
 mod lexer;
 mod nesting;
 mod node;
@@ -26,6 +27,10 @@ lalrpop_mod!(
     )]
     grammar
 );
+
+pub use fragment::{
+    parse_assignment, parse_assignment_in, parse_rule, parse_rule_in, parse_term, parse_term_in,
+};
 
 use explain::Explainer;
 use findings::Findings;
@@ -58,25 +63,5 @@ pub fn parse(file: FileId, text: &str) -> Parsed {
     Parsed {
         file: tree,
         report: findings.finish(),
-    }
-}
-
-/// Reads one term, as `--env` files and scenarios contain.
-///
-/// # Errors
-/// The text is not one term.
-pub fn parse_term(file: FileId, text: &str) -> Result<ast::Term, Report> {
-    let (findings, unheard) = (Findings::new(file), Findings::new(file));
-    let nodes = Nodes::new(text, &findings, Explainer::new(text, &findings, &unheard));
-    let mut tokens = Tokens::new(text, &findings);
-    tokens.lexer.names_elements = true;
-    let parsed = grammar::TermParser::new().parse(&nodes, tokens);
-    if let Err(failure) = &parsed {
-        nodes.explain(failure, 0, text.len());
-    }
-    let report = findings.finish();
-    match parsed {
-        Ok(term) if !report.has_errors() => Ok(term),
-        _ => Err(report),
     }
 }

@@ -146,6 +146,14 @@ impl Facts {
                 .iter()
                 .for_each(|argument| self.rule_values_of(&argument.root));
         }
+        for body in &model.added.terms {
+            self.rule_values_of(&body.root);
+        }
+        for body in &model.added.rules {
+            walk(&body.root, &mut |rule| {
+                each_term(rule, &mut |term| self.rule_values_of(term));
+            });
+        }
         loop {
             let before = self.assigned.len() + self.sequential.len() + self.rule_values.len();
             for (index, rule) in model.rules.iter().enumerate() {

@@ -152,6 +152,17 @@ impl Lowering<'_> {
         id
     }
 
+    /// A rule that is not declared.
+    pub(super) fn added_routine(&mut self, body: &hir::Body<RuleTerm>) -> RoutineId {
+        let id = self.reserve_routine_at(body.root.span, false);
+        let mut frame = Frame::of(0, body.variables.len());
+        let code = self.rule(&body.root, &mut frame);
+        let routine = &mut self.program.routines[id.0 as usize];
+        routine.locals = frame.locals;
+        routine.code = code;
+        id
+    }
+
     /// A term passed by name, where its parameter stands.
     pub(super) fn by_name(&mut self, closed: &Closed, frame: &mut Frame, origin: Origin) -> Term {
         self.expansions += 1;

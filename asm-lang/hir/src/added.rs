@@ -1,0 +1,229 @@
+//! Terms and rules from outside — scenarios, a prompt, watch expressions — in the scope of a model.
+//!
+//! They see the names of the main file, and behind them those of every module it imports. What was
+//! added is lowered with the model: the locations of the program stay the same, so that a machine in
+//! any state can go on with it.
+
+use crate::analyse::kind_name;
+use crate::declare::Declared;
+use crate::error::HirError;
+use crate::model::{Body, Expression, FunctionId, Meaning, Model, RuleTerm, Term, TermKind};
+use crate::resolver::Resolver;
+use crate::scope::Scope;
+use crate::types::{Type, TypeId};
+use source::{Report, Span};
+use syntax::ast;
+
+/// A term that was added, by number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct AddedTerm(pub u32);
+
+/// A rule that was added, by number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct AddedRule(pub u32);
+
+/// What was added to a model.
+#[derive(Debug, Default)]
+pub struct Added {
+    /// The terms.
+    pub terms: Vec<Expression>,
+    /// The rules.
+    pub rules: Vec<Body<RuleTerm>>,
+}
+
+impl Added {
+    fn term(&mut self, body: Expression) -> AddedTerm {
+        self.terms.push(body);
+        AddedTerm(self.terms.len() as u32 - 1)
+    }
+
+    fn rule(&mut self, body: Body<RuleTerm>) -> AddedRule {
+        self.rules.push(body);
+        AddedRule(self.rules.len() as u32 - 1)
+    }
+}
+
+/// A location from outside, and the value it is to have.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Assignment {
+    /// The function.
+    pub function: FunctionId,
+    /// Its arguments: one for each parameter, or a tuple of all.
+    pub arguments: Vec<AddedTerm>,
+    /// The value.
+    pub value: AddedTerm,
+}
+
+impl Model {
+    /// Adds a term of any type.
+    ///
+    /// # Errors
+    /// A name is unknown, or a type does not fit.
+    pub fn add_term(&mut self, term: &ast::Term) -> Result<AddedTerm, Report> {
+        let body = self.resolve(|mut resolver| {
+            let root = resolver.term(term);
+            Some(resolver.body(0, root))
+        })?;
+        Ok(self.added.term(body))
+    }
+
+    /// Adds a term that must be of a type; `what` names it in messages.
+    ///
+    /// # Errors
+    /// As [`Model::add_term`].
+    pub fn add_typed(
+        &mut self,
+        term: &ast::Term,
+        wanted: TypeId,
+        what: &str,
+    ) -> Result<AddedTerm, Report> {
+        let body = self.resolve(|mut resolver| {
+            let root = resolver.term(term);
+            resolver.expect(&root, wanted, what, None);
+            Some(resolver.body(0, root))
+        })?;
+        Ok(self.added.term(body))
+    }
+
+    /// Adds a term that must be Boolean.
+    ///
+    /// # Errors
+    /// As [`Model::add_term`].
+    pub fn add_condition(&mut self, term: &ast::Term, what: &str) -> Result<AddedTerm, Report> {
+        let boolean = self.types.id(Type::Boolean);
+        self.add_typed(term, boolean, what)
+    }
+
+    /// Adds a rule.
+    ///
+    /// # Errors
+    /// As [`Model::add_term`], or the rule writes what no rule may write.
+    pub fn add_rule(&mut self, rule: &ast::Rule) -> Result<AddedRule, Report> {
+        let body = self.resolve(|mut resolver| {
+            let root = resolver.rule(rule);
+            Some(resolver.body(0, root))
+        })?;
+        Ok(self.added.rule(body))
+    }
+
+    /// Adds the arguments of a location, and a value for it. Unlike in a rule, the location may be
+    /// the environment's.
+    ///
+    /// # Errors
+    /// As [`Model::add_term`], or the function has no locations.
+    pub fn add_assignment(
+        &mut self,
+        target: &ast::Assignee,
+        value: &ast::Term,
+    ) -> Result<Assignment, Report> {
+        let (function, arguments, value) = self.resolve(|mut resolver| {
+            let root = resolver.term(value);
+            let (function, arguments) = resolver.setting(target, &root)?;
+            let variables = resolver.variables();
+            let body = |root| Body {
+                parameters: 0,
+                variables: variables.clone(),
+                root,
+            };
+            let arguments: Vec<_> = arguments.into_iter().map(body).collect();
+            Some((function, arguments, body(root)))
+        })?;
+        let arguments = arguments.into_iter();
+        Ok(Assignment {
+            function,
+            arguments: arguments.map(|body| self.added.term(body)).collect(),
+            value: self.added.term(value),
+        })
+    }
+
+    /// Forgets what was added after the first `terms` terms and `rules` rules.
+    pub fn forget_added(&mut self, terms: usize, rules: usize) {
+        self.added.terms.truncate(terms);
+        self.added.rules.truncate(rules);
+    }
+
+    /// Resolves something in the scope of the main file; nothing comes only of an error.
+    fn resolve<T>(&mut self, work: impl FnOnce(Resolver<'_>) -> Option<T>) -> Result<T, Report> {
+        let mut declared = Declared {
+            types: std::mem::take(&mut self.types),
+            domains: std::mem::take(&mut self.domains),
+            functions: std::mem::take(&mut self.functions),
+            rules: std::mem::take(&mut self.rules),
+            atoms: std::mem::take(&mut self.atoms),
+            scopes: vec![std::mem::take(&mut self.scope)],
+            report: Report::new(),
+        };
+        let result = work(Resolver::new(&mut declared, 0));
+        self.types = declared.types;
+        self.domains = declared.domains;
+        self.functions = declared.functions;
+        self.rules = declared.rules;
+        self.atoms = declared.atoms;
+        self.scope = declared.scopes.pop().unwrap_or_default();
+        match result {
+            Some(result) if !declared.report.has_errors() => Ok(result),
+            _ => Err(declared.report.finish()),
+        }
+    }
+}
+
+impl Resolver<'_> {
+    /// The location that is given a value from outside: its function and arguments.
+    fn setting(&mut self, target: &ast::Assignee, value: &Term) -> Option<(FunctionId, Vec<Term>)> {
+        let ast::Assignee::Location {
+            agent,
+            function: name,
+            arguments,
+            span,
+        } = target
+        else {
+            if let ast::Assignee::Variable(name) = target {
+                self.unknown_variable(name);
+            }
+            return None;
+        };
+        let mut all = Vec::new();
+        if let Some(agent) = agent {
+            all.push(self.apply(agent, Vec::new(), agent.span));
+        }
+        all.extend(self.terms(arguments));
+        let applied = self.apply(name, all, *span);
+        let (id, arguments) = match *applied.kind {
+            TermKind::Apply(id, arguments) => (id, arguments),
+            TermKind::Spread(id, tuple) => (id, vec![tuple]),
+            TermKind::Invalid => return None,
+            _ => {
+                self.not_settable(name, "static", name.span);
+                return None;
+            }
+        };
+        let function = &self.declared.functions[id.0 as usize];
+        let (codomain, kind, declared) = (function.codomain, function.kind, function.span);
+        if !matches!(function.meaning, Meaning::State) {
+            self.not_settable(name, kind_name(kind), declared);
+            return None;
+        }
+        let what = format!("`{}`", name.text);
+        self.expect(value, codomain, &what, Some((declared, "declared")));
+        Some((id, arguments))
+    }
+
+    fn not_settable(&mut self, name: &ast::Name, kind: &'static str, declared: Span) {
+        self.error(HirError::WritesFixed {
+            function: name.text.clone(),
+            kind,
+            at: name.span,
+            declared,
+        });
+    }
+}
+
+/// What somebody outside sees: the names of the main file, which comes last, and then those of the
+/// others that it does not hide.
+pub(crate) fn seen_from_outside(mut scopes: Vec<Scope>) -> Scope {
+    let mut seen = scopes.pop().unwrap_or_default();
+    for scope in scopes.iter().rev() {
+        seen.complete(scope);
+    }
+    seen
+}

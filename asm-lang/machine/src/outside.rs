@@ -1,0 +1,146 @@
+//! What is done to a machine between its steps: terms evaluated, rules fired, locations set.
+
+use crate::choose::{Chooser, First};
+use crate::compile::Code;
+use crate::environment::{Environment, NoInputs};
+use crate::fault::Fault;
+use crate::machine::{Machine, Step};
+use crate::run::Codomain;
+use ir::{AddedRule, AddedTerm, Assignment, FunctionId, Origin, Program, Slot};
+use std::sync::Arc;
+use value::Value;
+
+/// A program has other locations than the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ForeignProgram;
+
+impl Machine {
+    /// Fires a rule that was added to the program. This is no step: none is counted, and no
+    /// invariant is checked.
+    ///
+    /// # Errors
+    /// The rule fails, or its updates are inconsistent; the state is as before.
+    pub fn fire(
+        &mut self,
+        rule: AddedRule,
+        environment: &mut dyn Environment,
+        chooser: &mut dyn Chooser,
+        now_ns: i64,
+    ) -> Result<Step<'_>, Box<Fault>> {
+        self.attempt(environment, chooser, now_ns, |run| {
+            match run.program.added_rules.get(rule.0 as usize) {
+                Some(&routine) => run.call_routine(routine, 0),
+                None => Ok(()),
+            }
+        })?;
+        Ok(self.last_step())
+    }
+
+    /// The value of a term that was added to the program, in the current state. Nothing changes but
+    /// what was heard of the environment, which is asked anew.
+    ///
+    /// # Errors
+    /// The term has no value.
+    pub fn evaluate(
+        &mut self,
+        term: AddedTerm,
+        environment: &mut dyn Environment,
+        now_ns: i64,
+    ) -> Result<Value, Box<Fault>> {
+        if !self.is_complete {
+            let mut complete = self.clone();
+            complete.rounds += 1;
+            complete.initialise_with_inputs(environment, now_ns)?;
+            return complete.evaluate(term, environment, now_ns);
+        }
+        self.rounds += 1;
+        let step = self.steps + 1;
+        self.aside(|machine| {
+            machine.run(environment, &mut First, step, now_ns, |run| {
+                match run.program.added_terms.get(term.0 as usize) {
+                    Some(&body) => run.call_body(body, 0),
+                    None => Value::Undef,
+                }
+            })
+        })
+    }
+
+    /// Gives a location a value from outside. A monitored location is asked of the environment all
+    /// the same when it is read next.
+    ///
+    /// # Errors
+    /// The value is no element of the codomain.
+    pub fn set(
+        &mut self,
+        function: FunctionId,
+        arguments: &[Value],
+        value: Value,
+    ) -> Result<Slot, Box<Fault>> {
+        let step = self.steps;
+        self.aside(|machine| {
+            machine.run(&mut NoInputs, &mut First, step, 0, |run| {
+                run.stack.extend_from_slice(arguments);
+                let slot = run.slot(function, 0);
+                let codomain = Codomain::of(run.program, function);
+                // the fault of a value outside the codomain is that of the run
+                if run
+                    .accepts(slot, &value, codomain, Origin::default())
+                    .is_ok()
+                {
+                    run.state.slots[slot as usize] = value;
+                }
+                slot
+            })
+        })
+    }
+
+    /// The location and the value an assignment from outside speaks of, in the current state.
+    ///
+    /// # Errors
+    /// An argument or the value has no value.
+    pub fn assigned(
+        &mut self,
+        assignment: &Assignment,
+        environment: &mut dyn Environment,
+        now_ns: i64,
+    ) -> Result<(FunctionId, Vec<Value>, Value), Box<Fault>> {
+        let function = FunctionId(assignment.function.0);
+        let value = self.evaluate(assignment.value, environment, now_ns)?;
+        let mut arguments = Vec::new();
+        for &argument in &assignment.arguments {
+            arguments.push(self.evaluate(argument, environment, now_ns)?);
+        }
+        let wanted = self.program.functions[function.0 as usize].parameters.len();
+        if let ([Value::Tuple(items)], true) = (arguments.as_slice(), wanted > 1) {
+            arguments = items.to_vec();
+        }
+        Ok((function, arguments, value))
+    }
+
+    /// Goes on with a program that differs in what was added to it.
+    ///
+    /// # Errors
+    /// The program has other locations; the machine is as before.
+    pub fn adopt(&mut self, program: Arc<Program>) -> Result<(), ForeignProgram> {
+        let is_own = self.program.slots == program.slots
+            && self.program.functions.len() == program.functions.len()
+            && self.program.domains.len() == program.domains.len()
+            && self.program.caches == program.caches
+            && self.program.symbols.atoms == program.symbols.atoms;
+        if !is_own {
+            return Err(ForeignProgram);
+        }
+        self.code = Arc::new(Code::of(&program));
+        self.program = program;
+        Ok(())
+    }
+
+    /// Does something that is no part of a step: what the last one read and wrote is kept.
+    fn aside<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
+        let kept = std::mem::take(&mut self.scratch);
+        self.scratch.updates.begin(self.state.len());
+        let result = work(self);
+        self.scratch = kept;
+        result
+    }
+}

@@ -1,0 +1,186 @@
+//! A specification and its machine, open to questions: terms and rules from outside.
+//!
+//! Scenarios, a prompt and watch expressions all ask in the same way: a text is read in the scope of
+//! the main file, added to the program, and evaluated in the current state.
+//!
+//! ```
+//! # let mut files = asm_lang::Files::new();
+//! # files.add("counter.asm", "asm counter
+//! # import StandardLibrary
+//! # signature:
+//! #   controlled n: Integer
+//! # definitions:
+//! #   main rule r_Main = n := n + 1
+//! # default init s0:
+//! #   function n = 0
+//! # ");
+//! use asm_lang::{First, NoInputs, Session, Value};
+//! let specification = asm_lang::open("counter.asm", &files).map_err(|failure| failure.to_string())?;
+//! let mut session = Session::new(specification).map_err(|failure| failure.to_string())?;
+//! let next = session.watch("n + 1").map_err(|report| format!("{report:?}"))?;
+//! session.fire("n := 41", &mut NoInputs, &mut First, 0).map_err(|report| format!("{report:?}"))?;
+//! let value = session.value(next, &mut NoInputs, 0).map_err(|report| format!("{report:?}"))?;
+//! assert_eq!(value, Value::Int(42));
+//! # Ok::<(), String>(())
+//! ```
+
+use crate::{Failure, Specification};
+use hir::AddedTerm;
+use machine::{Chooser, Environment, Fault, Machine, Step};
+use source::{FileId, Report};
+use value::Value;
+
+/// A specification that runs, and answers meanwhile.
+pub struct Session {
+    /// What it says; grows with the questions.
+    pub specification: Specification,
+    /// The machine.
+    pub machine: Machine,
+    /// How many texts were read.
+    texts: u32,
+}
+
+impl Session {
+    /// A machine in the initial state.
+    ///
+    /// # Errors
+    /// An initial value cannot be computed, or an invariant does not hold initially.
+    pub fn new(specification: Specification) -> Result<Self, Failure> {
+        match specification.machine() {
+            Ok(machine) => Ok(Self {
+                specification,
+                machine,
+                texts: 0,
+            }),
+            Err(fault) => {
+                let mut report = Report::new();
+                report.push(specification.explain(&fault));
+                Err(Failure {
+                    sources: specification.sources,
+                    report,
+                })
+            }
+        }
+    }
+
+    /// Reads a term that will be asked for again and again.
+    ///
+    /// # Errors
+    /// The text is no term, or does not fit the specification.
+    pub fn watch(&mut self, text: &str) -> Result<AddedTerm, Report> {
+        let file = self.text(text);
+        let term = syntax::parse_term(file, text)?;
+        let added = self.specification.model.add_term(&term)?;
+        self.adopt()?;
+        Ok(added)
+    }
+
+    /// The value of a watched term in the current state.
+    ///
+    /// # Errors
+    /// The term has no value.
+    pub fn value(
+        &mut self,
+        term: AddedTerm,
+        environment: &mut dyn Environment,
+        now_ns: i64,
+    ) -> Result<Value, Report> {
+        let value = self.machine.evaluate(term, environment, now_ns);
+        value.map_err(|fault| self.report(&fault))
+    }
+
+    /// The value of a term in the current state.
+    ///
+    /// # Errors
+    /// The text is no term, does not fit the specification, or has no value.
+    pub fn evaluate(
+        &mut self,
+        text: &str,
+        environment: &mut dyn Environment,
+        now_ns: i64,
+    ) -> Result<Value, Report> {
+        self.once(|session| {
+            let term = session.watch(text)?;
+            session.value(term, environment, now_ns)
+        })
+    }
+
+    /// Fires a rule in the current state. It counts as no step, and invariants wait for the next one.
+    ///
+    /// # Errors
+    /// The text is no rule, does not fit the specification, or fails; the state is as before.
+    pub fn fire(
+        &mut self,
+        text: &str,
+        environment: &mut dyn Environment,
+        chooser: &mut dyn Chooser,
+        now_ns: i64,
+    ) -> Result<Step<'_>, Report> {
+        self.once(|session| {
+            let file = session.text(text);
+            let rule = syntax::parse_rule(file, text)?;
+            let added = session.specification.model.add_rule(&rule)?;
+            session.adopt()?;
+            let fired = session.machine.fire(added, environment, chooser, now_ns);
+            match fired.map(|_| ()) {
+                Ok(()) => Ok(()),
+                Err(fault) => Err(session.report(&fault)),
+            }
+        })?;
+        Ok(self.machine.last_step())
+    }
+
+    /// Reads `location := term`, where the location may be the environment's, and evaluates both
+    /// sides: the function, its arguments, and the value. Who it belongs to decides what is done
+    /// with it: [`Machine::set`] writes what is not monitored.
+    ///
+    /// # Errors
+    /// The text is no assignment, does not fit the specification, or has no value.
+    pub fn assignment(
+        &mut self,
+        text: &str,
+        environment: &mut dyn Environment,
+        now_ns: i64,
+    ) -> Result<(ir::FunctionId, Vec<Value>, Value), Report> {
+        self.once(|session| {
+            let file = session.text(text);
+            let (target, value) = syntax::parse_assignment(file, text)?;
+            let assignment = session
+                .specification
+                .model
+                .add_assignment(&target, &value)?;
+            session.adopt()?;
+            let found = session.machine.assigned(&assignment, environment, now_ns);
+            found.map_err(|fault| session.report(&fault))
+        })
+    }
+
+    /// Forgets what was added meanwhile.
+    fn once<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, Report>) -> Result<T, Report> {
+        let added = &self.specification.model.added;
+        let (terms, rules) = (added.terms.len(), added.rules.len());
+        let result = work(self);
+        self.specification.model.forget_added(terms, rules);
+        result
+    }
+
+    fn text(&mut self, text: &str) -> FileId {
+        self.texts += 1;
+        let path = format!("<input {}>", self.texts);
+        self.specification.sources.add(&path, text)
+    }
+
+    /// Lets the machine know what was added.
+    fn adopt(&mut self) -> Result<(), Report> {
+        self.specification.lower()?;
+        // the locations are the same: only terms and rules were added
+        let _ = self.machine.adopt(self.specification.program.clone());
+        Ok(())
+    }
+
+    fn report(&self, fault: &Fault) -> Report {
+        let mut report = Report::new();
+        report.push(self.specification.explain_in(fault, &self.machine));
+        report
+    }
+}

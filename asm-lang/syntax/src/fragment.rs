@@ -1,0 +1,101 @@
+//! Single terms and rules: what scenarios, prompts and scripts contain.
+
+use crate::error::SyntaxError;
+use crate::explain::{Explainer, Failure};
+use crate::findings::Findings;
+use crate::nesting::Tokens;
+use crate::node::Nodes;
+use crate::{ast, grammar};
+use source::{FileId, Report};
+use std::ops::Range;
+
+/// Reads one term.
+///
+/// # Errors
+/// The text is not one term.
+pub fn parse_term(file: FileId, text: &str) -> Result<ast::Term, Report> {
+    parse_term_in(file, text, 0..text.len())
+}
+
+/// Reads one term that is a part of a text.
+///
+/// # Errors
+/// The part is not one term.
+pub fn parse_term_in(file: FileId, text: &str, part: Range<usize>) -> Result<ast::Term, Report> {
+    parse(file, text, part, |nodes, tokens| {
+        grammar::TermParser::new().parse(nodes, tokens)
+    })
+}
+
+/// Reads one rule.
+///
+/// # Errors
+/// The text is not one rule.
+pub fn parse_rule(file: FileId, text: &str) -> Result<ast::Rule, Report> {
+    parse_rule_in(file, text, 0..text.len())
+}
+
+/// Reads one rule that is a part of a text.
+///
+/// # Errors
+/// The part is not one rule.
+pub fn parse_rule_in(file: FileId, text: &str, part: Range<usize>) -> Result<ast::Rule, Report> {
+    parse(file, text, part, |nodes, tokens| {
+        grammar::RuleParser::new().parse(nodes, tokens)
+    })
+}
+
+/// Reads `location := term`.
+///
+/// # Errors
+/// The text is not one assignment.
+pub fn parse_assignment(file: FileId, text: &str) -> Result<(ast::Assignee, ast::Term), Report> {
+    parse_assignment_in(file, text, 0..text.len())
+}
+
+/// Reads `location := term` that is a part of a text.
+///
+/// # Errors
+/// The part is not one assignment.
+pub fn parse_assignment_in(
+    file: FileId,
+    text: &str,
+    part: Range<usize>,
+) -> Result<(ast::Assignee, ast::Term), Report> {
+    let rule = parse_rule_in(file, text, part)?;
+    match *rule.kind {
+        ast::RuleKind::Update { target, value } => Ok((target, value)),
+        _ => {
+            let mut report = Report::new();
+            report.push(SyntaxError::NotAnAssignment { at: rule.span }.diagnostic());
+            Err(report)
+        }
+    }
+}
+
+fn parse<T>(
+    file: FileId,
+    text: &str,
+    part: Range<usize>,
+    parser: impl for<'input, 'run> FnOnce(
+        &Nodes<'input, 'run>,
+        Tokens<'input, 'run>,
+    ) -> Result<T, Failure<'input>>,
+) -> Result<T, Report> {
+    let text = text.get(..part.end).unwrap_or(text);
+    let (findings, unheard) = (Findings::new(file), Findings::new(file));
+    let explainer = Explainer::new(text, &findings, &unheard).starting_at(part.start);
+    let nodes = Nodes::new(text, &findings, explainer);
+    let mut tokens = Tokens::new(text, &findings);
+    tokens.lexer.start_at(part.start);
+    tokens.lexer.names_elements = true;
+    let parsed = parser(&nodes, tokens);
+    if let Err(failure) = &parsed {
+        nodes.explain(failure, part.start, text.len());
+    }
+    let report = findings.finish();
+    match parsed {
+        Ok(fragment) if !report.has_errors() => Ok(fragment),
+        _ => Err(report),
+    }
+}

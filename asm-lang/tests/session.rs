@@ -1,0 +1,182 @@
+//! Questions to a running specification.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test that cannot go on has failed"
+)]
+
+use asm_lang::{
+    Environment, Files, First, NoInputs, Report, Session, Style, Value, ir, render_all,
+};
+
+const GEAR: &str = "module Gear
+import StandardLibrary
+export gear
+signature:
+  controlled gear: Integer
+  static hidden: Integer
+definitions:
+  function hidden = 7
+";
+
+const CAR: &str = "asm car
+import StandardLibrary
+import Gear
+signature:
+  domain Speed subsetof Integer
+  monitored pedal: Integer
+  controlled speed: Speed
+  controlled seen: Integer -> Integer
+  derived fast: Boolean
+definitions:
+  domain Speed = {0 : 9}
+  function fast = speed > 5
+  rule r_set($to in Integer) = speed := $to
+  invariant over speed: speed < 9
+  main rule r_Main = par speed := pedal seen(pedal) := 1 endpar
+default init s0:
+  function speed = 1
+  function seen($i in Integer) = $i * 10
+";
+
+/// Answers every question with one more than before.
+struct Counter(i64);
+
+impl Environment for Counter {
+    fn read(&mut self, _: ir::FunctionId, _: &[Value]) -> Result<Option<Value>, String> {
+        self.0 += 1;
+        Ok(Some(Value::Int(self.0)))
+    }
+}
+
+fn session() -> Session {
+    let mut files = Files::new();
+    files.add("car.asm", CAR);
+    files.add("Gear.asm", GEAR);
+    let specification =
+        asm_lang::open("car.asm", &files).unwrap_or_else(|failure| panic!("{failure}"));
+    Session::new(specification).unwrap_or_else(|failure| panic!("{failure}"))
+}
+
+fn evaluate(session: &mut Session, text: &str) -> String {
+    let answer = session.evaluate(text, &mut NoInputs, 0);
+    match answer {
+        Ok(value) => value.show(&session.machine.naming()).to_string(),
+        Err(report) => said(session, &report),
+    }
+}
+
+fn said(session: &Session, report: &Report) -> String {
+    render_all(report, &session.specification.sources, Style::Plain)
+}
+
+#[test]
+fn it_evaluates_terms_in_the_current_state() {
+    let mut session = session();
+    assert_eq!(evaluate(&mut session, "speed + 1"), "2");
+    assert_eq!(evaluate(&mut session, "fast"), "false");
+    assert_eq!(evaluate(&mut session, "seen(4)"), "40");
+    session
+        .machine
+        .step(&mut Counter(6), &mut First, 0)
+        .unwrap();
+    assert_eq!(
+        evaluate(&mut session, "(speed, fast, seen(7), seen(4))"),
+        "(7, true, 1, 40)"
+    );
+}
+
+#[test]
+fn it_sees_what_imported_modules_keep_for_themselves() {
+    let mut session = session();
+    assert_eq!(evaluate(&mut session, "(gear, hidden)"), "(undef, 7)");
+}
+
+#[test]
+fn a_watched_term_keeps_its_meaning_while_others_come_and_go() {
+    let mut session = session();
+    let watched = session.watch("speed").unwrap();
+    assert_eq!(evaluate(&mut session, "seen(1)"), "10");
+    session
+        .machine
+        .step(&mut Counter(3), &mut First, 0)
+        .unwrap();
+    assert_eq!(
+        session.value(watched, &mut NoInputs, 0).unwrap(),
+        Value::Int(4)
+    );
+}
+
+#[test]
+fn a_question_asks_the_environment_and_leaves_the_last_step_as_it_was() {
+    let mut session = session();
+    session
+        .machine
+        .step(&mut Counter(1), &mut First, 0)
+        .unwrap();
+    let value = session.evaluate("pedal", &mut Counter(7), 0).unwrap();
+    assert_eq!(value, Value::Int(8));
+    let step = session.machine.last_step();
+    assert_eq!((step.inputs.len(), step.updates.len()), (1, 2));
+}
+
+#[test]
+fn a_rule_fires_without_being_a_step() {
+    let mut session = session();
+    session
+        .fire(
+            "seq r_set[3] speed := speed + 1 endseq",
+            &mut NoInputs,
+            &mut First,
+            0,
+        )
+        .unwrap();
+    assert_eq!(evaluate(&mut session, "speed"), "4");
+    assert_eq!(session.machine.steps(), 0);
+    let clash = session.fire("par r_set[3] r_set[2] endpar", &mut NoInputs, &mut First, 0);
+    assert_eq!(clash.unwrap_err().diagnostics[0].code, "R001");
+    assert_eq!(evaluate(&mut session, "speed"), "4");
+}
+
+#[test]
+fn a_location_is_set_from_outside_within_its_codomain() {
+    let mut session = session();
+    let (function, arguments, value) = session
+        .assignment("seen(2 + 3) := speed", &mut NoInputs, 0)
+        .unwrap();
+    assert_eq!(arguments, [Value::Int(5)]);
+    session.machine.set(function, &arguments, value).unwrap();
+    assert_eq!(evaluate(&mut session, "seen(5)"), "1");
+    let (speed, arguments, value) = session.assignment("speed := 12", &mut NoInputs, 0).unwrap();
+    assert!(session.machine.set(speed, &arguments, value).is_err());
+    assert_eq!(evaluate(&mut session, "speed"), "1");
+}
+
+#[test]
+fn a_machine_is_kept_and_taken_up_again() {
+    let mut session = session();
+    let kept = session.machine.clone();
+    session
+        .machine
+        .step(&mut Counter(4), &mut First, 0)
+        .unwrap();
+    assert_eq!(evaluate(&mut session, "speed"), "5");
+    session.machine = kept;
+    assert_eq!(evaluate(&mut session, "speed"), "1");
+    assert_eq!(session.machine.steps(), 0);
+}
+
+#[test]
+fn a_question_that_makes_no_sense_is_answered_like_a_specification() {
+    let mut session = session();
+    let mut all = String::new();
+    for text in ["sped", "speed +", "speed = true", "1 div 0"] {
+        all.push_str(&evaluate(&mut session, text));
+    }
+    for text in ["fast := true", "speed", "speed := true"] {
+        let report = session.assignment(text, &mut NoInputs, 0).unwrap_err();
+        all.push_str(&said(&session, &report));
+    }
+    insta::assert_snapshot!(all);
+}
