@@ -113,9 +113,6 @@ pub(crate) enum SyntaxError {
     #[error("nested too deep")]
     TooDeep { at: Span },
 
-    #[error("an assignment is wanted here")]
-    NotAnAssignment { at: Span },
-
     #[error("`,` does not separate rules")]
     CommaBetweenRules { at: Span },
 
@@ -371,9 +368,6 @@ impl SyntaxError {
             Self::TooDeep { at } => error("L039")
                 .label(*at, format!("more than {} levels", crate::MAX_DEPTH))
                 .help("name a part of it by a function or a rule of its own"),
-            Self::NotAnAssignment { at } => error("L063")
-                .label(*at, "not of the form `location := term`")
-                .help("write a location, `:=` and its value, as in `speed(rob1) := 3`"),
             Self::CommaBetweenRules { at } => {
                 error("L040")
                     .label(*at, "not expected here")

@@ -1,12 +1,11 @@
 //! Single terms and rules: what scenarios, prompts and scripts contain.
 
-use crate::error::SyntaxError;
 use crate::explain::{Explainer, Failure};
 use crate::findings::Findings;
 use crate::nesting::Tokens;
 use crate::node::Nodes;
 use crate::{ast, grammar};
-use source::{FileId, Report};
+use source::{Diagnostic, FileId, Report, Span};
 use std::ops::Range;
 
 /// Reads one term.
@@ -67,10 +66,16 @@ pub fn parse_assignment_in(
         ast::RuleKind::Update { target, value } => Ok((target, value)),
         _ => {
             let mut report = Report::new();
-            report.push(SyntaxError::NotAnAssignment { at: rule.span }.diagnostic());
+            report.push(not_an_assignment(rule.span));
             Err(report)
         }
     }
+}
+
+fn not_an_assignment(at: Span) -> Diagnostic {
+    Diagnostic::error("L063", "an assignment is wanted here")
+        .label(at, "not of the form `location := term`")
+        .help("write a location, `:=` and its value, as in `speed(rob1) := 3`")
 }
 
 fn parse<T>(
