@@ -720,7 +720,7 @@ mod single_rules {
             "{report:#?}"
         );
         let term = parse_term_in(FileId(0), text, 16..18).unwrap();
-        assert_eq!(term.span.range(), 17..18);
+        assert_eq!(term.span.range(), 16..17);
     }
 }
 
