@@ -237,6 +237,32 @@ fn a_step_that_fails_exits_with_3_and_shows_both_writers() {
 }
 
 #[test]
+fn a_step_that_fails_shows_the_values_at_hand() {
+    let text = "asm drive\nimport StandardLibrary\nsignature:\n  domain Speed subsetof Integer\n  \
+                enum domain Robot = {ROB_A | ROB_B}\n  monitored wish: Robot -> Integer\n  \
+                controlled speed: Robot -> Speed\ndefinitions:\n  domain Speed = {0 : 9}\n  \
+                rule r_drive($r in Robot) = speed($r) := wish($r) + 1\n  \
+                main rule r_Main = forall $x in Robot do r_drive[$x]\n";
+    let (folder, path) = file("drive.asm", text);
+    let inputs = folder.path().join("inputs.toml");
+    std::fs::write(
+        &inputs,
+        "[[step]]\n\"wish(ROB_A)\" = 3\n\"wish(ROB_B)\" = 12\n",
+    )
+    .unwrap();
+    let (code, _, err) = run(&["sim", &path, "--env", &inputs.display().to_string()]);
+    assert_eq!(code, 3, "{err}");
+    for said in [
+        "13 is no element of `Speed`",
+        "at that moment, `$r` = ROB_B, `$x` = ROB_B, `wish($r)` = 12",
+        "called here",
+        "the inputs of the step: `wish(ROB_A)` = 3, `wish(ROB_B)` = 12",
+    ] {
+        assert!(err.contains(said), "{said}: {err}");
+    }
+}
+
+#[test]
 fn bad_input_gets_a_diagnostic_and_no_panic() {
     let nested = format!(
         "asm deep\nsignature:\ndefinitions:\n  main rule r_Main = x := {}1{}\n",

@@ -1,28 +1,40 @@
 //! Run-time faults as diagnostics: both writers, the values at hand, the step and the agent.
 
+mod values;
+
 use crate::Specification;
-use machine::{Fault, FaultKind, Machine};
+use machine::{Fault, FaultKind, Machine, Witness};
 use source::Diagnostic;
 use value::Value;
 
 impl Specification {
-    /// What a fault says, where the machine is not at hand: values are shown as far as they can be.
+    /// What a fault says of a machine that could not be built: values are shown as far as they can be.
     pub fn explain(&self, fault: &Fault) -> Diagnostic {
-        self.diagnose(fault, &|slot| format!("location {slot}"), &|value| {
-            value
-                .show(&machine::Naming {
-                    program: &self.program,
-                    reserve: &[],
-                })
-                .to_string()
-        })
+        let naming = machine::Naming {
+            program: &self.program,
+            reserve: &[],
+        };
+        let show = |value: &Value| value.show(&naming).to_string();
+        let finding = self.diagnose(fault, &|slot| format!("location {slot}"), &show);
+        match Witness::initially(&self.program, fault) {
+            Some(witness) => values::add(finding, fault, &witness, self, &show),
+            None => finding,
+        }
     }
 
-    /// What a fault of this machine says.
+    /// What the fault says that this machine has just returned.
     pub fn explain_in(&self, fault: &Fault, machine: &Machine) -> Diagnostic {
         let naming = machine.naming();
         let show = |value: &Value| value.show(&naming).to_string();
-        self.diagnose(fault, &|slot| simulate::location(machine, slot), &show)
+        let mut finding = self.diagnose(fault, &|slot| simulate::location(machine, slot), &show);
+        if let Some(witness) = machine.witness(fault) {
+            finding = values::add(finding, fault, &witness, self, &show);
+        }
+        finding = values::add_inputs(finding, machine);
+        if fault.step > 0 && fault.step == machine.steps() {
+            finding = values::add_updates(finding, machine);
+        }
+        finding
     }
 
     fn diagnose(

@@ -101,6 +101,9 @@ pub enum Node {
     Extent(Shape),
     /// The program of an agent.
     Program(Term),
+    /// A term whose value is noted. Lowering makes none: a machine puts them in to find out what a
+    /// failed step saw.
+    Watched(Term),
 }
 
 /// The binary connectives.
@@ -230,4 +233,6 @@ pub enum RuleNode {
     Extend(DomainId, Vec<Local>, Rule),
     /// Guard, body.
     While(Term, Rule),
+    /// A rule that is noted while it runs; see [`Node::Watched`].
+    Watched(Rule),
 }

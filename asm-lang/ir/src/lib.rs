@@ -8,6 +8,7 @@
 mod code;
 mod lower;
 mod program;
+mod visit;
 
 pub use code::*;
 pub use lower::{Lowered, lower, lower_with};

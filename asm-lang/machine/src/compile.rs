@@ -10,11 +10,14 @@ mod range;
 mod rule;
 mod term;
 mod truth;
+mod watched;
 
 pub(crate) use location::MAX_AXES;
 
 use crate::run::{Run, Stopped, Truth};
-use ir::{Axis, DomainId, Local, Origin, Program, Term};
+use crate::witness::{watched_rule, watched_term};
+use ir::{Axis, DomainId, Local, Origin, Program, Rule, Term};
+use std::borrow::Cow;
 use value::Value;
 
 /// Gives a value.
@@ -43,6 +46,27 @@ pub(crate) struct Code {
 
 impl Code {
     pub fn of(program: &Program) -> Self {
+        Self::compiled(
+            program,
+            |term| Cow::Borrowed(term),
+            |rule| Cow::Borrowed(rule),
+        )
+    }
+
+    /// Code in which every read and every rule is watched.
+    pub fn watched(program: &Program) -> Self {
+        Self::compiled(
+            program,
+            |term| Cow::Owned(watched_term(term.clone())),
+            |rule| Cow::Owned(watched_rule(rule.clone())),
+        )
+    }
+
+    fn compiled(
+        program: &Program,
+        term: impl Fn(&Term) -> Cow<'_, Term>,
+        rule: impl Fn(&Rule) -> Cow<'_, Rule>,
+    ) -> Self {
         let compiler = Compiler {
             program,
             windows: crate::near::windows(program),
@@ -50,14 +74,14 @@ impl Code {
         let bodies = program.bodies.iter().map(|body| Compiled {
             locals: body.locals,
             arguments: body.arguments,
-            code: compiler.term(&body.code),
+            code: compiler.term(&term(&body.code)),
             origin: body.origin,
             open: body.open,
         });
         let routines = program.routines.iter().map(|routine| Compiled {
             locals: routine.locals,
             arguments: routine.arguments,
-            code: compiler.rule(&routine.code),
+            code: compiler.rule(&rule(&routine.code)),
             origin: routine.origin,
             open: routine.open,
         });

@@ -16,6 +16,7 @@ mod outside;
 mod run;
 mod state;
 mod updates;
+mod witness;
 
 pub use choose::{Chooser, First};
 pub use environment::{Environment, NoInputs};
@@ -24,3 +25,4 @@ pub use machine::{Choice, Input, Machine, Step};
 pub use outside::ForeignProgram;
 pub use state::{Naming, State};
 pub use updates::Update;
+pub use witness::{Passed, Witness};

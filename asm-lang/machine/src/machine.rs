@@ -8,6 +8,7 @@ use crate::fault::{Fault, FaultKind};
 use crate::run::{Record, Run, Stopped, Truth};
 use crate::state::{Naming, State};
 use crate::updates::{Update, Updates};
+use crate::witness::Notes;
 use ir::{DomainId, Elements, FunctionId, Origin, Program, Slot, Storage};
 use std::sync::Arc;
 use value::{Atom, Value};
@@ -75,6 +76,8 @@ pub(crate) struct Scratch {
     locals: Vec<Value>,
     stack: Vec<Value>,
     before: Vec<Value>,
+    /// Only where a failed step is done once more.
+    notes: Option<Notes>,
 }
 
 impl Clone for Scratch {
@@ -90,19 +93,42 @@ impl Machine {
     /// # Errors
     /// An initial value cannot be computed, or an invariant does not hold initially.
     pub fn new(program: Arc<Program>) -> Result<Self, Box<Fault>> {
-        let code = Arc::new(Code::of(&program));
+        let code = Code::of(&program);
+        let mut machine = Self::blank(program, code);
+        machine.initialise()?;
+        Ok(machine)
+    }
+
+    /// A machine whose initial state is still to be built.
+    pub(crate) fn blank(program: Arc<Program>, code: Code) -> Self {
         let state = State::new(&program);
-        let mut machine = Self {
+        Self {
             program,
-            code,
+            code: Arc::new(code),
             state,
             scratch: Scratch::default(),
             steps: 0,
             rounds: 0,
             is_complete: false,
-        };
-        machine.initialise()?;
-        Ok(machine)
+        }
+    }
+
+    /// A machine in the same state with other code.
+    pub(crate) fn recompiled(&self, code: Code) -> Self {
+        Self {
+            code: Arc::new(code),
+            ..self.clone()
+        }
+    }
+
+    /// From now on, watched code notes what it sees on the way to this fault.
+    pub(crate) fn watch(&mut self, fault: &Fault) {
+        self.scratch.notes = Some(Notes::about(fault));
+    }
+
+    /// What was noted.
+    pub(crate) fn notes(&mut self) -> Option<Notes> {
+        self.scratch.notes.take()
     }
 
     /// The program.
@@ -148,10 +174,7 @@ impl Machine {
             run.check_invariants(true)
         })?;
         self.steps = number;
-        self.run(environment, chooser, number, now_ns, |run| {
-            // a violation is reported as the fault of the run
-            let _ = run.check_invariants(false);
-        })?;
+        self.check_again(environment, chooser, now_ns)?;
         Ok(self.last_step())
     }
 
@@ -185,6 +208,19 @@ impl Machine {
         Ok(())
     }
 
+    /// Checks the invariants of the state that the last step led to.
+    pub(crate) fn check_again(
+        &mut self,
+        environment: &mut dyn Environment,
+        chooser: &mut dyn Chooser,
+        now_ns: i64,
+    ) -> Result<(), Box<Fault>> {
+        self.run(environment, chooser, self.steps, now_ns, |run| {
+            // a violation is reported as the fault of the run
+            let _ = run.check_invariants(false);
+        })
+    }
+
     /// The step done last, or failed; its update set is empty before the first one.
     pub fn last_step(&self) -> Step<'_> {
         Step {
@@ -215,7 +251,7 @@ impl Machine {
         }
     }
 
-    fn initialise(&mut self) -> Result<(), Box<Fault>> {
+    pub(crate) fn initialise(&mut self) -> Result<(), Box<Fault>> {
         self.scratch.updates.begin(self.state.len());
         self.state.initial = self.state.slots.clone();
         let program = self.program.clone();
@@ -321,6 +357,7 @@ impl Machine {
             record,
             locals,
             stack,
+            notes,
             ..
         } = &mut self.scratch;
         locals.clear();
@@ -345,6 +382,7 @@ impl Machine {
             now_ns,
             building: false,
             fault: None,
+            notes,
         };
         let result = work(&mut run);
         match run.fault {

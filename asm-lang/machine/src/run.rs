@@ -8,6 +8,7 @@ use crate::fault::{Fault, FaultKind};
 use crate::machine::{Choice, Input};
 use crate::state::{State, dense};
 use crate::updates::{Layer, Updates, Written};
+use crate::witness::Notes;
 use ir::{BodyId, DomainId, FunctionId, FunctionKind, Local, Origin, Program, Slot};
 use value::Value;
 
@@ -110,6 +111,8 @@ pub(crate) struct Run<'a> {
     /// While the initial state is built, the current state is the initial one.
     pub building: bool,
     pub fault: Option<Box<Fault>>,
+    /// Where watched code writes down what it sees.
+    pub notes: &'a mut Option<Notes>,
 }
 
 impl Record {
@@ -133,6 +136,9 @@ impl Run<'_> {
                 step: self.step,
             };
             self.fault = Some(Box::new(fault));
+            if let Some(notes) = self.notes {
+                notes.fail();
+            }
         }
         Value::Undef
     }

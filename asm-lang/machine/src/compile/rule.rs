@@ -76,6 +76,7 @@ impl Compiler<'_> {
                 })
             }
             RuleNode::While(guard, body) => self.repeat(guard, body, origin),
+            RuleNode::Watched(rule) => self.watched_rule(rule),
         }
     }
 

@@ -146,6 +146,7 @@ impl Compiler<'_> {
                     Err(kind) => run.fail(kind, origin),
                 })
             }
+            Node::Watched(term) => self.watched_term(term),
             Node::Program(agent) => {
                 let agent = self.term(agent);
                 Box::new(move |run| {

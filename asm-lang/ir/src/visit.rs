@@ -1,0 +1,125 @@
+//! The parts of terms and rules, for whoever goes through all of them.
+
+use crate::code::{Binder, Node, Place, Range, Rule, RuleNode, Term};
+
+impl Node {
+    /// The terms directly in it, in the order they are evaluated.
+    pub fn terms_mut(&mut self) -> Vec<&mut Term> {
+        match self {
+            Self::Constant(_) | Self::Local(_) | Self::Agent | Self::Slot(..) | Self::Extent(_) => {
+                Vec::new()
+            }
+            Self::Location(_, terms)
+            | Self::Call(_, terms)
+            | Self::Builtin(_, terms)
+            | Self::Tuple(terms)
+            | Self::Listed(_, terms) => terms.iter_mut().collect(),
+            Self::Cached(_, term)
+            | Self::Watched(term)
+            | Self::Not(term)
+            | Self::Component(term, _)
+            | Self::Program(term) => vec![term],
+            Self::Logic(_, left, right)
+            | Self::Equal(left, right)
+            | Self::Compare(_, left, right)
+            | Self::Arithmetic(_, left, right) => vec![left, right],
+            Self::If(guard, then, otherwise) => vec![guard, then, otherwise],
+            Self::Switch(subject, cases, otherwise) => {
+                let cases = cases.iter_mut().flat_map(|(case, value)| [case, value]);
+                std::iter::once(subject)
+                    .chain(cases)
+                    .chain([otherwise])
+                    .collect()
+            }
+            Self::Let(bindings, body) => {
+                let bound = bindings.iter_mut().map(|(_, term)| term);
+                bound.chain([body]).collect()
+            }
+            Self::Quantified(_, binders, guard) => ranges(binders).chain(guard).collect(),
+            Self::Interval(_, from, to, step) => [from, to].into_iter().chain(step).collect(),
+            Self::Collect(_, binders, guard, item) => {
+                ranges(binders).chain(guard).chain([item]).collect()
+            }
+            Self::Map(pairs) => pairs
+                .iter_mut()
+                .flat_map(|(key, value)| [key, value])
+                .collect(),
+            Self::CollectMap(binders, guard, key, value) => {
+                ranges(binders).chain(guard).chain([key, value]).collect()
+            }
+        }
+    }
+}
+
+impl RuleNode {
+    /// The terms directly in it, in the order they are evaluated.
+    pub fn terms_mut(&mut self) -> Vec<&mut Term> {
+        match self {
+            Self::Skip | Self::Par(_) | Self::Seq(_) | Self::Extend(..) | Self::Watched(_) => {
+                Vec::new()
+            }
+            Self::Update(place, value) => place.terms_mut().chain([value]).collect(),
+            Self::Assign(place, _, arguments) => place
+                .iter_mut()
+                .flat_map(Place::terms_mut)
+                .chain(arguments)
+                .collect(),
+            Self::Call(_, arguments) => arguments.iter_mut().collect(),
+            Self::Run(term, arguments) | Self::RunAgent(term, arguments) => {
+                std::iter::once(term).chain(arguments).collect()
+            }
+            Self::If(guard, _, _) | Self::While(guard, _) => vec![guard],
+            Self::Switch(subject, cases, _) => {
+                let cases = cases.iter_mut().map(|(case, _)| case);
+                std::iter::once(subject).chain(cases).collect()
+            }
+            Self::Choose(binders, guard, _, _) | Self::Forall(binders, guard, _) => {
+                ranges(binders).chain(guard).collect()
+            }
+            Self::Let(bindings, _) => bindings.iter_mut().map(|(_, term)| term).collect(),
+        }
+    }
+
+    /// The rules directly in it, in the order they are run.
+    pub fn rules_mut(&mut self) -> Vec<&mut Rule> {
+        match self {
+            Self::Skip
+            | Self::Update(..)
+            | Self::Assign(..)
+            | Self::Call(..)
+            | Self::Run(..)
+            | Self::RunAgent(..) => Vec::new(),
+            Self::Par(rules) | Self::Seq(rules) => rules.iter_mut().collect(),
+            Self::If(_, then, otherwise) | Self::Choose(_, _, then, otherwise) => {
+                vec![then, otherwise]
+            }
+            Self::Switch(_, cases, otherwise) => {
+                let cases = cases.iter_mut().map(|(_, rule)| rule);
+                cases.chain([otherwise]).collect()
+            }
+            Self::Forall(_, _, body)
+            | Self::Let(_, body)
+            | Self::Extend(_, _, body)
+            | Self::While(_, body)
+            | Self::Watched(body) => vec![body],
+        }
+    }
+}
+
+impl Place {
+    fn terms_mut(&mut self) -> std::slice::IterMut<'_, Term> {
+        match self {
+            Self::Slot(..) => [].iter_mut(),
+            Self::Location(_, arguments) => arguments.iter_mut(),
+        }
+    }
+}
+
+fn ranges(binders: &mut [Binder]) -> impl Iterator<Item = &mut Term> {
+    binders
+        .iter_mut()
+        .filter_map(|binder| match &mut binder.range {
+            Range::Elements(term) => Some(term),
+            Range::Ints(..) | Range::Atoms(..) | Range::Bools | Range::Domain(_) => None,
+        })
+}

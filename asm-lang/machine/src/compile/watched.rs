@@ -1,0 +1,61 @@
+//! Code that keeps notes for a [`Witness`](crate::Witness): it runs after a fault, never before one.
+
+use super::{Compiler, RuleCode, TermCode};
+use ir::{Node, Rule, RuleNode, Term};
+
+impl Compiler<'_> {
+    pub(super) fn watched_term(&self, term: &Term) -> TermCode {
+        let (origin, code) = (term.origin, self.term(term));
+        let calls = matches!(&*term.node, Node::Call(..));
+        Box::new(move |run| {
+            if let Some(notes) = run.notes.as_mut().filter(|_| calls) {
+                notes.enter(origin, true);
+            }
+            let value = code(run);
+            if run.fault.is_none()
+                && let Some(notes) = run.notes
+            {
+                if calls {
+                    notes.leave();
+                }
+                notes.read(origin, &value);
+            }
+            value
+        })
+    }
+
+    pub(super) fn watched_rule(&self, rule: &Rule) -> RuleCode {
+        let (origin, code) = (rule.origin, self.rule(rule));
+        let calls = match &*rule.node {
+            RuleNode::Assign(..)
+            | RuleNode::Call(..)
+            | RuleNode::Run(..)
+            | RuleNode::RunAgent(..) => true,
+            RuleNode::Skip
+            | RuleNode::Update(..)
+            | RuleNode::Par(_)
+            | RuleNode::Seq(_)
+            | RuleNode::If(..)
+            | RuleNode::Switch(..)
+            | RuleNode::Choose(..)
+            | RuleNode::Forall(..)
+            | RuleNode::Let(..)
+            | RuleNode::Extend(..)
+            | RuleNode::While(..)
+            | RuleNode::Watched(_) => false,
+        };
+        Box::new(move |run| {
+            if let Some(notes) = run.notes {
+                notes.enter(origin, calls);
+            }
+            code(run)?;
+            if let Some(notes) = run.notes {
+                if let Some(update) = run.updates.list.last() {
+                    notes.wrote(update);
+                }
+                notes.leave();
+            }
+            Ok(())
+        })
+    }
+}
