@@ -328,3 +328,96 @@ fn colour_follows_the_flag_and_the_variables() {
         .unwrap();
     assert!(!String::from_utf8_lossy(&output.stdout).contains('\u{1b}'));
 }
+
+#[test]
+fn a_trace_replays_to_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (first, again) = (path("first.trace"), path("again.trace"));
+    let spec = "specs/allocation/allocation.asm";
+    let (code, _, err) = run(&[
+        "sim", spec, "--seed", "5", "--steps", "30", "--trace", &first, "-q",
+    ]);
+    assert_eq!(code, 0, "{err}");
+    let (code, _, err) = run(&[
+        "sim",
+        spec,
+        "--replay-inputs",
+        &first,
+        "--trace",
+        &again,
+        "-q",
+    ]);
+    assert_eq!(code, 0, "{err}");
+    let text = std::fs::read_to_string(&first).unwrap();
+    assert_eq!(
+        text.matches("@step").count(),
+        30,
+        "as many steps as were recorded"
+    );
+    assert!(text.contains("\nM "), "inputs are recorded");
+    assert_eq!(text, std::fs::read_to_string(&again).unwrap());
+}
+
+#[test]
+fn a_trace_of_another_specification_is_a_wrong_usage() {
+    let (_folder, trace) = file("wrong.trace", "@step 1\nM wings = 2\n");
+    let (code, _, err) = run(&["sim", "specs/patrol/patrol.asm", "--replay-inputs", &trace]);
+    assert_eq!(code, 2);
+    assert!(err.contains("`wings = 2`"), "{err}");
+}
+
+#[test]
+fn a_folder_of_specifications_is_simulated_file_by_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, body: &str| {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, body).unwrap();
+    };
+    let header = "import StandardLibrary\nsignature:\n  controlled n: Integer\ndefinitions:\n";
+    write(
+        "a/runs.asm",
+        &format!("asm runs {header} main rule r_Main = n := 1\n"),
+    );
+    write(
+        "a/lib.asm",
+        "module lib import StandardLibrary export * signature: definitions: rule r_x = skip",
+    );
+    write(
+        "clash.asm",
+        &format!("asm clash {header} main rule r_Main = par n := 1 n := 2 endpar\n"),
+    );
+    write(
+        "wrong.asm",
+        &format!("asm wrong {header} main rule r_Main = m := 1\n"),
+    );
+    let path = folder.path().display().to_string();
+    let traces = tempfile::tempdir().unwrap();
+    let (code, out, err) = run(&[
+        "sim",
+        &path,
+        "--steps",
+        "3",
+        "--trace",
+        &traces.path().display().to_string(),
+    ]);
+    assert_eq!(code, 3, "{out}{err}");
+    insta::assert_snapshot!(out, @"
+      module a/lib.asm
+          ok a/runs.asm
+       fault clash.asm: R001 inconsistent update of `n` in step 1
+    rejected wrong.asm: A001 unknown function `m`
+    ");
+    assert!(
+        err.contains(
+            "4 specifications, 4 steps: 1 ran, 1 stopped by a fault, 1 rejected, 1 modules"
+        ),
+        "{err}"
+    );
+    let trace = std::fs::read_to_string(traces.path().join("clash.trace")).unwrap();
+    assert!(
+        trace.ends_with("@error CLASH\n@end CLASH\nI n = undef\n"),
+        "{trace}"
+    );
+}

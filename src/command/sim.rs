@@ -1,27 +1,38 @@
-//! `asmotion sim`: a specification alone.
+//! `asmotion sim`: specifications alone.
+
+mod folder;
+mod show;
+mod single;
 
 use crate::exit::Exit;
 use crate::files::Disk;
-use crate::terminal::{FAINT, NAME, Terminal, count};
-use asm_lang::machine::Machine;
-use asm_lang::simulate::{self, Random, Script, Seeded};
-use asm_lang::{Environment, Loader, Report, Severity, Specification, Step};
+use crate::terminal::Terminal;
+use asm_lang::simulate::{Causes, Random, Recording, Script, Simulation};
+use asm_lang::{Diagnostic, Fault, Loader, Report, Specification};
 use clap::Args;
-use serde_json::{Map, Value, json};
+use std::path::Path;
 
-/// Runs a specification alone, with scripted or random inputs.
+/// Runs a specification alone, with scripted, recorded or random inputs.
 #[derive(Args)]
 pub struct Sim {
-    /// The specification.
+    /// The specification; of a folder, every specification in it.
     spec: String,
 
-    /// How many steps; as many as the script has, or 20 without one.
+    /// How many steps; as many as the script or the recording has, or 20 without one.
     #[arg(long)]
     steps: Option<u64>,
 
     /// Inputs by name, step by step (TOML: `[default]` and `[[step]]` tables); random ones without.
     #[arg(long, value_name = "FILE")]
     env: Option<String>,
+
+    /// Inputs, choices and times of a trace; of a folder, the trace of the same name for each.
+    #[arg(long, value_name = "TRACE", conflicts_with = "env")]
+    replay_inputs: Option<String>,
+
+    /// Writes down what was read, chosen and written, one fact a line; for a folder, into a folder.
+    #[arg(long, value_name = "FILE")]
+    trace: Option<String>,
 
     /// Decides random inputs and `choose`.
     #[arg(long, default_value_t = 1)]
@@ -31,35 +42,29 @@ pub struct Sim {
     #[arg(long)]
     json: bool,
 
-    /// The final state alone.
+    /// The final state alone; of a folder, the summary alone.
     #[arg(long, short)]
     quiet: bool,
 }
 
-/// Where inputs come from.
-enum Inputs {
-    Script(Script),
-    Random(Box<Random>),
-}
+/// How many steps a run takes whose inputs have no end.
+const STEPS: u64 = 20;
 
-impl Inputs {
-    fn environment(&mut self) -> &mut dyn Environment {
-        match self {
-            Self::Script(script) => script,
-            Self::Random(random) => &mut **random,
-        }
-    }
-
-    fn advance(&mut self) {
-        if let Self::Script(script) = self {
-            script.advance();
-        }
-    }
+/// Why a run does not begin.
+enum Unbegun {
+    /// The inputs cannot be read.
+    Inputs(Report),
+    /// There is no initial state.
+    Fault(Box<Fault>),
 }
 
 impl Sim {
     /// Runs it.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
+        let path = Path::new(&self.spec);
+        if path.is_dir() {
+            return self.folder(path, terminal);
+        }
         if self.spec.ends_with(".toml") {
             terminal.error(format_args!(
                 "`{0}` is a composite: `asmotion run {0}` runs it",
@@ -67,186 +72,51 @@ impl Sim {
             ));
             return Exit::Usage;
         }
-        let mut specification = match asm_lang::open(&self.spec, &Disk) {
-            Ok(specification) => specification,
-            Err(failure) => {
-                terminal.report(&failure.report, &failure.sources);
-                terminal.error(count(&failure.report).unwrap_or_default());
-                return Exit::Findings;
-            }
-        };
-        if specification.report.count(Severity::Warning) > 0 {
-            terminal.report(&specification.report, &specification.sources);
-        }
-        let mut machine = match specification.machine() {
-            Ok(machine) => machine,
-            Err(fault) => return self.fault(&fault, &specification, None, terminal),
-        };
-        let mut inputs = match self.inputs(&mut specification, &machine) {
-            Ok(inputs) => inputs,
-            Err(report) => {
-                terminal.report(&report, &specification.sources);
-                return Exit::Usage;
-            }
-        };
-        let steps = self.steps.unwrap_or(match &inputs {
-            Inputs::Script(script) => script.len() as u64,
-            Inputs::Random(_) => 20,
-        });
-        let mut chooser = Seeded::new(self.seed);
-        for _ in 0..steps {
-            if let Err(fault) = machine.step(inputs.environment(), &mut chooser, 0) {
-                if !self.json {
-                    self.state(&machine, terminal);
-                }
-                return self.fault(&fault, &specification, Some(&machine), terminal);
-            }
-            inputs.advance();
-            if !self.quiet {
-                self.step(&machine, terminal);
-            }
-        }
-        self.state(&machine, terminal);
-        Exit::Ok
+        self.single(terminal)
     }
 
-    fn inputs(
+    /// A run of an opened specification; inputs recorded in this file, if in one.
+    fn begin(
         &self,
         specification: &mut Specification,
-        machine: &Machine,
-    ) -> Result<Inputs, Report> {
-        let Some(path) = &self.env else {
-            let program = specification.program.clone();
-            return Ok(Inputs::Random(Box::new(Random::new(
-                program, machine, self.seed,
-            ))));
+        recorded: Option<&str>,
+    ) -> Result<Simulation, Unbegun> {
+        let machine = specification.machine().map_err(Unbegun::Fault)?;
+        let causes = match (&self.env, recorded) {
+            (Some(path), _) => Causes::Script(script(path, specification)?),
+            (None, Some(path)) => {
+                Causes::Recording(Recording::read(&read(path, "--replay-inputs")?))
+            }
+            (None, None) => {
+                let program = specification.program.clone();
+                Causes::Random(Box::new(Random::new(program, &machine, self.seed)))
+            }
         };
-        let text = Disk.read(path).map_err(|error| {
-            let mut report = Report::new();
-            report.push(
-                asm_lang::Diagnostic::error("S000", error)
-                    .help("check the path given with `--env`"),
-            );
-            report
-        })?;
-        let file = specification.sources.add(path, text.clone());
-        Script::read(file, &text, &specification.program).map(Inputs::Script)
+        Ok(Simulation::new(machine, causes, self.seed))
     }
 
-    fn step(&self, machine: &Machine, terminal: &mut Terminal) {
-        let step = machine.last_step();
-        if self.json {
-            return terminal.result(step_json(machine, &step));
-        }
-        terminal.result(format_args!("{NAME}step {}{NAME:#}", step.number));
-        let naming = machine.naming();
-        for input in step.inputs {
-            let location = simulate::location(machine, input.slot);
-            terminal.result(format_args!(
-                "  {FAINT}{location} = {}{FAINT:#}",
-                input.value.show(&naming)
-            ));
-        }
-        for (location, before, after) in simulate::updates(machine, &step) {
-            terminal.result(format_args!(
-                "  {location} := {after}  {FAINT}(was {before}){FAINT:#}"
-            ));
-        }
-        for line in step.printed {
-            terminal.result(format_args!("  print: {line}"));
-        }
-        if step.updates.is_empty() {
-            terminal.result(format_args!("  {FAINT}no updates{FAINT:#}"));
-        }
+    fn steps(&self, simulation: &Simulation) -> u64 {
+        self.steps.or(simulation.steps()).unwrap_or(STEPS)
     }
+}
 
-    fn state(&self, machine: &Machine, terminal: &mut Terminal) {
-        let state = state(machine);
-        if self.json {
-            let state: Map<String, Value> = state
-                .into_iter()
-                .map(|(location, value)| (location, Value::String(value)))
-                .collect();
-            return terminal.result(
-                json!({ "type": "state", "v": 1, "steps": machine.steps(), "state": state }),
-            );
-        }
-        terminal.result(format_args!(
-            "{NAME}state after step {}{NAME:#}",
-            machine.steps()
-        ));
-        for (location, value) in state {
-            terminal.result(format_args!("  {location} = {value}"));
-        }
-    }
+fn script(path: &str, specification: &mut Specification) -> Result<Script, Unbegun> {
+    let text = read(path, "--env")?;
+    let file = specification.sources.add(path, text.clone());
+    Script::read(file, &text, &specification.program).map_err(Unbegun::Inputs)
+}
 
-    fn fault(
-        &self,
-        fault: &asm_lang::Fault,
-        specification: &Specification,
-        machine: Option<&Machine>,
-        terminal: &mut Terminal,
-    ) -> Exit {
-        let finding = match machine {
-            Some(machine) => specification.explain_in(fault, machine),
-            None => specification.explain(fault),
-        };
-        if self.json {
-            terminal.result(json!({
-                "type": "fault", "v": 1, "step": fault.step, "code": finding.code, "message": finding.message,
-            }));
-        }
+/// The text of a file that an option names.
+fn read(path: &str, option: &str) -> Result<std::sync::Arc<str>, Unbegun> {
+    Disk.read(path).map_err(|error| {
         let mut report = Report::new();
-        report.push(finding);
-        terminal.report(&report, &specification.sources);
-        Exit::Fault
-    }
-}
-
-/// What every location of the specification that has a value holds.
-fn state(machine: &Machine) -> Vec<(String, String)> {
-    let naming = machine.naming();
-    let mut shown: Vec<(String, String)> = machine
-        .state()
-        .locations(machine.program())
-        .into_iter()
-        .filter(|(_, _, slot)| !machine.state().get(*slot).is_undef())
-        .map(|(function, arguments, slot)| {
-            let location = simulate::applied(machine, function, &arguments);
-            (
-                location,
-                machine.state().get(slot).show(&naming).to_string(),
-            )
-        })
-        .collect();
-    shown.sort();
-    shown
-}
-
-fn step_json(machine: &Machine, step: &Step<'_>) -> Value {
-    let naming = machine.naming();
-    let inputs: Map<String, Value> = step
-        .inputs
-        .iter()
-        .map(|input| {
-            let value = input.value.show(&naming).to_string();
-            (
-                simulate::location(machine, input.slot),
-                Value::String(value),
-            )
-        })
-        .collect();
-    let updates: Vec<Value> = simulate::updates(machine, step)
-        .into_iter()
-        .map(|(location, before, after)| json!({ "location": location, "before": before, "after": after }))
-        .collect();
-    let choices: Vec<Value> = step
-        .choices
-        .iter()
-        .map(|choice| json!({ "index": choice.index, "of": choice.count }))
-        .collect();
-    json!({
-        "type": "step", "v": 1, "step": step.number,
-        "inputs": inputs, "choices": choices, "updates": updates, "printed": step.printed,
+        let help = format!("check the path given with `{option}`");
+        report.push(Diagnostic::error("S000", error).help(help));
+        Unbegun::Inputs(report)
     })
+}
+
+/// What a trace says about where it comes from.
+fn comment(path: &str) -> String {
+    format!("asm {path}")
 }

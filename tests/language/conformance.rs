@@ -167,7 +167,7 @@ fn ours(path: &Path, reference: &str) -> Option<String> {
             return Some(format!("@step 1\n{kind}\n@end"));
         }
     };
-    let mut trace = Trace::begin(&machine);
+    let mut trace = Trace::begin(&machine, "");
     let mut stopped: Option<Box<Fault>> = None;
     for step in Recording::read(reference).steps() {
         let mut inputs = Reference::of(step, &machine, reference.contains("# reader none"));
@@ -180,7 +180,7 @@ fn ours(path: &Path, reference: &str) -> Option<String> {
             }
         }
     }
-    Some(trace.end(stopped.as_deref()))
+    Some(trace.end(&machine, stopped.as_deref()))
 }
 
 /// What the reference read in a step. Its clock ticks once a step; what it did not read, because it

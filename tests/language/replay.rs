@@ -23,7 +23,7 @@ struct Run {
 impl Run {
     fn of(specification: &Specification) -> Self {
         let machine = specification.machine().unwrap();
-        let trace = Trace::begin(&machine);
+        let trace = Trace::begin(&machine, "");
         Self {
             machine,
             trace,
@@ -45,7 +45,7 @@ impl Run {
     }
 
     fn text(self) -> String {
-        self.trace.end(self.stopped.as_deref())
+        self.trace.end(&self.machine, self.stopped.as_deref())
     }
 }
 

@@ -74,9 +74,9 @@ fn steps(
             done.insert(number, vec![code.to_owned()]);
             break;
         }
-        let mut trace = Trace::begin(&machine);
+        let mut trace = Trace::begin(&machine, "");
         trace.step(&machine);
-        done.insert(number, updates(&trace.end(None)));
+        done.insert(number, updates(&trace.end(&machine, None)));
     }
     done
 }

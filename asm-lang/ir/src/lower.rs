@@ -100,6 +100,11 @@ impl<'a> Lowering<'a> {
             functions: names(&mut model.functions.iter().map(|function| &function.name)),
             domains: names(&mut model.domains.iter().map(|domain| &domain.name)),
             rules: names(&mut model.rules.iter().map(|rule| &rule.name)),
+            rule_domains: model
+                .rules
+                .iter()
+                .map(|rule| rule_domains(model, rule))
+                .collect(),
         };
         let program = Program {
             symbols,
@@ -248,10 +253,10 @@ impl<'a> Lowering<'a> {
                     routine: Some(routine),
                     arguments,
                 });
-                self.program
-                    .symbols
-                    .rules
-                    .push(self.model.rule(program.rule).name.clone());
+                let rule = self.model.rule(program.rule);
+                let symbols = &mut self.program.symbols;
+                symbols.rules.push(rule.name.clone());
+                symbols.rule_domains.push(rule_domains(self.model, rule));
                 RuleId(self.program.rules.len() as u32 - 1)
             };
             self.program
@@ -324,6 +329,12 @@ impl<'a> Lowering<'a> {
         });
         RoutineId(self.program.routines.len() as u32 - 1)
     }
+}
+
+/// The domains of a rule's parameters as text.
+fn rule_domains(model: &Model, rule: &hir::Rule) -> Arc<str> {
+    let domains = rule.parameters.iter().map(|&ty| model.show_type(ty));
+    domains.collect::<Vec<_>>().join(",").into()
 }
 
 /// The number of a function is the same in the model and in the program.

@@ -84,6 +84,8 @@ pub struct Symbols {
     pub domains: Vec<Arc<str>>,
     /// The names of the rules.
     pub rules: Vec<Arc<str>>,
+    /// The domains of each rule's parameters, as in `Integer,Robot`: two rules may share a name.
+    pub rule_domains: Vec<Arc<str>>,
 }
 
 /// A domain.

@@ -122,6 +122,11 @@ impl State {
         &self.slots[slot as usize]
     }
 
+    /// What a slot held in the initial state.
+    pub fn get_initial(&self, slot: Slot) -> &Value {
+        &self.initial[slot as usize]
+    }
+
     /// How many slots there are.
     pub fn len(&self) -> usize {
         self.slots.len()

@@ -5,10 +5,12 @@ mod literal;
 mod random;
 mod recording;
 mod show;
+mod simulation;
 mod trace;
 
 pub use environment::Script;
 pub use random::{Random, Seeded};
 pub use recording::{Choices, Inputs, Recorded, Recording};
 pub use show::{applied, location, updates};
+pub use simulation::{Causes, Simulation, Stopped};
 pub use trace::Trace;

@@ -205,12 +205,8 @@ impl<'a> Reader<'a> {
             return self.character();
         }
         if self.accept("<<") {
-            let rule = self.word();
-            return if self.accept(">>") {
-                self.rule(rule)
-            } else {
-                None
-            };
+            let rule = self.rule()?;
+            return self.accept(">>").then_some(rule);
         }
         if self.accept("<") {
             let item = match shape {
@@ -221,12 +217,7 @@ impl<'a> Reader<'a> {
         }
         let word = self.word();
         if word == "rule" {
-            let rule = self.word();
-            // the parameter domains after it say nothing new
-            if self.accept("(") {
-                self.items(&Shape::Any, ")");
-            }
-            return self.rule(rule);
+            return self.rule();
         }
         self.scalar(word, shape)
     }
@@ -361,15 +352,30 @@ impl<'a> Reader<'a> {
         self.accept("'").then_some(Value::Char(letter))
     }
 
-    fn rule(&self, name: &str) -> Option<Value> {
-        let at = self
-            .literals
-            .program
-            .symbols
-            .rules
-            .iter()
-            .position(|rule| &**rule == name)?;
+    /// The rule of a name; of several, the one whose parameters have the domains that follow it.
+    fn rule(&mut self) -> Option<Value> {
+        let name = self.word();
+        let domains = self.bracketed();
+        let symbols = &self.literals.program.symbols;
+        let is_it = |index: &usize| {
+            let known = symbols.rule_domains.get(*index);
+            domains.is_none() || known.is_some_and(|known| Some(&**known) == domains)
+        };
+        let mut named = (0..symbols.rules.len()).filter(|&index| *symbols.rules[index] == *name);
+        let at = named.find(is_it)?;
         Some(Value::Rule(RuleId(at as u32)))
+    }
+
+    /// What stands between brackets, if they follow.
+    fn bracketed(&mut self) -> Option<&'a str> {
+        let inner = self.rest.strip_prefix('(')?;
+        let mut open = 1;
+        let end = inner.find(|letter| {
+            open += i32::from(letter == '(') - i32::from(letter == ')');
+            open == 0
+        })?;
+        self.rest = &inner[end + 1..];
+        Some(&inner[..end])
     }
 }
 

@@ -11,6 +11,19 @@ use value::Value;
 #[derive(Clone, Debug, Default)]
 pub struct Recording {
     steps: Vec<Recorded>,
+    unread: Unread,
+}
+
+/// What is said about an input that the recorded step did not read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Unread {
+    /// The replay has gone another way than the recorded run.
+    #[default]
+    Astray,
+    /// The recorded run had no inputs at all.
+    Silent,
+    /// Undef: another tool read its inputs in another order, and left out others.
+    Undefined,
 }
 
 /// What caused a step.
@@ -21,20 +34,27 @@ pub struct Recorded {
     /// Location and value.
     inputs: Vec<(String, String)>,
     choices: Vec<usize>,
+    unread: Unread,
 }
 
 impl Recording {
-    /// Reads the causes of the steps; all else is what a replay computes anew.
+    /// Reads the causes of the steps; all else is what a replay computes anew. A line `# reader …`
+    /// says that another tool recorded them, and how it came by its inputs.
     pub fn read(text: &str) -> Self {
-        let mut steps: Vec<Recorded> = Vec::new();
+        let mut recording = Self::default();
         for line in text.lines() {
             let Some((word, rest)) = line.split_once(' ') else {
                 continue;
             };
             if word == "@step" {
-                steps.push(Recorded::default());
+                recording.steps.push(recording.unrecorded());
             }
-            let Some(step) = steps.last_mut() else {
+            let Some(step) = recording.steps.last_mut() else {
+                match rest.strip_prefix("reader ") {
+                    Some("none") => recording.unread = Unread::Silent,
+                    Some(_) => recording.unread = Unread::Undefined,
+                    None => {}
+                }
                 continue;
             };
             match word {
@@ -54,7 +74,20 @@ impl Recording {
                 _ => {}
             }
         }
-        Self { steps }
+        recording
+    }
+
+    /// A step, from 0; one that was not recorded read nothing.
+    pub fn step(&self, index: usize) -> Recorded {
+        let recorded = self.steps.get(index).cloned();
+        recorded.unwrap_or_else(|| self.unrecorded())
+    }
+
+    fn unrecorded(&self) -> Recorded {
+        Recorded {
+            unread: self.unread,
+            ..Recorded::default()
+        }
     }
 
     /// The steps, in order.
@@ -74,6 +107,7 @@ impl Recorded {
         let mut inputs = Inputs {
             values: BTreeMap::new(),
             program: machine.program().clone(),
+            unread: self.unread,
         };
         let mut unreadable = Vec::new();
         for (location, value) in &self.inputs {
@@ -106,17 +140,20 @@ impl Recorded {
 pub struct Inputs {
     values: BTreeMap<(FunctionId, Vec<Value>), Value>,
     program: Arc<Program>,
+    unread: Unread,
 }
 
 impl Environment for Inputs {
     fn read(&mut self, function: FunctionId, arguments: &[Value]) -> Result<Option<Value>, String> {
         let key = (function, arguments.to_vec());
         let declared = &self.program.functions[function.0 as usize];
-        match self.values.get(&key) {
-            None if declared.kind == FunctionKind::Monitored && declared.clock.is_none() => {
+        let is_owed = declared.kind == FunctionKind::Monitored && declared.clock.is_none();
+        match (self.values.get(&key), self.unread) {
+            (None, Unread::Astray) if is_owed => {
                 Err("the recorded step did not read it".to_owned())
             }
-            known => Ok(known.cloned()),
+            (None, Unread::Silent) if is_owed => Err("the recorded run has no inputs".to_owned()),
+            (known, _) => Ok(known.cloned()),
         }
     }
 }

@@ -14,13 +14,14 @@
 //! D Robot = {rob1,rob2}
 //! @invariant post inv_safe      or `@error CLASH …`: why there is no further step
 //! @end INV                      `OK`, or the kind of the fault
+//! I mode = IDLE                 what the locations that rules may write held in the initial state
 //! ```
 //!
 //! Values are written as in the language, without blanks; the elements of sets, bags and maps are
 //! sorted by their text. Every tool that runs the language can write such a trace, so that runs can
 //! be compared; and a [`Recording`](crate::Recording) replays one.
 
-use ir::{DomainId, FunctionId, FunctionKind, Slot};
+use ir::{DomainId, FunctionId, FunctionKind, Program, Slot};
 use machine::{Fault, FaultKind, Machine, Step};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -33,19 +34,25 @@ pub struct Trace {
 }
 
 impl Trace {
-    /// The head of a trace, and the machine's domains.
-    pub fn begin(machine: &Machine) -> Self {
+    /// The head of a trace: the format, lines of comment, the machine's domains.
+    pub fn begin(machine: &Machine, comment: &str) -> Self {
         let mut trace = Self::default();
-        trace.line(format_args!("# trace-format 1"));
+        trace.head(comment);
         trace.domains("D0", machine);
         trace
     }
 
-    /// A line of comment.
-    pub fn comment(&mut self, comment: &str) {
-        for line in comment.lines() {
-            self.line(format_args!("# {line}"));
+    /// The trace of a run that could not begin, for a fault in the initial state.
+    pub fn stillborn(program: &Program, fault: &Fault, comment: &str) -> String {
+        let mut trace = Self::default();
+        trace.head(comment);
+        trace.line(format_args!("@step 1"));
+        match &fault.kind {
+            FaultKind::Invariant { index, .. } => trace.invariant(program, *index, "pre"),
+            _ => trace.line(format_args!("@error {}", kind(fault))),
         }
+        trace.line(format_args!("@end {}", kind(fault)));
+        trace.text
     }
 
     /// The step that the machine did last.
@@ -65,18 +72,36 @@ impl Trace {
                 self.effects(machine, &step);
             }
             let when = if invariant.assumes { "pre" } else { "post" };
-            // an invariant without a name is called by its text
-            let name: Vec<&str> = invariant.name.split_whitespace().collect();
-            self.line(format_args!("@invariant {when} {}", name.join(" ")));
+            self.invariant(machine.program(), *index, when);
         } else {
             self.line(format_args!("@error {}", kind(fault)));
         }
     }
 
-    /// The whole text.
-    pub fn end(mut self, fault: Option<&Fault>) -> String {
+    /// The whole text, of a run that was stopped by a fault or was not.
+    pub fn end(mut self, machine: &Machine, fault: Option<&Fault>) -> String {
         self.line(format_args!("@end {}", fault.map_or("OK", kind)));
+        let state = machine.state();
+        let fixed = written(machine).filter(|&slot| slot < machine.program().slots);
+        self.locations(
+            "I",
+            machine,
+            fixed.map(|slot| (slot, state.get_initial(slot))),
+        );
         self.text
+    }
+
+    fn head(&mut self, comment: &str) {
+        self.line(format_args!("# trace-format 1"));
+        for line in comment.lines() {
+            self.line(format_args!("# {line}"));
+        }
+    }
+
+    fn invariant(&mut self, program: &Program, index: usize, when: &str) {
+        // an invariant without a name is called by its text
+        let name: Vec<&str> = program.invariants[index].name.split_whitespace().collect();
+        self.line(format_args!("@invariant {when} {}", name.join(" ")));
     }
 
     fn line(&mut self, line: std::fmt::Arguments<'_>) {
@@ -116,16 +141,8 @@ impl Trace {
             self.domain("UD", machine, domain, &atoms);
         }
         let state = machine.state();
-        let program = machine.program();
-        let is_written = |&slot: &Slot| {
-            let kind = state
-                .function(program, slot)
-                .map(|id| program.functions[id.0 as usize].kind);
-            matches!(kind, Some(FunctionKind::Controlled | FunctionKind::Out))
-                && slot != program.result
-        };
-        let slots = (0..state.len() as Slot).filter(is_written);
-        self.locations("S", machine, slots.map(|slot| (slot, state.get(slot))));
+        let slots = written(machine).map(|slot| (slot, state.get(slot)));
+        self.locations("S", machine, slots);
         self.domains("D", machine);
     }
 
@@ -161,6 +178,16 @@ impl Trace {
             list(machine, elements, "{", "}", true)
         ));
     }
+}
+
+/// The locations that rules may write.
+fn written(machine: &Machine) -> impl Iterator<Item = Slot> {
+    let (state, program) = (machine.state(), machine.program());
+    (0..state.len() as Slot).filter(move |&slot| {
+        let function = state.function(program, slot);
+        let kind = function.map(|id| program.functions[id.0 as usize].kind);
+        matches!(kind, Some(FunctionKind::Controlled | FunctionKind::Out)) && slot != program.result
+    })
 }
 
 fn kind(fault: &Fault) -> &'static str {
@@ -238,8 +265,12 @@ fn text(machine: &Machine, value: &Value) -> String {
             )
         }
         Value::Rule(rule) => {
-            let name = machine.program().symbols.rules.get(rule.0 as usize);
-            format!("rule {}", name.map_or("?", |name| name))
+            let symbols = &machine.program().symbols;
+            let index = rule.0 as usize;
+            match (symbols.rules.get(index), symbols.rule_domains.get(index)) {
+                (Some(name), Some(domains)) => format!("rule {name}({domains})"),
+                _ => format!("rule {index}"),
+            }
         }
         Value::Real(number) => real(number.get()),
         Value::Undef

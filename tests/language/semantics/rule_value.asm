@@ -16,6 +16,6 @@ definitions:
 default init s0:
   function act = <<r_one>>
   function set = <<r_set(Integer)>>
-//= step 1: act := rule r_two, x := 1
-//= step 2: act := rule r_two, x := 2
-//= step 3: act := rule r_two, x := 7
+//= step 1: act := rule r_two(), x := 1
+//= step 2: act := rule r_two(), x := 2
+//= step 3: act := rule r_two(), x := 7

@@ -1,0 +1,229 @@
+//! Every specification of a folder: each opened, checked and run, a line each.
+
+use super::{Sim, Unbegun, comment};
+use crate::exit::Exit;
+use crate::files::Disk;
+use crate::terminal::{BAD, FAINT, GOOD, NOTE, Terminal};
+use asm_lang::simulate::{Stopped, Trace};
+use asm_lang::{Failure, Fault, Severity, Specification};
+use rayon::prelude::*;
+use serde_json::json;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// How it went with one specification.
+enum Outcome {
+    /// It ran so many steps.
+    Ran(u64),
+    /// It is a module: it has no main rule.
+    Module,
+    /// It has errors; the first one, in a line.
+    Rejected(String),
+    /// A step failed, 0 being the initial state: the code and what it says.
+    Fault(u64, String),
+    /// Its inputs cannot be read, or its trace cannot be written.
+    Unusable(String),
+}
+
+impl Sim {
+    pub(super) fn folder(&self, folder: &Path, terminal: &mut Terminal) -> Exit {
+        if self.env.is_some() {
+            terminal.error("`--env` gives inputs by name, so it is for one specification");
+            return Exit::Usage;
+        }
+        let mut files = Vec::new();
+        if let Err(error) = specifications(folder, &mut files) {
+            terminal.error(format_args!("cannot read `{}`: {error}", folder.display()));
+            return Exit::Usage;
+        }
+        let outcomes: Vec<Outcome> = files
+            .par_iter()
+            .map(|file| self.outcome(folder, file))
+            .collect();
+        let mut tally = Tally::default();
+        for (file, outcome) in files.iter().zip(&outcomes) {
+            tally.count(outcome);
+            if !self.quiet {
+                let name = file.strip_prefix(folder).unwrap_or(file).display();
+                self.tell(&name.to_string(), outcome, terminal);
+            }
+        }
+        terminal.status("Simulated", &tally);
+        tally.exit()
+    }
+
+    /// Opens, checks and runs one specification.
+    fn outcome(&self, folder: &Path, file: &Path) -> Outcome {
+        let name = file.strip_prefix(folder).unwrap_or(file);
+        let mut specification = match asm_lang::open(&file.to_string_lossy(), &Disk) {
+            Ok(specification) => specification,
+            Err(failure) => return rejected(&failure),
+        };
+        if specification.program.main.is_none() {
+            return Outcome::Module;
+        }
+        let beside = |other: &String| Path::new(other).join(name).with_extension("trace");
+        let recorded = self.replay_inputs.as_ref().map(beside);
+        // a specification that was not recorded runs by chance
+        let recorded = recorded.filter(|path| path.is_file());
+        let recorded = recorded.map(|path| path.to_string_lossy().into_owned());
+        let (outcome, trace) = self.traced(&mut specification, recorded.as_deref(), name);
+        match (self.trace.as_ref().map(beside), trace) {
+            (Some(path), Some(trace)) => match write(&path, &trace) {
+                Ok(()) => outcome,
+                Err(error) => Outcome::Unusable(format!("{}: {error}", path.display())),
+            },
+            _ => outcome,
+        }
+    }
+
+    fn traced(
+        &self,
+        specification: &mut Specification,
+        recorded: Option<&str>,
+        name: &Path,
+    ) -> (Outcome, Option<String>) {
+        let comment = comment(&name.to_string_lossy());
+        let mut simulation = match self.begin(specification, recorded) {
+            Ok(simulation) if self.trace.is_some() => simulation.traced(&comment),
+            Ok(simulation) => simulation,
+            Err(Unbegun::Fault(fault)) => {
+                let trace = Trace::stillborn(&specification.program, &fault, &comment);
+                return (failed(specification, &fault), Some(trace));
+            }
+            Err(Unbegun::Inputs(report)) => {
+                let reason = report.diagnostics.first();
+                let reason = reason.map(|finding| finding.message.clone());
+                return (Outcome::Unusable(reason.unwrap_or_default()), None);
+            }
+        };
+        let steps = self.steps(&simulation);
+        let stopped = (0..steps).find_map(|_| simulation.step().err());
+        let (outcome, fault) = match stopped {
+            None => (Outcome::Ran(steps), None),
+            Some(Stopped::Fault(fault)) => {
+                let finding = specification.explain_in(&fault, simulation.machine());
+                let what = format!("{} {}", finding.code, finding.message);
+                (Outcome::Fault(fault.step, what), Some(fault))
+            }
+            Some(reason @ Stopped::Unreadable { .. }) => {
+                (Outcome::Unusable(reason.to_string()), None)
+            }
+        };
+        (outcome, simulation.into_trace(fault.as_deref()))
+    }
+
+    fn tell(&self, name: &str, outcome: &Outcome, terminal: &mut Terminal) {
+        let (word, steps, what) = match outcome {
+            Outcome::Ran(steps) => ("ok", *steps, String::new()),
+            Outcome::Module => ("module", 0, String::new()),
+            Outcome::Rejected(first) => ("rejected", 0, first.clone()),
+            Outcome::Fault(step, what) => ("fault", *step, what.clone()),
+            Outcome::Unusable(what) => ("unusable", 0, what.clone()),
+        };
+        if self.json {
+            return terminal.result(json!({
+                "type": "run", "v": 1, "path": name, "outcome": word, "steps": steps, "what": what,
+            }));
+        }
+        let colour = match outcome {
+            Outcome::Ran(_) => GOOD,
+            Outcome::Module => FAINT,
+            Outcome::Fault(..) => NOTE,
+            Outcome::Rejected(..) | Outcome::Unusable(_) => BAD,
+        };
+        let what = if what.is_empty() {
+            what
+        } else {
+            format!(": {what}")
+        };
+        terminal.result(format_args!("{colour}{word:>8}{colour:#} {name}{what}"));
+    }
+}
+
+fn rejected(failure: &Failure) -> Outcome {
+    let mut findings = failure.report.diagnostics.iter();
+    let first = findings.find(|finding| finding.severity == Severity::Error);
+    let first = first.map(|finding| format!("{} {}", finding.code, finding.message));
+    Outcome::Rejected(first.unwrap_or_default())
+}
+
+fn failed(specification: &Specification, fault: &Fault) -> Outcome {
+    let finding = specification.explain(fault);
+    Outcome::Fault(fault.step, format!("{} {}", finding.code, finding.message))
+}
+
+/// All specifications of a folder and the folders in it, sorted.
+fn specifications(folder: &Path, to: &mut Vec<PathBuf>) -> std::io::Result<()> {
+    let mut entries = std::fs::read_dir(folder)?.collect::<Result<Vec<_>, _>>()?;
+    entries.sort_by_key(std::fs::DirEntry::file_name);
+    for entry in entries {
+        let path = entry.path();
+        if entry.file_type()?.is_dir() {
+            specifications(&path, to)?;
+        } else if path.extension().is_some_and(|extension| extension == "asm") {
+            to.push(path);
+        }
+    }
+    Ok(())
+}
+
+fn write(path: &Path, text: &str) -> std::io::Result<()> {
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder)?;
+    }
+    std::fs::write(path, text)
+}
+
+/// How often each outcome was.
+#[derive(Default)]
+struct Tally {
+    ran: usize,
+    steps: u64,
+    modules: usize,
+    rejected: usize,
+    faults: usize,
+    unusable: usize,
+}
+
+impl Tally {
+    fn count(&mut self, outcome: &Outcome) {
+        match outcome {
+            Outcome::Ran(steps) => {
+                self.ran += 1;
+                self.steps += steps;
+            }
+            Outcome::Module => self.modules += 1,
+            Outcome::Rejected(..) => self.rejected += 1,
+            Outcome::Fault(steps, _) => {
+                self.faults += 1;
+                self.steps += steps;
+            }
+            Outcome::Unusable(_) => self.unusable += 1,
+        }
+    }
+
+    fn exit(&self) -> Exit {
+        match (self.unusable, self.faults, self.rejected) {
+            (1.., ..) => Exit::Usage,
+            (0, 1.., _) => Exit::Fault,
+            (0, 0, 1..) => Exit::Findings,
+            (0, 0, 0) => Exit::Ok,
+        }
+    }
+}
+
+impl fmt::Display for Tally {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let files = self.ran + self.modules + self.rejected + self.faults + self.unusable;
+        write!(
+            to,
+            "{files} specifications, {} steps: {} ran, {} stopped by a fault, {} rejected, {} modules",
+            self.steps, self.ran, self.faults, self.rejected, self.modules
+        )?;
+        match self.unusable {
+            0 => Ok(()),
+            unusable => write!(to, ", {unusable} without usable inputs"),
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! One specification, step by step.
+
+use super::{Sim, Unbegun, comment, show};
+use crate::exit::Exit;
+use crate::files::Disk;
+use crate::terminal::{FAINT, NAME, Terminal, count};
+use asm_lang::machine::Machine;
+use asm_lang::simulate::{self, Stopped, Trace};
+use asm_lang::{Diagnostic, Report, Severity, Specification};
+use serde_json::{Map, Value, json};
+
+impl Sim {
+    pub(super) fn single(&self, terminal: &mut Terminal) -> Exit {
+        let mut specification = match asm_lang::open(&self.spec, &Disk) {
+            Ok(specification) => specification,
+            Err(failure) => {
+                terminal.report(&failure.report, &failure.sources);
+                terminal.error(count(&failure.report).unwrap_or_default());
+                return Exit::Findings;
+            }
+        };
+        if specification.report.count(Severity::Warning) > 0 {
+            terminal.report(&specification.report, &specification.sources);
+        }
+        let comment = comment(&self.spec);
+        let mut simulation = match self.begin(&mut specification, self.replay_inputs.as_deref()) {
+            Ok(simulation) => simulation,
+            Err(Unbegun::Inputs(report)) => {
+                terminal.report(&report, &specification.sources);
+                return Exit::Usage;
+            }
+            Err(Unbegun::Fault(fault)) => {
+                let trace = Trace::stillborn(&specification.program, &fault, &comment);
+                let exit = self.fault(specification.explain(&fault), 0, &specification, terminal);
+                return exit.max(self.write(Some(trace), terminal));
+            }
+        };
+        if self.trace.is_some() {
+            simulation = simulation.traced(&comment);
+        }
+        let mut stopped = None;
+        for _ in 0..self.steps(&simulation) {
+            if let Err(reason) = simulation.step() {
+                stopped = Some(reason);
+                break;
+            }
+            if !self.quiet {
+                self.step(simulation.machine(), terminal);
+            }
+        }
+        if !(self.json && stopped.is_some()) {
+            self.state(simulation.machine(), terminal);
+        }
+        let exit = match &stopped {
+            None => Exit::Ok,
+            Some(Stopped::Fault(fault)) => {
+                let finding = specification.explain_in(fault, simulation.machine());
+                self.fault(finding, fault.step, &specification, terminal)
+            }
+            Some(Stopped::Unreadable { .. }) => Exit::Usage,
+        };
+        let fault = match stopped {
+            Some(Stopped::Fault(fault)) => Some(fault),
+            Some(reason @ Stopped::Unreadable { .. }) => {
+                terminal.error(reason);
+                None
+            }
+            None => None,
+        };
+        let trace = simulation.into_trace(fault.as_deref());
+        exit.max(self.write(trace, terminal))
+    }
+
+    /// Writes the trace where it is asked for.
+    fn write(&self, trace: Option<String>, terminal: &mut Terminal) -> Exit {
+        let (Some(path), Some(trace)) = (&self.trace, trace) else {
+            return Exit::Ok;
+        };
+        match std::fs::write(path, trace) {
+            Ok(()) => Exit::Ok,
+            Err(error) => {
+                terminal.error(format_args!("cannot write the trace `{path}`: {error}"));
+                Exit::Usage
+            }
+        }
+    }
+
+    fn step(&self, machine: &Machine, terminal: &mut Terminal) {
+        let step = machine.last_step();
+        if self.json {
+            return terminal.result(show::step_json(machine, &step));
+        }
+        terminal.result(format_args!("{NAME}step {}{NAME:#}", step.number));
+        let naming = machine.naming();
+        for input in step.inputs {
+            let location = simulate::location(machine, input.slot);
+            terminal.result(format_args!(
+                "  {FAINT}{location} = {}{FAINT:#}",
+                input.value.show(&naming)
+            ));
+        }
+        for (location, before, after) in simulate::updates(machine, &step) {
+            terminal.result(format_args!(
+                "  {location} := {after}  {FAINT}(was {before}){FAINT:#}"
+            ));
+        }
+        for line in step.printed {
+            terminal.result(format_args!("  print: {line}"));
+        }
+        if step.updates.is_empty() {
+            terminal.result(format_args!("  {FAINT}no updates{FAINT:#}"));
+        }
+    }
+
+    fn state(&self, machine: &Machine, terminal: &mut Terminal) {
+        let state = show::state(machine);
+        if self.json {
+            let state: Map<String, Value> = state
+                .into_iter()
+                .map(|(location, value)| (location, Value::String(value)))
+                .collect();
+            return terminal.result(
+                json!({ "type": "state", "v": 1, "steps": machine.steps(), "state": state }),
+            );
+        }
+        terminal.result(format_args!(
+            "{NAME}state after step {}{NAME:#}",
+            machine.steps()
+        ));
+        for (location, value) in state {
+            terminal.result(format_args!("  {location} = {value}"));
+        }
+    }
+
+    fn fault(
+        &self,
+        finding: Diagnostic,
+        step: u64,
+        specification: &Specification,
+        terminal: &mut Terminal,
+    ) -> Exit {
+        if self.json {
+            terminal.result(json!({
+                "type": "fault", "v": 1, "step": step, "code": finding.code, "message": finding.message,
+            }));
+        }
+        let mut report = Report::new();
+        report.push(finding);
+        terminal.report(&report, &specification.sources);
+        Exit::Fault
+    }
+}
