@@ -2,6 +2,7 @@
 
 mod check;
 mod demo;
+mod repl;
 mod run;
 mod sim;
 
@@ -22,6 +23,8 @@ pub enum Command {
     Check(check::Check),
     /// Runs a specification alone, with scripted or random inputs
     Sim(sim::Sim),
+    /// Steps a specification by hand: sets inputs, asks for values, goes back
+    Repl(repl::Repl),
 }
 
 impl Command {
@@ -32,6 +35,7 @@ impl Command {
             Self::Run(run) => run.run(terminal),
             Self::Check(check) => check.run(terminal),
             Self::Sim(sim) => sim.run(terminal),
+            Self::Repl(repl) => repl.run(terminal),
         }
     }
 }

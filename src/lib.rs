@@ -9,6 +9,7 @@ mod diff;
 mod exit;
 mod files;
 pub mod mission;
+mod show;
 pub mod story;
 mod terminal;
 pub mod trace;

@@ -13,3 +13,4 @@ mod house;
 mod language;
 mod missions;
 mod pictures;
+mod repl;

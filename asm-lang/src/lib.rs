@@ -19,11 +19,13 @@
 
 mod explain;
 mod files;
+mod history;
 mod render;
 mod session;
 
 pub use files::Files;
 pub use hir::{FunctionKind, Model};
+pub use history::{Event, History, Written};
 pub use machine::{Chooser, Environment, Fault, FaultKind, First, Machine, NoInputs, Step, Update};
 pub use render::{Style, concise, render, render_all};
 pub use session::Session;
@@ -128,6 +130,16 @@ impl Specification {
         let mut own = self.model.own_functions();
         own.find(|(_, function)| &*function.name == name && function.parameters.len() == arity)
             .map(|(id, _)| ir::FunctionId(id.0))
+    }
+
+    /// The rule whose body a place is in.
+    pub fn rule_at(&self, place: Span) -> Option<&hir::Rule> {
+        self.model.rules.iter().find(|rule| {
+            let body = rule.body.as_ref().map(|body| body.root.span);
+            body.is_some_and(|body| {
+                body.file == place.file && body.start <= place.start && place.end <= body.end
+            })
+        })
     }
 
     /// The place of an origin.

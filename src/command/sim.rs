@@ -1,7 +1,6 @@
 //! `asmotion sim`: specifications alone.
 
 mod folder;
-mod show;
 mod single;
 
 use crate::exit::Exit;

@@ -1,8 +1,9 @@
 //! One specification, step by step.
 
-use super::{Sim, Unbegun, comment, show};
+use super::{Sim, Unbegun, comment};
 use crate::exit::Exit;
 use crate::files::Disk;
+use crate::show;
 use crate::terminal::{FAINT, NAME, Terminal, count};
 use asm_lang::machine::Machine;
 use asm_lang::simulate::{self, Stopped, Trace};

@@ -1,0 +1,366 @@
+//! A session with a past: any number of events can be undone, and a location says who wrote it last.
+
+use crate::Session;
+use ir::{AddedTerm, FunctionId, FunctionKind, Origin, Slot};
+use machine::{Environment, Fault, Machine};
+use simulate::{Random, Seeded};
+use source::{Diagnostic, Report};
+use std::collections::BTreeMap;
+use value::Value;
+
+/// A session, and everything that happened in it.
+pub struct History {
+    session: Session,
+    present: Present,
+    events: Vec<Event>,
+    /// What was before some of the events, by their numbers: before the first, and all the way to now.
+    moments: BTreeMap<usize, Moment>,
+}
+
+/// So many moments are kept before now; of older ones, one in so many.
+const KEPT: usize = 64;
+
+/// What the machine does not know of itself.
+#[derive(Clone)]
+struct Present {
+    inputs: Held,
+    choices: Seeded,
+    written: BTreeMap<Slot, Written>,
+}
+
+#[derive(Clone)]
+struct Moment {
+    machine: Machine,
+    present: Present,
+}
+
+/// What happened.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// A step.
+    Step,
+    /// A rule was fired.
+    Fire(String),
+    /// A location got a value from outside: a monitored one for all steps to come.
+    Set(FunctionId, Vec<Value>, Value),
+    /// A monitored location is no longer held.
+    Release(FunctionId, Vec<Value>),
+}
+
+/// Who wrote a location last.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Written {
+    /// The number of the event, from 0.
+    pub event: usize,
+    /// How many steps had been done then.
+    pub steps: u64,
+    /// The rule, if it was one.
+    pub origin: Option<Origin>,
+    /// What the location held before.
+    pub before: Value,
+    /// What it got.
+    pub after: Value,
+}
+
+/// Inputs that hold until they are told otherwise.
+#[derive(Clone)]
+struct Held {
+    values: BTreeMap<(FunctionId, Vec<Value>), Value>,
+    /// Answers what is not held; undef without it.
+    otherwise: Option<Box<Random>>,
+}
+
+impl Environment for Held {
+    fn read(&mut self, function: FunctionId, arguments: &[Value]) -> Result<Option<Value>, String> {
+        match (
+            self.values.get(&(function, arguments.to_vec())),
+            &mut self.otherwise,
+        ) {
+            (Some(value), _) => Ok(Some(value.clone())),
+            (None, Some(random)) => random.read(function, arguments),
+            (None, None) => Ok(None),
+        }
+    }
+}
+
+impl History {
+    /// Begins with the state a session is in. The seed decides choices, and inputs that nobody gave
+    /// if they are to be random.
+    pub fn new(session: Session, seed: u64, is_random: bool) -> Self {
+        let random = || {
+            let program = session.specification.program.clone();
+            Box::new(Random::new(program, &session.machine, seed))
+        };
+        let present = Present {
+            inputs: Held {
+                values: BTreeMap::new(),
+                otherwise: is_random.then(random),
+            },
+            choices: Seeded::new(seed),
+            written: BTreeMap::new(),
+        };
+        Self {
+            session,
+            present,
+            events: Vec::new(),
+            moments: BTreeMap::new(),
+        }
+    }
+
+    /// The specification and its machine now.
+    pub fn session(&self) -> &Session {
+        &self.session
+    }
+
+    /// What happened, in order.
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// The monitored locations that are held, and their values.
+    pub fn held(&self) -> impl Iterator<Item = (FunctionId, &[Value], &Value)> {
+        let held = self.present.inputs.values.iter();
+        held.map(|((function, arguments), value)| (*function, arguments.as_slice(), value))
+    }
+
+    /// Reads a term that will be asked for again and again.
+    ///
+    /// # Errors
+    /// The text is no term, or does not fit the specification.
+    pub fn watch(&mut self, text: &str) -> Result<AddedTerm, Report> {
+        self.session.watch(text)
+    }
+
+    /// The value of a watched term now.
+    ///
+    /// # Errors
+    /// The term has no value.
+    pub fn value(&mut self, term: AddedTerm) -> Result<Value, Report> {
+        let mut inputs = self.present.inputs.clone();
+        self.session.value(term, &mut inputs, 0)
+    }
+
+    /// The value of a term now.
+    ///
+    /// # Errors
+    /// The text is no term, does not fit the specification, or has no value.
+    pub fn evaluate(&mut self, text: &str) -> Result<Value, Report> {
+        let mut inputs = self.present.inputs.clone();
+        self.session.evaluate(text, &mut inputs, 0)
+    }
+
+    /// Does a step.
+    ///
+    /// # Errors
+    /// It has no next state; then nothing happened, but for an invariant that the new state violates.
+    pub fn step(&mut self) -> Result<(), Report> {
+        self.happen(Event::Step)
+    }
+
+    /// Fires a rule. It counts as no step.
+    ///
+    /// # Errors
+    /// The text is no rule, does not fit the specification, or fails: nothing happened.
+    pub fn fire(&mut self, rule: &str) -> Result<(), Report> {
+        self.happen(Event::Fire(rule.to_owned()))
+    }
+
+    /// Sets `location := value`: a monitored location for all steps to come, another one now.
+    ///
+    /// # Errors
+    /// The text is no such thing, does not fit the specification, or the location is computed.
+    pub fn set(&mut self, assignment: &str) -> Result<(), Report> {
+        let mut inputs = self.present.inputs.clone();
+        let (function, arguments, value) = self.session.assignment(assignment, &mut inputs, 0)?;
+        self.happen(Event::Set(function, arguments, value))
+    }
+
+    /// No longer holds a monitored location; the text says it as in `battery(ROB1)`.
+    ///
+    /// # Errors
+    /// The text is no location of the specification.
+    pub fn release(&mut self, location: &str) -> Result<(), Report> {
+        let (function, arguments) = self.location(location)?;
+        self.happen(Event::Release(function, arguments))
+    }
+
+    /// The function and the arguments of a location, as in `battery(ROB1)`.
+    ///
+    /// # Errors
+    /// The text is no location of the specification.
+    pub fn location(&mut self, text: &str) -> Result<(FunctionId, Vec<Value>), Report> {
+        let mut inputs = self.present.inputs.clone();
+        let assignment = format!("{text} := undef");
+        let found = self.session.assignment(&assignment, &mut inputs, 0)?;
+        Ok((found.0, found.1))
+    }
+
+    /// Who wrote a location last; nobody did if it holds its initial value.
+    pub fn written(&self, function: FunctionId, arguments: &[Value]) -> Option<&Written> {
+        let machine = &self.session.machine;
+        let slot = machine
+            .state()
+            .slot(machine.program(), function, arguments)?;
+        self.present.written.get(&slot)
+    }
+
+    /// Undoes the last events, as many as there are; says how many these were.
+    pub fn undo(&mut self, count: usize) -> usize {
+        let target = self.events.len().saturating_sub(count);
+        let undone = self.events.len() - target;
+        self.go_to(target);
+        undone
+    }
+
+    /// Goes through everything that happened once more, and shows each event when it has happened.
+    pub fn replay(&mut self, mut show: impl FnMut(&Event, &Session)) {
+        let events = self.events.clone();
+        self.go_to(0);
+        for event in events {
+            // what failed once fails again, and happened all the same
+            let _ = self.happen(event.clone());
+            show(&event, &self.session);
+        }
+    }
+
+    fn go_to(&mut self, target: usize) {
+        let Some((&near, moment)) = self.moments.range(..=target).next_back() else {
+            return;
+        };
+        let moment = moment.clone();
+        let program = self.session.specification.program.clone();
+        self.session.machine = moment.machine;
+        // meanwhile terms were added, and no locations
+        let _ = self.session.machine.adopt(program);
+        self.present = moment.present;
+        let again = self.events.split_off(near);
+        self.moments.split_off(&near);
+        for event in again.into_iter().take(target - near) {
+            let _ = self.happen(event);
+        }
+    }
+
+    fn happen(&mut self, event: Event) -> Result<(), Report> {
+        let number = self.events.len();
+        let moment = Moment {
+            machine: self.session.machine.clone(),
+            present: self.present.clone(),
+        };
+        let done = self.apply(&event);
+        let steps = moment.machine.steps();
+        if done.is_err() && self.session.machine.steps() == steps {
+            // the machine keeps its state; choices and inputs are drawn once more
+            self.present = moment.present;
+            return done;
+        }
+        self.moments.insert(number, moment);
+        if let Some(old) = number.checked_sub(KEPT)
+            && old % KEPT != 0
+        {
+            self.moments.remove(&old);
+        }
+        self.events.push(event);
+        done
+    }
+
+    fn apply(&mut self, event: &Event) -> Result<(), Report> {
+        let Present {
+            inputs, choices, ..
+        } = &mut self.present;
+        match event {
+            Event::Step => {
+                let done = self.session.machine.step(inputs, choices, 0);
+                let done = done.map(|_| ()).map_err(|fault| self.report(&fault));
+                self.note_updates(true);
+                done
+            }
+            Event::Fire(rule) => {
+                self.session.fire(rule, inputs, choices, 0)?;
+                // the rule is forgotten, and with it the places of its parts
+                self.note_updates(false);
+                Ok(())
+            }
+            Event::Set(function, arguments, value) => {
+                self.set_location(*function, arguments, value)
+            }
+            Event::Release(function, arguments) => {
+                inputs.values.remove(&(*function, arguments.clone()));
+                Ok(())
+            }
+        }
+    }
+
+    fn set_location(
+        &mut self,
+        function: FunctionId,
+        arguments: &[Value],
+        value: &Value,
+    ) -> Result<(), Report> {
+        let machine = &mut self.session.machine;
+        let program = machine.program().clone();
+        match program.functions[function.0 as usize].kind {
+            FunctionKind::Monitored => {
+                let key = (function, arguments.to_vec());
+                self.present.inputs.values.insert(key, value.clone());
+                Ok(())
+            }
+            FunctionKind::Controlled | FunctionKind::Shared | FunctionKind::Out => {
+                let known = machine.state().slot(&program, function, arguments);
+                let before = known.map_or(Value::Undef, |slot| machine.state().get(slot).clone());
+                let slot = match machine.set(function, arguments, value.clone()) {
+                    Ok(slot) => slot,
+                    Err(fault) => return Err(self.report(&fault)),
+                };
+                self.note(slot, None, before, value.clone());
+                Ok(())
+            }
+            FunctionKind::Fixed => {
+                let name = &program.symbols.functions[function.0 as usize];
+                let finding =
+                    Diagnostic::error("R017", format!("`{name}` is computed, so it cannot be set"))
+                        .help("set what its definition reads");
+                let mut report = Report::new();
+                report.push(finding);
+                Err(report)
+            }
+        }
+    }
+
+    fn note_updates(&mut self, has_places: bool) {
+        let step = self.session.machine.last_step();
+        let updates: Vec<_> = step
+            .updates
+            .iter()
+            .zip(step.before)
+            .map(|(update, before)| {
+                (
+                    update.slot,
+                    update.origin,
+                    before.clone(),
+                    update.value.clone(),
+                )
+            })
+            .collect();
+        for (slot, origin, before, after) in updates {
+            self.note(slot, has_places.then_some(origin), before, after);
+        }
+    }
+
+    fn note(&mut self, slot: Slot, origin: Option<Origin>, before: Value, after: Value) {
+        let written = Written {
+            event: self.events.len(),
+            steps: self.session.machine.steps(),
+            origin,
+            before,
+            after,
+        };
+        self.present.written.insert(slot, written);
+    }
+
+    fn report(&self, fault: &Fault) -> Report {
+        let mut report = Report::new();
+        let session = &self.session;
+        report.push(session.specification.explain_in(fault, &session.machine));
+        report
+    }
+}

@@ -1,0 +1,117 @@
+//! What happened at the prompt as a scenario: it sets what was read, and checks what was written.
+
+use asm_lang::{Event, History, Machine, Session, Value, simulate};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::Path;
+
+/// A scenario.
+pub struct Saved {
+    pub text: String,
+    /// How many lines are comments because an element has no name in a scenario.
+    pub left_out: usize,
+}
+
+/// The scenario of everything that happened, to be stored at a path.
+pub fn scenario(history: &mut History, path: &Path, spec: &Path, seed: u64) -> Saved {
+    let mut scenario = Scenario::default();
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let is_letter = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
+    let name: String = name
+        .chars()
+        .map(|letter| if is_letter(letter) { letter } else { '_' })
+        .collect();
+    scenario.line(&format!("// choices were made with seed {seed}"));
+    scenario.line(&format!("scenario {name}"));
+    scenario.line(&format!("load {}", load(path, spec)));
+    history.replay(|event, session| scenario.event(event, session));
+    Saved {
+        text: scenario.text,
+        left_out: scenario.left_out,
+    }
+}
+
+/// How a scenario names its specification: from its own folder, if it is the same.
+fn load(path: &Path, spec: &Path) -> String {
+    let folder = |path: &Path| {
+        let parent = path.parent().filter(|parent| *parent != Path::new(""));
+        std::fs::canonicalize(parent.unwrap_or(Path::new("."))).ok()
+    };
+    let (here, there) = (folder(path), folder(spec));
+    let name = spec.file_name().unwrap_or_default();
+    match there {
+        Some(there) if here.as_ref() != Some(&there) => there.join(name).display().to_string(),
+        _ => name.to_string_lossy().into_owned(),
+    }
+}
+
+#[derive(Default)]
+struct Scenario {
+    text: String,
+    left_out: usize,
+    /// The inputs as the scenario has set them.
+    inputs: BTreeMap<String, String>,
+}
+
+impl Scenario {
+    fn event(&mut self, event: &Event, session: &Session) {
+        let machine = &session.machine;
+        match event {
+            Event::Step => {
+                self.set_inputs(machine);
+                self.line("step");
+                self.check_updates(machine);
+            }
+            Event::Fire(rule) => self.line(&format!("exec {};", rule.trim_end_matches(';'))),
+            // a monitored location is set when a step reads it
+            Event::Set(function, arguments, value) => {
+                let kind = machine.program().functions[function.0 as usize].kind;
+                if kind != asm_lang::ir::FunctionKind::Monitored {
+                    let location = simulate::applied(machine, *function, arguments);
+                    self.fact("exec", &location, ":=", &shown(machine, value));
+                }
+            }
+            Event::Release(..) => {}
+        }
+    }
+
+    fn set_inputs(&mut self, machine: &Machine) {
+        for input in machine.last_step().inputs {
+            let location = simulate::location(machine, input.slot);
+            let value = shown(machine, &input.value);
+            let known = self.inputs.insert(location.clone(), value.clone());
+            if known.unwrap_or_else(|| "undef".to_owned()) != value {
+                self.fact("set", &location, ":=", &value);
+            }
+        }
+    }
+
+    fn check_updates(&mut self, machine: &Machine) {
+        for (location, _, after) in simulate::updates(machine, &machine.last_step()) {
+            self.fact("check", &location, "=", &after);
+        }
+    }
+
+    /// A line about a location and a value; a comment if one of them has no name in a scenario.
+    fn fact(&mut self, verb: &str, location: &str, sign: &str, value: &str) {
+        let is_fresh = names_fresh(location) || names_fresh(value);
+        let comment = if is_fresh { "// " } else { "" };
+        self.left_out += usize::from(is_fresh);
+        self.line(&format!("{comment}{verb} {location} {sign} {value};"));
+    }
+
+    fn line(&mut self, line: &str) {
+        // writing to a string cannot fail
+        let _ = writeln!(self.text, "{line}");
+    }
+}
+
+/// Whether a text names an element that `extend` made, as in `order!1`.
+fn names_fresh(text: &str) -> bool {
+    text.split_once('!')
+        .is_some_and(|(_, number)| number.starts_with(|letter: char| letter.is_ascii_digit()))
+}
+
+fn shown(machine: &Machine, value: &Value) -> String {
+    value.show(&machine.naming()).to_string()
+}

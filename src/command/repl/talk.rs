@@ -1,0 +1,504 @@
+//! Does what a line says, and says what came of it.
+
+use super::save;
+use super::verb::{VERBS, split};
+use crate::show;
+use crate::terminal::{FAINT, GOOD, NAME, NOTE, Terminal};
+use asm_lang::ir::{AddedTerm, FunctionId, FunctionKind};
+use asm_lang::{Event, History, Machine, Report, Value, Written, simulate};
+use std::path::Path;
+
+/// `run` does so many steps.
+const RUN: u64 = 1000;
+
+/// A conversation.
+pub struct Talk {
+    /// The path of the specification.
+    path: String,
+    seed: u64,
+    history: History,
+    watches: Vec<(String, AddedTerm)>,
+    breaks: Vec<Break>,
+}
+
+/// Where `run` stops.
+enum Break {
+    /// A location is written; without arguments, any of its function.
+    Location(String, FunctionId, Vec<Value>),
+    /// A rule writes something.
+    Rule(String),
+    /// A term becomes true.
+    When(String, AddedTerm, bool),
+}
+
+impl Talk {
+    pub fn new(path: String, seed: u64, history: History) -> Self {
+        Self {
+            path,
+            seed,
+            history,
+            watches: Vec::new(),
+            breaks: Vec::new(),
+        }
+    }
+
+    /// What stands before a line: the specification and how many steps it did.
+    pub fn prompt(&self) -> String {
+        let name = Path::new(&self.path).file_stem().unwrap_or_default();
+        format!("{} {}> ", name.to_string_lossy(), self.machine().steps())
+    }
+
+    pub fn greet(&self, terminal: &mut Terminal) {
+        let report = &self.history.session().specification.report;
+        terminal.report(report, &self.history.session().specification.sources);
+        terminal.say(format_args!(
+            "{FAINT}`step` does a step, `set x := 1` sets an input, a term gives its value, `help` tells the rest{FAINT:#}"
+        ));
+    }
+
+    /// Answers a line. Whether to go on.
+    pub fn answer(&mut self, line: &str, terminal: &mut Terminal) -> bool {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with("//") {
+            return true;
+        }
+        let (verb, rest) = split(line).unwrap_or(("eval", line));
+        let answered = match verb {
+            "step" => self.steps(rest, 1, false, terminal),
+            "run" => self.steps(rest, RUN, true, terminal),
+            "set" => self.set(rest, terminal),
+            "unset" => self.history.release(rest),
+            "eval" => self.eval(rest, terminal),
+            "fire" => self.fire(rest, terminal),
+            "watch" => self.watch(rest, terminal),
+            "unwatch" => remove(&mut self.watches, rest, terminal),
+            "break" => self.add_break(rest, terminal),
+            "unbreak" => remove(&mut self.breaks, rest, terminal),
+            "who" => self.who(rest, terminal),
+            "state" => self.state(rest, terminal),
+            "inputs" => self.inputs(terminal),
+            "undo" => self.undo(rest, terminal),
+            "history" => self.tell_history(terminal),
+            "save" => self.save(rest, terminal),
+            "help" => help(terminal),
+            _ => return false,
+        };
+        if let Err(report) = answered {
+            terminal.report(&report, &self.history.session().specification.sources);
+        }
+        true
+    }
+
+    fn machine(&self) -> &Machine {
+        &self.history.session().machine
+    }
+
+    fn shown(&self, value: &Value) -> String {
+        value.show(&self.machine().naming()).to_string()
+    }
+
+    /// Does steps; `run` stops at breaks and says little, `step` shows each.
+    fn steps(
+        &mut self,
+        count: &str,
+        default: u64,
+        is_run: bool,
+        terminal: &mut Terminal,
+    ) -> Result<(), Report> {
+        let Some(count) = number(count, default, terminal) else {
+            return Ok(());
+        };
+        let from = self.machine().steps();
+        for _ in 0..count {
+            let done = self.history.step();
+            if done.is_err() {
+                self.tell_unset(terminal);
+            }
+            done?;
+            let hit = if is_run { self.hit()? } else { None };
+            if !is_run || hit.is_some() {
+                self.tell_step(terminal);
+                self.tell_watches(terminal);
+            }
+            if let Some(what) = hit {
+                terminal.result(format_args!("{NOTE}break{NOTE:#}: {what}"));
+                return Ok(());
+            }
+        }
+        if is_run {
+            let done = self.machine().steps() - from;
+            terminal.result(format_args!("{FAINT}{done} steps, and no break{FAINT:#}"));
+            self.tell_watches(terminal);
+        }
+        Ok(())
+    }
+
+    fn set(&mut self, assignment: &str, terminal: &mut Terminal) -> Result<(), Report> {
+        self.history.set(assignment)?;
+        if let Some(Event::Set(function, arguments, value)) = self.history.events().last() {
+            let location = simulate::applied(self.machine(), *function, arguments);
+            terminal.result(format_args!("{location} = {}", self.shown(value)));
+        }
+        Ok(())
+    }
+
+    fn eval(&mut self, term: &str, terminal: &mut Terminal) -> Result<(), Report> {
+        let value = self.history.evaluate(term)?;
+        terminal.result(self.shown(&value));
+        Ok(())
+    }
+
+    fn fire(&mut self, rule: &str, terminal: &mut Terminal) -> Result<(), Report> {
+        self.history.fire(rule)?;
+        self.tell_updates(terminal);
+        self.tell_watches(terminal);
+        Ok(())
+    }
+
+    fn watch(&mut self, term: &str, terminal: &mut Terminal) -> Result<(), Report> {
+        if !term.is_empty() {
+            let added = self.history.watch(term)?;
+            self.watches.push((term.to_owned(), added));
+        }
+        self.tell_watches(terminal);
+        Ok(())
+    }
+
+    fn add_break(&mut self, at: &str, terminal: &mut Terminal) -> Result<(), Report> {
+        if let Some(term) = at.strip_prefix("if ") {
+            let added = self.history.watch(term)?;
+            let is_true = self.history.value(added)? == Value::Bool(true);
+            let text = term.trim().to_owned();
+            self.breaks.push(Break::When(text, added, is_true));
+        } else if at.starts_with("r_") {
+            let model = &self.history.session().specification.model;
+            if !model.rules.iter().any(|rule| &*rule.name == at) {
+                terminal.error(format_args!("there is no rule `{at}`"));
+                return Ok(());
+            }
+            self.breaks.push(Break::Rule(at.to_owned()));
+        } else if let Some(function) = self.function(at) {
+            self.breaks
+                .push(Break::Location(at.to_owned(), function, Vec::new()));
+        } else if !at.is_empty() {
+            let (function, arguments) = self.history.location(at)?;
+            self.breaks
+                .push(Break::Location(at.to_owned(), function, arguments));
+        }
+        for (index, stop) in (1..).zip(&self.breaks) {
+            let what = match stop {
+                Break::Location(text, ..) => format!("when `{text}` is written"),
+                Break::Rule(rule) => format!("when `{rule}` runs"),
+                Break::When(term, ..) => format!("when `{term}` becomes true"),
+            };
+            terminal.result(format_args!("{index}: {what}"));
+        }
+        Ok(())
+    }
+
+    /// The function of the specification with this name.
+    fn function(&self, name: &str) -> Option<FunctionId> {
+        let mut own = self.history.session().specification.model.own_functions();
+        own.find(|(_, function)| &*function.name == name)
+            .map(|(id, _)| FunctionId(id.0))
+    }
+
+    /// Which break the step has come to.
+    fn hit(&mut self) -> Result<Option<String>, Report> {
+        let mut hit = None;
+        for stop in &mut self.breaks {
+            let is_hit = match stop {
+                Break::Location(_, function, arguments) => {
+                    writes(&self.history, *function, arguments)
+                }
+                Break::Rule(rule) => ran(&self.history, rule),
+                Break::When(_, term, was_true) => {
+                    let is_true = self.history.value(*term)? == Value::Bool(true);
+                    is_true && !std::mem::replace(was_true, is_true)
+                }
+            };
+            if is_hit && hit.is_none() {
+                hit = Some(match stop {
+                    Break::Location(text, ..) => format!("`{text}` was written"),
+                    Break::Rule(rule) => format!("`{rule}` ran"),
+                    Break::When(term, ..) => format!("`{term}` became true"),
+                });
+            }
+        }
+        Ok(hit)
+    }
+
+    fn who(&mut self, location: &str, terminal: &mut Terminal) -> Result<(), Report> {
+        let (function, arguments) = self.history.location(location)?;
+        let location = simulate::applied(self.machine(), function, &arguments);
+        let Some(written) = self.history.written(function, &arguments) else {
+            terminal.result(format_args!(
+                "nobody wrote `{location}`: it holds its initial value"
+            ));
+            return Ok(());
+        };
+        let specification = &self.history.session().specification;
+        let Written {
+            steps,
+            origin,
+            before,
+            after,
+            event,
+        } = written;
+        let when = match self.history.events().get(*event) {
+            Some(Event::Step) => format!("in step {steps}"),
+            Some(Event::Fire(rule)) => format!("after step {steps}, when `{rule}` was fired"),
+            Some(Event::Set(..) | Event::Release(..)) | None => {
+                format!("after step {steps}, by `set`")
+            }
+        };
+        let (before, after) = (self.shown(before), self.shown(after));
+        terminal.result(format_args!(
+            "{NAME}{location}{NAME:#} = {after}, written {when}  {FAINT}(was {before}){FAINT:#}"
+        ));
+        if let Some(origin) = origin {
+            let place = specification.span(*origin);
+            let sources = &specification.sources;
+            let (line, column) = sources.position(place.file, place.start);
+            let rule = specification
+                .rule_at(place)
+                .map_or(String::new(), |rule| format!(" in {}", rule.name));
+            terminal.result(format_args!(
+                "  `{}`{rule}, {}:{line}:{column}",
+                sources.snippet(place),
+                sources.path(place.file)
+            ));
+        }
+        Ok(())
+    }
+
+    fn state(&self, name: &str, terminal: &mut Terminal) -> Result<(), Report> {
+        for (location, value) in show::state(self.machine()) {
+            let function = location.split('(').next().unwrap_or_default();
+            if name.is_empty() || name == function {
+                terminal.result(format_args!("  {location} = {value}"));
+            }
+        }
+        Ok(())
+    }
+
+    fn inputs(&self, terminal: &mut Terminal) -> Result<(), Report> {
+        let specification = &self.history.session().specification;
+        let program = self.machine().program();
+        for (id, function) in specification.model.own_functions() {
+            if program.functions[id.0 as usize].kind == FunctionKind::Monitored {
+                let domain = specification.model.show_type(function.codomain);
+                terminal.result(format_args!(
+                    "  {} {FAINT}: {domain}{FAINT:#}",
+                    function.name
+                ));
+            }
+        }
+        for (function, arguments, value) in self.history.held() {
+            let location = simulate::applied(self.machine(), function, arguments);
+            terminal.result(format_args!(
+                "  {GOOD}held{GOOD:#} {location} = {}",
+                self.shown(value)
+            ));
+        }
+        Ok(())
+    }
+
+    /// Says which inputs nobody gave a value, if undef may be why a step failed.
+    fn tell_unset(&self, terminal: &mut Terminal) {
+        let inputs = self.machine().last_step().inputs;
+        let unset = inputs.iter().filter(|input| input.value.is_undef());
+        let unset: Vec<String> = unset
+            .map(|input| format!("`{}`", simulate::location(self.machine(), input.slot)))
+            .collect();
+        if !unset.is_empty() {
+            terminal.say(format_args!(
+                "{NOTE}note{NOTE:#}: nobody set {}, so it is undef",
+                unset.join(", ")
+            ));
+        }
+    }
+
+    fn undo(&mut self, count: &str, terminal: &mut Terminal) -> Result<(), Report> {
+        if let Some(count) = number(count, 1, terminal) {
+            let undone = self
+                .history
+                .undo(usize::try_from(count).unwrap_or(usize::MAX));
+            let steps = self.machine().steps();
+            terminal.result(format_args!(
+                "{FAINT}{undone} undone, {steps} steps are left{FAINT:#}"
+            ));
+            self.tell_watches(terminal);
+        }
+        Ok(())
+    }
+
+    fn tell_history(&self, terminal: &mut Terminal) -> Result<(), Report> {
+        let mut steps = 0;
+        for event in self.history.events() {
+            let what = match event {
+                Event::Step => {
+                    steps += 1;
+                    format!("step {steps}")
+                }
+                Event::Fire(rule) => format!("fire {rule}"),
+                Event::Set(function, arguments, value) => {
+                    let location = simulate::applied(self.machine(), *function, arguments);
+                    format!("set {location} := {}", self.shown(value))
+                }
+                Event::Release(function, arguments) => {
+                    let location = simulate::applied(self.machine(), *function, arguments);
+                    format!("unset {location}")
+                }
+            };
+            terminal.result(format_args!("  {what}"));
+        }
+        Ok(())
+    }
+
+    fn save(&mut self, path: &str, terminal: &mut Terminal) -> Result<(), Report> {
+        if path.is_empty() {
+            terminal.error("`save` needs the name of a file, as in `save found.avalla`");
+            return Ok(());
+        }
+        let path = Path::new(path).with_extension("avalla");
+        let saved = save::scenario(&mut self.history, &path, Path::new(&self.path), self.seed);
+        match std::fs::write(&path, &saved.text) {
+            Ok(()) => {
+                terminal.status("Saved", format_args!("{}", path.display()));
+                if saved.left_out > 0 {
+                    terminal.say(format_args!(
+                        "{NOTE}note{NOTE:#}: {} facts speak of elements that have no name in a scenario; they are comments",
+                        saved.left_out
+                    ));
+                }
+            }
+            Err(error) => {
+                terminal.error(format_args!("cannot write `{}`: {error}", path.display()))
+            }
+        }
+        Ok(())
+    }
+
+    fn tell_step(&self, terminal: &mut Terminal) {
+        let machine = self.machine();
+        let step = machine.last_step();
+        terminal.result(format_args!("{NAME}step {}{NAME:#}", step.number));
+        for input in step.inputs {
+            let location = simulate::location(machine, input.slot);
+            let hint = match input.value {
+                Value::Undef => format!("  (`set {location} := …` gives it one)"),
+                _ => String::new(),
+            };
+            terminal.result(format_args!(
+                "  {FAINT}{location} = {}{hint}{FAINT:#}",
+                self.shown(&input.value)
+            ));
+        }
+        for choice in step.choices {
+            let place = self.history.session().specification.span(choice.origin);
+            let sources = &self.history.session().specification.sources;
+            let (line, _) = sources.position(place.file, place.start);
+            terminal.result(format_args!(
+                "  {FAINT}chose candidate {} of {} in line {line}{FAINT:#}",
+                choice.index + 1,
+                choice.count
+            ));
+        }
+        self.tell_updates(terminal);
+    }
+
+    fn tell_updates(&self, terminal: &mut Terminal) {
+        let machine = self.machine();
+        let step = machine.last_step();
+        for (location, before, after) in simulate::updates(machine, &step) {
+            terminal.result(format_args!(
+                "  {location} := {after}  {FAINT}(was {before}){FAINT:#}"
+            ));
+        }
+        for line in step.printed {
+            terminal.result(format_args!("  print: {line}"));
+        }
+        if step.updates.is_empty() {
+            terminal.result(format_args!("  {FAINT}no updates{FAINT:#}"));
+        }
+    }
+
+    fn tell_watches(&mut self, terminal: &mut Terminal) {
+        for (index, (text, term)) in (1..).zip(&self.watches) {
+            let value = match self.history.value(*term) {
+                Ok(value) => {
+                    let naming = self.history.session().machine.naming();
+                    value.show(&naming).to_string()
+                }
+                Err(report) => {
+                    let finding = report.diagnostics.into_iter().next();
+                    finding.map_or(String::new(), |finding| finding.message)
+                }
+            };
+            terminal.result(format_args!(
+                "  {GOOD}watch {index}{GOOD:#} {text} = {value}"
+            ));
+        }
+    }
+}
+
+/// Whether the last step wrote a location of this function; of these arguments, if there are any.
+fn writes(history: &History, function: FunctionId, arguments: &[Value]) -> bool {
+    let machine = &history.session().machine;
+    let step = machine.last_step();
+    step.updates.iter().any(|update| {
+        let location = machine.state().location(machine.program(), update.slot);
+        location.is_some_and(|(written, with)| {
+            written == function && (arguments.is_empty() || with == arguments)
+        })
+    })
+}
+
+/// Whether something that the last step wrote or chose stands in a rule.
+fn ran(history: &History, rule: &str) -> bool {
+    let specification = &history.session().specification;
+    let step = history.session().machine.last_step();
+    let written = step.updates.iter().map(|update| update.origin);
+    let chosen = step.choices.iter().map(|choice| choice.origin);
+    written.chain(chosen).any(|origin| {
+        let found = specification.rule_at(specification.span(origin));
+        found.is_some_and(|found| &*found.name == rule)
+    })
+}
+
+/// A number, or the default where there is none; nothing, said so, where there is something else.
+fn number(text: &str, default: u64, terminal: &mut Terminal) -> Option<u64> {
+    if text.is_empty() {
+        return Some(default);
+    }
+    let number = text.parse().ok();
+    if number.is_none() {
+        terminal.error(format_args!("`{text}` is no number"));
+    }
+    number
+}
+
+fn remove<T>(from: &mut Vec<T>, number: &str, terminal: &mut Terminal) -> Result<(), Report> {
+    let index = number
+        .parse::<usize>()
+        .ok()
+        .and_then(|number| number.checked_sub(1));
+    match index.filter(|index| *index < from.len()) {
+        Some(index) => drop(from.remove(index)),
+        None => terminal.error(format_args!("there is no number `{number}` here")),
+    }
+    Ok(())
+}
+
+fn help(terminal: &mut Terminal) -> Result<(), Report> {
+    for verb in VERBS {
+        let short = match verb.short {
+            "" => String::new(),
+            short => format!(" ({short})"),
+        };
+        let left = format!("{}{short} {}", verb.name, verb.usage);
+        terminal.result(format_args!("  {NAME}{left:<38}{NAME:#} {}", verb.help));
+    }
+    Ok(())
+}

@@ -1,0 +1,82 @@
+//! `asmotion repl`, as a person types it.
+
+use std::path::Path;
+
+/// What is answered to these lines, on standard output.
+fn talk(arguments: &[&str], lines: &str) -> String {
+    let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).arg("repl");
+    let output = command.args(arguments).write_stdin(lines).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+const NAVIGATE: &str = "specs/navigation/navigate.asm";
+
+/// Inputs with which the first step goes off.
+const INPUTS: &str = "set goalArrived := true\nset estop := false\nset cancelArrived := false\nset event := NOTHING\n";
+
+#[test]
+fn it_steps_and_tells_what_was_read_and_written() {
+    let lines = format!("{INPUTS}watch mode\nstep\nmode = WAIT_MAP and tries < maxTries\n");
+    insta::assert_snapshot!(talk(&[NAVIGATE], &lines));
+}
+
+#[test]
+fn it_says_who_wrote_a_location_last() {
+    let lines = format!(
+        "{INPUTS}step\nset goalArrived := false\nset event := MAP_OK\nstep\nwho mode\nwho moving\nfire mode := FAILED\nwho mode\nset tries := 2\nwho tries\n"
+    );
+    insta::assert_snapshot!(talk(&[NAVIGATE], &lines));
+}
+
+#[test]
+fn it_undoes_any_number_of_events() {
+    let lines = "run 500\nundo 499\nstate\nundo 1000\nstate\nstep 1\nstate\n";
+    let out = talk(&["specs/patrol/patrol.asm", "--random"], lines);
+    let first: Vec<&str> = out.split("499 undone, 1 steps are left\n").collect();
+    let after_first = first[1].split("1 undone").next().unwrap();
+    assert!(
+        out.trim_end().ends_with(after_first.trim_end()),
+        "the first step does the same again: {out}"
+    );
+    assert!(out.contains("1 undone, 0 steps are left"), "{out}");
+}
+
+#[test]
+fn a_run_stops_at_a_location_a_rule_and_a_condition() {
+    let lines = format!(
+        "{INPUTS}break r_enter\nrun\nset goalArrived := false\nset event := MAP_OK\nunbreak 1\nbreak if mode = WAIT_PATH\nbreak moving\nrun\nset event := PATH_OK\nrun\n"
+    );
+    insta::assert_snapshot!(talk(&[NAVIGATE], &lines));
+}
+
+#[test]
+fn what_goes_wrong_is_told_and_changes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("clash.asm");
+    let text =
+        "asm clash import StandardLibrary signature: monitored m: Integer controlled n: Integer
+      definitions: main rule r_Main = par n := m if m > 1 then n := 0 endif endpar";
+    std::fs::write(&path, text).unwrap();
+    let lines = "step\nset m := 1\nstep\nset m := 2\nstep\nn\nwings\nset n + 1\nhistory\n";
+    let out = talk(&[&path.display().to_string()], lines);
+    insta::assert_snapshot!(out);
+}
+
+#[test]
+fn what_happened_is_saved_as_a_scenario() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("found.avalla");
+    let lines = format!(
+        "{INPUTS}step\nset goalArrived := false\nset event := MAP_OK\nstep\nfire tries := 1\nsave {}\n",
+        path.display()
+    );
+    talk(&[NAVIGATE], &lines);
+    let saved = std::fs::read_to_string(&path).unwrap();
+    let home = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .canonicalize()
+        .unwrap();
+    let saved = saved.replace(&home.display().to_string(), "HOME");
+    insta::assert_snapshot!(saved);
+}
