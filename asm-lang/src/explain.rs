@@ -100,6 +100,9 @@ impl Specification {
             FaultKind::TooLarge(count) => Diagnostic::error("R012", format!("a collection of {count} elements would be built, {when}"))
                 .label(at, "built here")
                 .help("range over a smaller domain"),
+            FaultKind::Unbound => Diagnostic::error("R017", format!("a variable is not bound, {when}"))
+                .label(at, "read here, outside the rule or term that binds it")
+                .help("bind it here with `let`, `forall` or `choose`"),
             FaultKind::Unbounded => Diagnostic::error("R016", format!("a value grows without end, {when}"))
                 .label(at, "it nests too deeply, or holds too much")
                 .note("values of `Any` nest 500 deep at most, and hold 1,048,576 elements")

@@ -258,10 +258,7 @@ impl Analysis<'_> {
             let parameters = self.declared.rules[id.0 as usize].parameters.clone();
             let result = self.declared.rules[id.0 as usize].result;
             let mut resolver = self.resolver(unit);
-            match rule.turbo {
-                true => resolver.enter_turbo(result),
-                false => resolver.enter_macro(rule.parameters.len()),
-            }
+            resolver.enter(rule.parameters.len(), rule.turbo, result);
             for (parameter, ty) in rule.parameters.iter().zip(parameters) {
                 resolver.bind(&parameter.name, ty);
             }
@@ -447,7 +444,8 @@ impl Analysis<'_> {
         }
     }
 
-    fn finish(self, name: Arc<str>, main: Option<RuleId>) -> Model {
+    fn finish(mut self, name: Arc<str>, main: Option<RuleId>) -> Model {
+        let variables = self.declared.variables();
         let functions = &self.declared.functions;
         let reserved = |name: &str| {
             let at = functions.iter().position(|function| {
@@ -459,6 +457,7 @@ impl Analysis<'_> {
             self_: reserved("self"),
             program: reserved("program"),
             result: reserved("result"),
+            variables,
         };
         Model {
             name,

@@ -124,8 +124,13 @@ impl Resolver<'_> {
         let wanted = self.declared.functions[function.0 as usize]
             .parameters
             .len();
+        let run = self.declared.functions[function.0 as usize].run;
         let kind = match &self.declared.functions[function.0 as usize].meaning {
             Meaning::Constant(atom) => TermKind::Value(Value::Atom(*atom)),
+            _ if run.is_some() => {
+                let run = run.map(|run| self.variable_of(run, span));
+                TermKind::Apply(function, run.into_iter().chain(arguments).collect())
+            }
             _ if wanted != arguments.len() => match arguments.into_iter().next() {
                 Some(tuple) => TermKind::Spread(function, tuple),
                 None => TermKind::Invalid,
@@ -141,11 +146,12 @@ impl Resolver<'_> {
 
     /// How well a function fits the arguments, and what its type variables become.
     fn fit(&self, function: FunctionId, arguments: &[Term]) -> Option<(u32, Bindings)> {
-        let parameters = &self.declared.functions[function.0 as usize].parameters;
+        let declared = &self.declared.functions[function.0 as usize];
+        let parameters = &declared.parameters[usize::from(declared.run.is_some())..];
         let types = &self.declared.types;
         let mut bindings = Bindings::new();
         let actual: Vec<TypeId> = match arguments {
-            [tuple] if parameters.len() > 1 => {
+            [tuple] if parameters.len() > 1 && declared.run.is_none() => {
                 match types.get(types.root(tuple.ty, &self.declared.domains)) {
                     Type::Prod(items) => items.clone(),
                     _ => return None,

@@ -4,6 +4,7 @@ use crate::error::HirError;
 use crate::load::Unit;
 use crate::model::{
     AtomInfo, Domain, DomainId, DomainKind, Function, FunctionId, FunctionKind, Meaning, Rule,
+    VarId,
 };
 use crate::scope::Scope;
 use crate::types::{Type, TypeId, Types};
@@ -232,6 +233,7 @@ impl Declared {
                 initial: None,
                 span: name.span,
                 library: unit.library,
+                run: None,
             });
             self.scopes[index]
                 .functions
@@ -240,6 +242,47 @@ impl Declared {
                 .push(id);
         }
         undefined
+    }
+
+    /// Declares a `local` function: what it shadows is not seen until the scope is taken back.
+    pub fn local_function(&mut self, unit: usize, function: &ast::Function, run: VarId) {
+        let codomain = self.resolve_type(unit, &function.codomain);
+        let mut parameters = vec![self.types.id(Type::Integer)];
+        if let Some(domain) = &function.domain {
+            parameters.extend(self.parameters(unit, domain));
+        }
+        let id = FunctionId(self.functions.len() as u32);
+        self.functions.push(Function {
+            name: function.name.text.clone(),
+            kind: FunctionKind::Local,
+            parameters,
+            codomain,
+            meaning: Meaning::State,
+            initial: None,
+            span: function.name.span,
+            library: false,
+            run: Some(run),
+        });
+        let known = &mut self.scopes[unit].functions;
+        known.insert(function.name.text.clone(), vec![id]);
+    }
+
+    /// The function that holds what rules assign to variables.
+    pub fn variables(&mut self) -> FunctionId {
+        let integer = self.types.id(Type::Integer);
+        let codomain = self.types.id(Type::Undef);
+        self.functions.push(Function {
+            name: "$".into(),
+            kind: FunctionKind::Local,
+            parameters: vec![integer, integer],
+            codomain,
+            meaning: Meaning::State,
+            initial: None,
+            span: Span::default(),
+            library: true,
+            run: None,
+        });
+        FunctionId(self.functions.len() as u32 - 1)
     }
 
     fn meaning(

@@ -19,8 +19,9 @@ pub(crate) enum HirError {
         name: Name,
         at: Span,
         similar: Option<Name>,
-        bound: Option<Span>,
     },
+    #[error("`{name}` is not bound here")]
+    OutOfScope { name: Name, at: Span, bound: Span },
     #[error("unknown rule `{name}`")]
     UnknownRule {
         name: Name,
@@ -95,7 +96,7 @@ pub(crate) enum HirError {
         at: Span,
         declared: Span,
     },
-    #[error("`{name}` cannot be assigned: it is not a location")]
+    #[error("`{name}` is assigned: it becomes a location of the rule that binds it")]
     WritesVariable { name: Name, at: Span, bound: Span },
     #[error("`{name}` ranges over {actual}, which is not a collection")]
     NotACollection {
@@ -130,6 +131,18 @@ pub(crate) enum HirError {
     NoMain { name: Name, at: Span },
     #[error("the main rule takes no arguments")]
     MainParameters { at: Span },
+    #[error("`{name}` does not say what it returns")]
+    ResultUndeclared {
+        name: Name,
+        at: Span,
+        declared: Span,
+    },
+    #[error("`{function}` is monitored: what the environment says next counts, not this result")]
+    ReturnsToMonitored {
+        function: Name,
+        at: Span,
+        declared: Span,
+    },
     #[error("`{name}` returns nothing")]
     NoResult {
         name: Name,
@@ -182,19 +195,21 @@ impl HirError {
                 let help = "declare it in the signature, or import the module that declares it";
                 with_similar(finding, *at, similar, help)
             }
-            Self::UnknownVariable {
-                at, similar, bound, ..
-            } => {
+            Self::UnknownVariable { at, similar, .. } => {
                 let finding = error("A002").label(*at, "not bound here");
-                match (bound, similar) {
-                    (Some(bound), _) => finding
-                        .label(*bound, "bound here, for the rule or term that follows it and no further")
-                        .help("move what needs it into that rule, or bind it again with `let`, `forall` or `choose`"),
-                    (None, Some(name)) => finding.guess(format!("did you mean `{name}`?"), *at, name.to_string()),
-                    (None, None) => finding
-                        .help("bind it with `let`, `forall`, `choose`, or make it a parameter of the rule"),
+                match similar {
+                    Some(name) => {
+                        finding.guess(format!("did you mean `{name}`?"), *at, name.to_string())
+                    }
+                    None => finding.help(
+                        "bind it with `let`, `forall`, `choose`, or make it a parameter of the rule",
+                    ),
                 }
             }
+            Self::OutOfScope { at, bound, .. } => warning("W021")
+                .label(*at, "a run that comes here fails")
+                .label(*bound, "bound here, for the rule or term that follows it and no further")
+                .help("move what needs it into that rule, or bind it again with `let`, `forall` or `choose`"),
             Self::UnknownRule { at, similar, .. } => {
                 let finding = error("A003").label(*at, "no rule has this name");
                 with_similar(
@@ -320,12 +335,10 @@ impl HirError {
                 .label(*at, "updated here")
                 .label(*declared, "declared monitored here")
                 .help("declare it `shared`, or write an `out` function"),
-            Self::WritesVariable { at, bound, .. } => error("A017")
-                .label(*at, "assigned here")
-                .label(*bound, "bound here to a value")
-                .help(
-                    "update a controlled function; only a macro parameter can stand for a location",
-                ),
+            Self::WritesVariable { at, bound, .. } => warning("W020")
+                .label(*at, "assigned here, for the rules that follow in a `seq`")
+                .label(*bound, "bound here to its first value, and forgotten after the rule")
+                .help("update a controlled function if the value is to last"),
             Self::NotACollection { at, .. } => error("A018")
                 .label(*at, "not a set, sequence or bag")
                 .help("range over a domain, a set or a sequence"),
@@ -357,8 +370,16 @@ impl HirError {
                 .help("bind what it needs with `let`, `choose` or `forall` inside the rule"),
             Self::NoResult { at, declared, .. } => error("A024")
                 .label(*at, "its result is wanted here")
-                .label(*declared, "declared without `in Domain`")
+                .label(*declared, "a macro, which has none")
                 .help("declare `turbo rule r_x(…) in D = …` and update `result` in it"),
+            Self::ResultUndeclared { at, declared, .. } => warning("W022")
+                .label(*at, "its result is wanted here")
+                .label(*declared, "declared without `in Domain`")
+                .help("declare `turbo rule r_x(…) in D = …`, so that the result is checked"),
+            Self::ReturnsToMonitored { at, declared, .. } => warning("W023")
+                .label(*at, "written here")
+                .label(*declared, "declared monitored here")
+                .help("declare it `controlled`, or `shared` if both may write it"),
             Self::CallForm {
                 at, declared, want, ..
             } => error("A025")

@@ -54,7 +54,7 @@ pub struct Model {
 }
 
 /// The functions that the machine itself gives a meaning.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct Reserved {
     /// `self: Agent`
     pub self_: Option<FunctionId>,
@@ -62,6 +62,9 @@ pub struct Reserved {
     pub program: Option<FunctionId>,
     /// `result: Any`
     pub result: Option<FunctionId>,
+    /// Holds the variables that rules assign: by the number of the run of the rule that binds them,
+    /// and their number in it.
+    pub variables: FunctionId,
 }
 
 /// A domain.
@@ -132,6 +135,9 @@ pub struct Function {
     pub span: Span,
     /// Whether it is declared in a standard library.
     pub library: bool,
+    /// For a `local` function, the variable of its rule that holds the number of the run: the first
+    /// argument of all its locations, which nobody writes down.
+    pub run: Option<VarId>,
 }
 
 /// What computes a function.
@@ -291,6 +297,8 @@ pub enum TermKind {
     Rule(RuleId),
     /// A domain as the set of its elements.
     Extent(TypeId),
+    /// A variable outside the rule or term that binds it: there is no value to be had.
+    Unbound,
     /// An error was reported.
     Invalid,
 }
@@ -318,8 +326,9 @@ pub struct RuleTerm {
 pub enum Target {
     /// A location.
     Location(FunctionId, Vec<Term>),
-    /// A macro parameter that stands for a location.
-    Parameter(VarId),
+    /// A variable: a macro parameter that stands for a location, or one that is local state of the
+    /// rule that binds it.
+    Variable(VarId),
 }
 
 /// The forms of a resolved rule.
@@ -351,12 +360,28 @@ pub enum RuleKind {
     Let(Vec<(VarId, Term)>, RuleTerm),
     /// `extend`
     Extend(DomainId, Vec<VarId>, RuleTerm),
-    /// `while`
+    /// `while`: until the guard fails or the body changes nothing
     While(Term, RuleTerm),
-    /// A form that is parsed and not executed yet; the text names it.
-    Unsupported(&'static str),
+    /// `whilerec`: until the guard fails
+    WhileRec(Term, RuleTerm),
+    /// `iterate`: until the body changes nothing
+    Iterate(RuleTerm),
+    /// `local f: D [R] S`: functions that live as long as the rule runs
+    Local(Local),
     /// An error was reported.
     Invalid,
+}
+
+/// Functions that are local to a run of a rule. All their locations have the number of the run as
+/// their first argument, so that runs within each other keep theirs apart.
+#[derive(Clone, Debug)]
+pub struct Local {
+    /// Holds the number of the run.
+    pub run: VarId,
+    /// What gives the functions their first values.
+    pub initial: Vec<RuleTerm>,
+    /// What is done with them.
+    pub body: RuleTerm,
 }
 
 impl Model {

@@ -34,13 +34,10 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// Says that the body is that of a macro, whose parameters may stand for locations.
-    pub fn enter_macro(&mut self, parameters: usize) {
-        self.location_parameters = parameters;
-    }
-
-    /// Says that the body is that of a turbo rule with such a result.
-    pub fn enter_turbo(&mut self, result: Option<TypeId>) {
+    /// Says that the body is that of a rule. The parameters of a macro stand for terms, and so for
+    /// locations; a turbo rule may have a result.
+    pub fn enter(&mut self, parameters: usize, turbo: bool, result: Option<TypeId>) {
+        self.location_parameters = if turbo { 0 } else { parameters };
         self.result = result;
     }
 
@@ -153,13 +150,27 @@ impl<'a> Resolver<'a> {
         term
     }
 
-    pub fn unknown_variable(&mut self, name: &ast::Name) {
+    /// A variable bound further out is no longer to be had: the reference takes such a text and
+    /// fails where it is evaluated. One that is bound nowhere is a mistake.
+    pub fn unknown_variable(&mut self, name: &ast::Name) -> Term {
         let bound = self
             .variables
             .iter()
             .rev()
             .find(|known| known.name == name.text)
-            .map(|known| known.span);
+            .map(|known| (known.span, known.ty));
+        if let Some((bound, ty)) = bound {
+            self.error(HirError::OutOfScope {
+                name: name.text.clone(),
+                at: name.span,
+                bound,
+            });
+            return Term {
+                kind: Box::new(TermKind::Unbound),
+                ty,
+                span: name.span,
+            };
+        }
         let similar = similar(
             &name.text,
             self.visible.iter().map(|id| &self.variable(*id).name),
@@ -168,7 +179,7 @@ impl<'a> Resolver<'a> {
             name: name.text.clone(),
             at: name.span,
             similar,
-            bound,
         });
+        self.invalid(name.span)
     }
 }

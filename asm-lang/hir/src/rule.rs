@@ -3,12 +3,14 @@
 use crate::analyse::kind_name;
 use crate::error::HirError;
 use crate::model::{
-    DomainKind, FunctionId, FunctionKind, Meaning, RuleKind, RuleTerm, Target, Term, TermKind,
+    DomainKind, FunctionId, FunctionKind, Local, Meaning, RuleKind, RuleTerm, Target, Term,
+    TermKind,
 };
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
 use source::Span;
 use syntax::ast;
+use value::RuleId;
 
 impl Resolver<'_> {
     /// A rule, resolved.
@@ -82,9 +84,12 @@ impl Resolver<'_> {
                 let guard = self.boolean(guard, "a guard");
                 RuleKind::While(guard, self.rule(body))
             }
-            ast::RuleKind::WhileRec { .. } => RuleKind::Unsupported("whilerec"),
-            ast::RuleKind::Iterate(_) => RuleKind::Unsupported("iterate"),
-            ast::RuleKind::Local { .. } => RuleKind::Unsupported("local functions of a turbo rule"),
+            ast::RuleKind::WhileRec { guard, body } => {
+                let guard = self.boolean(guard, "a guard");
+                RuleKind::WhileRec(guard, self.rule(body))
+            }
+            ast::RuleKind::Iterate(body) => RuleKind::Iterate(self.rule(body)),
+            ast::RuleKind::Local { functions, body } => self.local(functions, body),
             ast::RuleKind::Invalid => RuleKind::Invalid,
         }
     }
@@ -95,7 +100,7 @@ impl Resolver<'_> {
 
     fn update(&mut self, target: &ast::Assignee, value: &ast::Term) -> RuleKind {
         let value = self.term(value);
-        match self.target(target) {
+        match self.target(target, Writer::Update) {
             Some((target, wanted, what, declared)) => {
                 self.expect(&value, wanted, &what, Some((declared, "declared")));
                 RuleKind::Update(target, value)
@@ -111,20 +116,14 @@ impl Resolver<'_> {
         arguments: &[ast::Term],
     ) -> RuleKind {
         let arguments = self.terms(arguments);
-        let target = self.target(target);
+        let target = self.target(target, Writer::Return);
         let Some(callee) = self.callee(rule, &arguments) else {
             return RuleKind::Invalid;
         };
-        let declared = self.declared.rules[callee.0 as usize].span;
-        let Some(result) = self.declared.rules[callee.0 as usize].result else {
-            self.error(HirError::NoResult {
-                name: rule.text.clone(),
-                at: rule.span,
-                declared,
-            });
+        let Some((target, wanted, what, location)) = target else {
             return RuleKind::Invalid;
         };
-        let Some((target, wanted, what, location)) = target else {
+        let Some(result) = self.result_of(rule, callee) else {
             return RuleKind::Invalid;
         };
         if !self.compatible(wanted, result) {
@@ -142,8 +141,27 @@ impl Resolver<'_> {
         RuleKind::Assign(target, callee, arguments)
     }
 
+    /// The domain of a turbo rule's result. One that does not say may return anything.
+    fn result_of(&mut self, name: &ast::Name, callee: RuleId) -> Option<TypeId> {
+        let rule = &self.declared.rules[callee.0 as usize];
+        let (declared, turbo, result) = (rule.span, rule.turbo, rule.result);
+        if result.is_none() {
+            let (name, at) = (name.text.clone(), name.span);
+            self.error(match turbo {
+                true => HirError::ResultUndeclared { name, at, declared },
+                false => HirError::NoResult { name, at, declared },
+            });
+            return turbo.then(|| self.ty(Type::Undef));
+        }
+        result
+    }
+
     /// What an update writes, with the type it takes, its name and where that is declared.
-    fn target(&mut self, target: &ast::Assignee) -> Option<(Target, TypeId, String, Span)> {
+    fn target(
+        &mut self,
+        target: &ast::Assignee,
+        writer: Writer,
+    ) -> Option<(Target, TypeId, String, Span)> {
         match target {
             ast::Assignee::Variable(name) => {
                 let Some(id) = self.lookup(&name.text) else {
@@ -157,9 +175,8 @@ impl Resolver<'_> {
                         at: name.span,
                         bound,
                     });
-                    return None;
                 }
-                Some((Target::Parameter(id), ty, format!("`{}`", name.text), bound))
+                Some((Target::Variable(id), ty, format!("`{}`", name.text), bound))
             }
             ast::Assignee::Location {
                 agent,
@@ -173,7 +190,7 @@ impl Resolver<'_> {
                 }
                 all.extend(self.terms(arguments));
                 let applied = self.apply(function, all, *span);
-                self.location(function, applied)
+                self.location(function, applied, writer)
             }
         }
     }
@@ -182,6 +199,7 @@ impl Resolver<'_> {
         &mut self,
         name: &ast::Name,
         applied: Term,
+        writer: Writer,
     ) -> Option<(Target, TypeId, String, Span)> {
         let (id, arguments) = match *applied.kind {
             TermKind::Apply(id, arguments) => (id, arguments),
@@ -207,9 +225,12 @@ impl Resolver<'_> {
         let mut ty = function.codomain;
         if self.is_result(id) {
             ty = self.result.unwrap_or(ty);
-        } else if let Some(error) = forbidden(name, kind, declared) {
+        } else if let Some(error) = forbidden(name, kind, declared, writer) {
+            let fatal = !matches!(error, HirError::ReturnsToMonitored { .. });
             self.error(error);
-            return None;
+            if fatal {
+                return None;
+            }
         }
         Some((
             Target::Location(id, arguments),
@@ -331,6 +352,30 @@ impl Resolver<'_> {
         RuleKind::Extend(id, body.0, body.1)
     }
 
+    /// `local f: D [R] … S`: the functions are seen by the rules `R` and `S`, and nowhere else.
+    fn local(&mut self, functions: &[(ast::Function, ast::Rule)], body: &ast::Rule) -> RuleKind {
+        let Some((first, _)) = functions.first() else {
+            return self.rule(body).kind.as_ref().clone();
+        };
+        let integer = self.ty(Type::Integer);
+        let run = ast::Name {
+            text: "local".into(),
+            span: first.name.span,
+        };
+        let outer = self.declared.scopes[self.unit].functions.clone();
+        let local = self.scoped(|this| {
+            let run = this.bind(&run, integer);
+            for (function, _) in functions {
+                this.declared.local_function(this.unit, function, run);
+            }
+            let initial = functions.iter().map(|(_, rule)| this.rule(rule)).collect();
+            let body = this.rule(body);
+            Local { run, initial, body }
+        });
+        self.declared.scopes[self.unit].functions = outer;
+        RuleKind::Local(local)
+    }
+
     /// Whether a domain can take new elements: it is abstract, or a subset of an abstract one.
     fn is_extensible(&self, ty: TypeId) -> bool {
         let root = self.declared.types.root(ty, &self.declared.domains);
@@ -343,8 +388,22 @@ impl Resolver<'_> {
     }
 }
 
+/// How a location is written.
+#[derive(Clone, Copy)]
+enum Writer {
+    /// `f := t`
+    Update,
+    /// `f <- r_x(…)`
+    Return,
+}
+
 /// Why no rule may write such a function.
-fn forbidden(name: &ast::Name, kind: FunctionKind, declared: Span) -> Option<HirError> {
+fn forbidden(
+    name: &ast::Name,
+    kind: FunctionKind,
+    declared: Span,
+    writer: Writer,
+) -> Option<HirError> {
     let function = name.text.clone();
     let at = name.span;
     match kind {
@@ -352,10 +411,17 @@ fn forbidden(name: &ast::Name, kind: FunctionKind, declared: Span) -> Option<Hir
         | FunctionKind::Out
         | FunctionKind::Shared
         | FunctionKind::Local => None,
-        FunctionKind::Monitored => Some(HirError::WritesMonitored {
-            function,
-            at,
-            declared,
+        FunctionKind::Monitored => Some(match writer {
+            Writer::Update => HirError::WritesMonitored {
+                function,
+                at,
+                declared,
+            },
+            Writer::Return => HirError::ReturnsToMonitored {
+                function,
+                at,
+                declared,
+            },
         }),
         FunctionKind::Static | FunctionKind::Derived => Some(HirError::WritesFixed {
             function,

@@ -155,14 +155,16 @@ impl Resolver<'_> {
 
     fn variable_term(&mut self, name: &ast::Name) -> Term {
         let Some(id) = self.lookup(&name.text) else {
-            self.unknown_variable(name);
-            return self.invalid(name.span);
+            return self.unknown_variable(name);
         };
-        let ty = self.variable(id).ty;
+        self.variable_of(id, name.span)
+    }
+
+    pub fn variable_of(&self, id: VarId, span: Span) -> Term {
         Term {
             kind: Box::new(TermKind::Variable(id)),
-            ty,
-            span: name.span,
+            ty: self.variable(id).ty,
+            span,
         }
     }
 

@@ -99,11 +99,17 @@ pub enum Node {
     CollectMap(Vec<Binder>, Option<Term>, Term, Term),
     /// All values of a shape, as a set.
     Extent(Shape),
+    /// A variable that is not bound here: a fault.
+    Unbound,
     /// The program of an agent.
     Program(Term),
     /// A term whose value is noted. Lowering makes none: a machine puts them in to find out what a
     /// failed step saw.
     Watched(Term),
+    /// The name of an element, as a text.
+    Name(Term),
+    /// The element of a domain that has a name.
+    Named(DomainId, Term),
 }
 
 /// The binary connectives.
@@ -173,6 +179,17 @@ pub enum Range {
     Elements(Term),
 }
 
+/// The numbers that `choose` draws from where a domain has no end and the guard is `true`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Endless {
+    /// The 2³² integers next to 0, in the order 0, 1, −1, 2, −2, …
+    Integer,
+    /// The first 2³² natural numbers.
+    Natural,
+    /// The 2⁵³ multiples of 2⁻⁵³ from 0 on, 1 left out.
+    Real,
+}
+
 /// What an update writes.
 #[derive(Clone, Debug)]
 pub enum Place {
@@ -231,8 +248,27 @@ pub enum RuleNode {
     Let(Vec<(Local, Term)>, Rule),
     /// Domain, variables, body.
     Extend(DomainId, Vec<Local>, Rule),
-    /// Guard, body.
-    While(Term, Rule),
     /// A rule that is noted while it runs; see [`Node::Watched`].
     Watched(Rule),
+    /// Guard, body: until the guard fails, or the body changes nothing if that is an end too.
+    While {
+        /// What must hold; without, nothing must.
+        guard: Option<Term>,
+        /// What is repeated.
+        body: Rule,
+        /// Whether the loop ends where the body changes nothing.
+        until_idle: bool,
+    },
+    /// Local state: its locations have the number of the run as their first argument, and are
+    /// forgotten when it ends.
+    Local {
+        /// Holds the number of the run.
+        run: Local,
+        /// What gives the locations their first values, at once.
+        initial: Vec<Rule>,
+        /// What is done with them.
+        body: Rule,
+    },
+    /// A number of a domain without end for each variable, then the body.
+    Draw(Vec<(Local, Endless)>, Rule),
 }

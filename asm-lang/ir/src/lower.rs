@@ -1,8 +1,11 @@
 //! From the model to a program.
 
+mod call;
 mod domain;
 mod facts;
+mod frame;
 mod layout;
+mod needs;
 mod rule;
 mod term;
 
@@ -11,8 +14,9 @@ use crate::program::{
     BodyId, Elements, FunctionId, Invariant, Origin, Program, RoutineId, RuleValue, Symbols,
 };
 use facts::Facts;
+use frame::Frame;
 use hir::{Meaning, Model};
-use source::{Diagnostic, Report, Span};
+use source::{Report, Span};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use value::RuleId;
@@ -32,7 +36,7 @@ pub struct Lowered {
 /// Lowers a model.
 ///
 /// # Errors
-/// The model uses a form that no machine executes yet, or a macro that cannot be specialised.
+/// The model has a macro that cannot be specialised.
 pub fn lower(model: &Model) -> Result<Lowered, Report> {
     lower_with(model, MAX_DENSE)
 }
@@ -74,7 +78,7 @@ struct Lowering<'a> {
     /// The cache of each static function without arguments.
     caches: BTreeMap<hir::FunctionId, u32>,
     /// The routine of each rule for each way its arguments are passed.
-    routines: BTreeMap<rule::Special, RoutineId>,
+    routines: BTreeMap<call::Special, RoutineId>,
     /// How deep macros are being specialised within each other.
     depth: usize,
     /// How deep the term that is being lowered stands in others.
@@ -124,6 +128,7 @@ impl<'a> Lowering<'a> {
             added_rules: Vec::new(),
             caches: 0,
             result: 0,
+            variables: function_id(model.reserved.variables),
         };
         Self {
             model,
@@ -150,15 +155,6 @@ impl<'a> Lowering<'a> {
             origins.push(span);
             next
         })
-    }
-
-    /// Reports a form that is not executed yet.
-    fn unsupported(&mut self, what: &str, span: Span) {
-        self.report.push(
-            Diagnostic::error("A030", format!("{what} is read, but not executed yet"))
-                .label(span, "used here")
-                .help("rewrite it with the rules and terms that are executed; a later version will run it"),
-        );
     }
 
     fn definitions(&mut self) {
@@ -230,11 +226,13 @@ impl<'a> Lowering<'a> {
         for index in 0..self.model.rules.len() {
             let id = RuleId(index as u32);
             let rule = self.model.rule(id);
-            let is_value =
-                self.facts.rule_values.contains(&id) && !self.facts.assigns_parameter(id);
+            let assigns = self.facts.assigns_parameter(id, rule.parameters.len());
+            let is_value = self.facts.rule_values.contains(&id) && !assigns;
             let routine = (is_value && rule.body.is_some()).then(|| self.routine_by_value(id));
+            let returns = self.leaves_result(id);
             self.program.rules.push(RuleValue {
                 routine,
+                returns,
                 arguments: Vec::new(),
             });
         }
@@ -251,6 +249,7 @@ impl<'a> Lowering<'a> {
                 let routine = self.routine_by_value(program.rule);
                 self.program.rules.push(RuleValue {
                     routine: Some(routine),
+                    returns: self.leaves_result(program.rule),
                     arguments,
                 });
                 let rule = self.model.rule(program.rule);
@@ -271,8 +270,9 @@ impl<'a> Lowering<'a> {
             let id = self.body(body.root.span, body);
             self.program.added_terms.push(id);
         }
-        for body in &self.model.added.rules {
-            let id = self.added_routine(body);
+        let model = self.model;
+        for (body, rule) in model.added.rules.iter().zip(facts::added_rules(model)) {
+            let id = self.added_routine(rule, body);
             self.program.added_rules.push(id);
         }
     }
@@ -296,7 +296,7 @@ impl<'a> Lowering<'a> {
     }
 
     fn fill_body(&mut self, id: BodyId, body: &hir::Body<hir::Term>) {
-        let mut frame = rule::Frame::of(body.parameters, body.variables.len());
+        let mut frame = Frame::of(body.parameters, body.variables.len());
         let code = self.term(&body.root, &mut frame);
         let slot = &mut self.program.bodies[id.0 as usize];
         slot.code = code;

@@ -69,6 +69,9 @@ pub struct Program {
     pub caches: u32,
     /// The location of `result`, where turbo rules leave theirs.
     pub result: Slot,
+    /// The function whose locations are the variables that rules assign: the number of a run of
+    /// the rule that binds them, and the number of the variable.
+    pub variables: FunctionId,
 }
 
 /// Names, by number.
@@ -159,6 +162,8 @@ pub enum FunctionKind {
     Monitored,
     /// Both.
     Shared,
+    /// Rules, while the rule runs that declares it.
+    Local,
     /// Nobody: computed.
     Fixed,
 }
@@ -304,6 +309,8 @@ impl AxisRange {
 pub struct RuleValue {
     /// The routine; `None` for a rule that cannot be a value.
     pub routine: Option<RoutineId>,
+    /// Whether it leaves a result, which nobody takes.
+    pub returns: bool,
     /// Arguments already given, each a closed term.
     pub arguments: Vec<BodyId>,
 }

@@ -6,9 +6,12 @@ impl Node {
     /// The terms directly in it, in the order they are evaluated.
     pub fn terms_mut(&mut self) -> Vec<&mut Term> {
         match self {
-            Self::Constant(_) | Self::Local(_) | Self::Agent | Self::Slot(..) | Self::Extent(_) => {
-                Vec::new()
-            }
+            Self::Constant(_)
+            | Self::Local(_)
+            | Self::Agent
+            | Self::Slot(..)
+            | Self::Extent(_)
+            | Self::Unbound => Vec::new(),
             Self::Location(_, terms)
             | Self::Call(_, terms)
             | Self::Builtin(_, terms)
@@ -18,7 +21,9 @@ impl Node {
             | Self::Watched(term)
             | Self::Not(term)
             | Self::Component(term, _)
-            | Self::Program(term) => vec![term],
+            | Self::Program(term)
+            | Self::Name(term)
+            | Self::Named(_, term) => vec![term],
             Self::Logic(_, left, right)
             | Self::Equal(left, right)
             | Self::Compare(_, left, right)
@@ -55,9 +60,13 @@ impl RuleNode {
     /// The terms directly in it, in the order they are evaluated.
     pub fn terms_mut(&mut self) -> Vec<&mut Term> {
         match self {
-            Self::Skip | Self::Par(_) | Self::Seq(_) | Self::Extend(..) | Self::Watched(_) => {
-                Vec::new()
-            }
+            Self::Skip
+            | Self::Par(_)
+            | Self::Seq(_)
+            | Self::Extend(..)
+            | Self::Local { .. }
+            | Self::Draw(..)
+            | Self::Watched(_) => Vec::new(),
             Self::Update(place, value) => place.terms_mut().chain([value]).collect(),
             Self::Assign(place, _, arguments) => place
                 .iter_mut()
@@ -68,7 +77,8 @@ impl RuleNode {
             Self::Run(term, arguments) | Self::RunAgent(term, arguments) => {
                 std::iter::once(term).chain(arguments).collect()
             }
-            Self::If(guard, _, _) | Self::While(guard, _) => vec![guard],
+            Self::If(guard, _, _) => vec![guard],
+            Self::While { guard, .. } => guard.iter_mut().collect(),
             Self::Switch(subject, cases, _) => {
                 let cases = cases.iter_mut().map(|(case, _)| case);
                 std::iter::once(subject).chain(cases).collect()
@@ -97,10 +107,12 @@ impl RuleNode {
                 let cases = cases.iter_mut().map(|(_, rule)| rule);
                 cases.chain([otherwise]).collect()
             }
+            Self::Local { initial, body, .. } => initial.iter_mut().chain([body]).collect(),
             Self::Forall(_, _, body)
             | Self::Let(_, body)
             | Self::Extend(_, _, body)
-            | Self::While(_, body)
+            | Self::While { body, .. }
+            | Self::Draw(_, body)
             | Self::Watched(body) => vec![body],
         }
     }

@@ -64,6 +64,8 @@ pub enum FaultKind {
     Endless(u32),
     /// An interval or extent has too many elements.
     TooLarge(u64),
+    /// A variable is not bound where it stands.
+    Unbound,
     /// A value of an open domain nests too deeply, or holds too much.
     Unbounded,
     /// The environment has no answer.

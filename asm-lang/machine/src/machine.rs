@@ -375,6 +375,7 @@ impl Machine {
             base: 0,
             agent: Value::Undef,
             depth: 0,
+            runs: 0,
             iterations: 0,
             bindings: 0,
             step,

@@ -123,7 +123,7 @@ impl Machine {
     /// The program has other locations; the machine is as before.
     pub fn adopt(&mut self, program: Arc<Program>) -> Result<(), ForeignProgram> {
         let is_own = self.program.slots == program.slots
-            && self.program.functions.len() == program.functions.len()
+            && self.program.functions.len() <= program.functions.len()
             && self.program.domains.len() == program.domains.len()
             && self.program.caches == program.caches
             && self.program.symbols.atoms == program.symbols.atoms;

@@ -100,6 +100,8 @@ pub(crate) struct Run<'a> {
     pub base: usize,
     pub agent: Value,
     pub depth: u32,
+    /// How many runs with local state are open.
+    pub runs: i64,
     /// How often the loops of the step went round.
     pub iterations: u32,
     /// How often variables were bound in this step.
@@ -367,7 +369,61 @@ impl Run<'_> {
 
     pub fn restore(&mut self, layer: Layer) -> Result<(), Stopped> {
         let (updates, mut written) = self.written();
-        match updates.close_restoring(layer, &mut written) {
+        match updates.close_restoring(layer, &mut written, |_| false) {
+            Ok(()) => Ok(()),
+            Err((clash, origin)) => Err(self.stop(clash, origin)),
+        }
+    }
+
+    /// Runs what leaves its value in `result`, and takes it from there: nobody else sees it.
+    pub fn taking_result(
+        &mut self,
+        work: impl FnOnce(&mut Self) -> Result<(), Stopped>,
+    ) -> Result<Value, Stopped> {
+        let result = self.program.result;
+        let layer = self.updates.open();
+        let (updates, mut written) = self.written();
+        updates.hide(result, Value::Undef, &mut written);
+        work(self)?;
+        let value = self.updates.given(result).cloned().unwrap_or_default();
+        let (updates, mut written) = self.written();
+        match updates.close_restoring(layer, &mut written, |slot| slot == result) {
+            Ok(()) => Ok(value),
+            Err((clash, origin)) => Err(self.stop(clash, origin)),
+        }
+    }
+
+    /// Runs what has local state, under a number of its own, first what gives that state its values:
+    /// nobody else sees it.
+    pub fn with_state(
+        &mut self,
+        number: Local,
+        initial: impl FnOnce(&mut Self) -> Result<(), Stopped>,
+        body: impl FnOnce(&mut Self) -> Result<(), Stopped>,
+    ) -> Result<(), Stopped> {
+        self.runs += 1;
+        let runs = self.runs;
+        self.set_local(number, Value::Int(runs));
+        let sequence = self.updates.open();
+        let layer = self.updates.open();
+        initial(self)?;
+        self.apply(layer);
+        let layer = self.updates.open();
+        body(self)?;
+        self.apply(layer);
+        self.runs -= 1;
+        let state = &mut *self.state;
+        let (slots, extents, locations) = (&mut state.slots, &mut state.extents, &state.locations);
+        let mut written = Written {
+            slots,
+            extents,
+            supers: &self.code.supers,
+        };
+        let is_local = |slot| locations.is_local(self.program, slot, runs);
+        match self
+            .updates
+            .close_restoring(sequence, &mut written, is_local)
+        {
             Ok(()) => Ok(()),
             Err((clash, origin)) => Err(self.stop(clash, origin)),
         }

@@ -2,7 +2,7 @@
 
 use crate::near::Near;
 use hashbrown::HashTable;
-use ir::{DomainId, Elements, FunctionId, Program, Slot, Storage};
+use ir::{DomainId, Elements, FunctionId, FunctionKind, Program, Slot, Storage};
 use rustc_hash::FxHasher;
 use std::fmt;
 use std::hash::{Hash, Hasher};
@@ -28,9 +28,30 @@ pub struct State {
     /// The elements taken from the reserve, and each one's number within its domain.
     pub(crate) reserve: Vec<(DomainId, u32)>,
     interned: HashTable<Slot>,
-    /// The locations of the slots beyond the fixed ones, in order.
-    locations: Vec<(FunctionId, Box<[Value]>)>,
+    /// The locations of the slots beyond the fixed ones.
+    pub(crate) locations: Locations,
+}
+
+/// The locations of interned slots, in the order they were met.
+#[derive(Clone)]
+pub(crate) struct Locations {
+    /// How many slots are fixed: the first of these has the next number.
     fixed: Slot,
+    met: Vec<(FunctionId, Box<[Value]>)>,
+}
+
+impl Locations {
+    fn get(&self, slot: Slot) -> Option<&(FunctionId, Box<[Value]>)> {
+        self.met.get(slot.checked_sub(self.fixed)? as usize)
+    }
+
+    /// Whether a slot is local state of this run of a rule.
+    pub fn is_local(&self, program: &Program, slot: Slot, run: i64) -> bool {
+        self.get(slot).is_some_and(|(function, arguments)| {
+            program.functions[function.0 as usize].kind == FunctionKind::Local
+                && arguments.first() == Some(&Value::Int(run))
+        })
+    }
 }
 
 fn hash(function: FunctionId, arguments: &[Value]) -> u64 {
@@ -56,16 +77,18 @@ impl State {
             near: Near::default(),
             reserve: Vec::new(),
             interned: HashTable::new(),
-            locations: Vec::new(),
-            fixed: program.slots,
+            locations: Locations {
+                fixed: program.slots,
+                met: Vec::new(),
+            },
         }
     }
 
     /// The slot of a location that was met before.
     pub(crate) fn find(&self, function: FunctionId, arguments: &[Value]) -> Option<Slot> {
         let is_it = |&slot: &Slot| {
-            let (known, with) = &self.locations[(slot - self.fixed) as usize];
-            *known == function && **with == *arguments
+            let known = self.locations.get(slot);
+            known.is_some_and(|(known, with)| *known == function && **with == *arguments)
         };
         self.interned
             .find(hash(function, arguments), is_it)
@@ -80,15 +103,15 @@ impl State {
         value: Value,
     ) -> Slot {
         let slot = self.slots.len() as Slot;
-        self.locations.push((function, arguments.into()));
+        self.locations.met.push((function, arguments.into()));
         self.slots.push(value.clone());
         self.initial.push(value);
         self.asked.push(0);
-        let (fixed, locations) = (self.fixed, &self.locations);
+        let locations = &self.locations;
         self.interned
             .insert_unique(hash(function, arguments), slot, |&slot| {
-                let (function, arguments) = &locations[(slot - fixed) as usize];
-                hash(*function, arguments)
+                let known = locations.get(slot);
+                known.map_or(0, |(function, arguments)| hash(*function, arguments))
             });
         slot
     }
@@ -154,11 +177,8 @@ impl State {
 
     /// The function one of whose locations a slot is.
     pub fn function(&self, program: &Program, slot: Slot) -> Option<FunctionId> {
-        match slot.checked_sub(self.fixed) {
-            Some(index) => self
-                .locations
-                .get(index as usize)
-                .map(|(function, _)| *function),
+        match self.locations.get(slot) {
+            Some((function, _)) => Some(*function),
             None => program.dense_function(slot),
         }
     }
@@ -173,13 +193,8 @@ impl State {
 
     /// Adds the arguments of a slot's location to a list.
     pub(crate) fn arguments(&self, program: &Program, slot: Slot, to: &mut Vec<Value>) {
-        if let Some(index) = slot.checked_sub(self.fixed) {
-            let known = self.locations.get(index as usize);
-            return to.extend(
-                known
-                    .into_iter()
-                    .flat_map(|(_, arguments)| arguments.iter().cloned()),
-            );
+        if let Some((_, arguments)) = self.locations.get(slot) {
+            return to.extend(arguments.iter().cloned());
         }
         let function = program
             .dense_function(slot)

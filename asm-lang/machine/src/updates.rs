@@ -196,14 +196,24 @@ impl Updates {
         });
     }
 
-    /// Ends a sequence: the state is as before it, its net updates join the set around it.
+    /// Ends a sequence: the state is as before it, its net updates join the set around it, but for
+    /// those of slots that are local to the sequence.
     pub fn close_restoring(
         &mut self,
         layer: Layer,
         written: &mut Written<'_>,
+        is_local: impl Fn(Slot) -> bool,
     ) -> Result<(), (FaultKind, Origin)> {
         self.take_back(layer.undo, written);
         self.uncover(&layer);
+        let mut kept = layer.start;
+        for index in layer.start..self.list.len() {
+            if !is_local(self.list[index].slot) {
+                self.list.swap(kept, index);
+                kept += 1;
+            }
+        }
+        self.list.truncate(kept);
         self.merge(layer.start, |known, update| {
             if known.value == update.value {
                 return Ok(());
@@ -212,19 +222,16 @@ impl Updates {
         })
     }
 
-    /// Ends a layer like [`Updates::close_restoring`], taking out the value given to one slot.
-    pub fn take(&mut self, layer: &Layer, slot: Slot) -> Option<Value> {
+    /// Sets a slot for as long as the layer is open, without an update.
+    pub fn hide(&mut self, slot: Slot, value: Value, written: &mut Written<'_>) {
+        let before = std::mem::replace(&mut written.slots[slot as usize], value);
+        self.undo.push(Undo::Slot(slot, before));
+    }
+
+    /// The value that the innermost set gives a slot.
+    pub fn given(&self, slot: Slot) -> Option<&Value> {
         let mark = self.marks[slot as usize];
-        if mark.epoch != self.epoch || (mark.index as usize) < layer.start {
-            return None;
-        }
-        let index = mark.index as usize;
-        let value = self.list.remove(index).value;
-        for update in &self.list[index..] {
-            self.marks[update.slot as usize].index -= 1;
-        }
-        self.marks[slot as usize] = Mark::default();
-        Some(value)
+        (mark.epoch == self.epoch).then(|| &self.list[mark.index as usize].value)
     }
 
     /// Restores the state after a fault.

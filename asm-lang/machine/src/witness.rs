@@ -272,6 +272,9 @@ fn is_read(node: &Node) -> bool {
         | Node::Call(..)
         | Node::Program(_) => true,
         Node::Constant(_)
+        | Node::Unbound
+        | Node::Name(_)
+        | Node::Named(..)
         | Node::Cached(..)
         | Node::Builtin(..)
         | Node::Logic(..)

@@ -206,6 +206,7 @@ fn kind(fault: &Fault) -> &'static str {
         FaultKind::TooDeep(_) => "EXC:TooDeep",
         FaultKind::Endless(_) => "EXC:Endless",
         FaultKind::TooLarge(_) => "EXC:TooLarge",
+        FaultKind::Unbound => "EXC:Unbound",
         FaultKind::Unbounded => "EXC:Unbounded",
         FaultKind::NoMain => "EXC:NoMain",
     }

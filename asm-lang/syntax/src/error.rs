@@ -276,8 +276,8 @@ impl SyntaxError {
                 .label(*at, "not part of a specification")
                 .help("take an element by `choose` or `forall`, or declare it `static`"),
 
-            Self::Empty { at } => error("L020")
-                .label(*at, "nothing to read")
+            Self::Empty { at } => warning("L020")
+                .label(*at, "nothing to run")
                 .help("the smallest file is `asm name signature: definitions:`"),
             Self::NoHeading { at } => error("L021")
                 .label(*at, "begins here")

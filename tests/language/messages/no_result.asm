@@ -3,5 +3,5 @@ import StandardLibrary
 signature:
   controlled x: Integer
 definitions:
-  turbo rule r_go = x := 1
+  macro rule r_go = x := 1
   main rule r_Main = x <- r_go()  //~ A024

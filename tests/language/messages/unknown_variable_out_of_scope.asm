@@ -5,5 +5,5 @@ signature:
 definitions:
   main rule r_Main = par
     forall $i in {1 : 2} do f($i) := 1
-    f($i) := 2  //~ A002
+    f($i) := 2  //~ W021 R017
   endpar

@@ -3,4 +3,4 @@ import StandardLibrary
 signature:
   controlled x: Integer
 definitions:
-  main rule r_Main = let ($a = 1) in $a := 2 endlet  //~ A017
+  main rule r_Main = let ($a = 1) in $a := 2 endlet  //~ W020

@@ -1,8 +1,9 @@
 //! What is true of the functions and rules of a model, whoever calls them.
 
+use super::needs::recursive;
 use hir::{
     Body, DomainKind, Function, FunctionId, FunctionKind, Meaning, Model, RuleKind, RuleTerm,
-    Target, Term, TermKind, Type, TypeId,
+    Target, Term, TermKind, Type, TypeId, VarId,
 };
 use std::collections::BTreeSet;
 use value::RuleId;
@@ -18,8 +19,15 @@ pub(super) struct Facts {
     inputs: BTreeSet<FunctionId>,
     /// Functions whose initial value may.
     initial_inputs: BTreeSet<FunctionId>,
-    /// Parameters that a rule, or one it calls, writes: they stand for locations.
-    assigned: BTreeSet<(RuleId, usize)>,
+    /// Variables that a rule, or a macro it calls, writes: parameters of macros that stand for
+    /// locations, and others that become locations.
+    assigned: BTreeSet<(RuleId, VarId)>,
+    /// Rules that write `result`, themselves or in a macro they call.
+    returning: BTreeSet<RuleId>,
+    /// Parameters whose value a rule needs, whatever happens.
+    pub(super) needed: BTreeSet<(RuleId, VarId)>,
+    /// Rules on a way from a rule to itself.
+    recursive: BTreeSet<RuleId>,
     /// Rules that see intermediate states, themselves or in a rule they call.
     sequential: BTreeSet<RuleId>,
     /// Rules that are used as values.
@@ -43,17 +51,30 @@ impl Facts {
         !self.dynamic.contains(&function)
     }
 
-    /// Whether a rule writes one of its parameters.
-    pub fn assigns_parameter(&self, rule: RuleId) -> bool {
-        self.assigned
-            .range((rule, 0)..=(rule, usize::MAX))
-            .next()
-            .is_some()
+    /// Whether a rule writes one of its so many parameters.
+    pub fn assigns_parameter(&self, rule: RuleId, parameters: usize) -> bool {
+        let parameters = (rule, VarId(0))..(rule, VarId(parameters as u32));
+        self.assigned.range(parameters).next().is_some()
     }
 
-    /// Whether a rule writes this parameter.
-    pub fn assigns(&self, rule: RuleId, parameter: usize) -> bool {
-        self.assigned.contains(&(rule, parameter))
+    /// Whether a rule writes this variable.
+    pub fn assigns(&self, rule: RuleId, variable: VarId) -> bool {
+        self.assigned.contains(&(rule, variable))
+    }
+
+    /// Whether a rule writes `result`.
+    pub fn returns(&self, rule: RuleId) -> bool {
+        self.returning.contains(&rule)
+    }
+
+    /// Whether a rule needs the value of this parameter, whatever happens.
+    pub fn needs(&self, rule: RuleId, parameter: VarId) -> bool {
+        self.needed.contains(&(rule, parameter))
+    }
+
+    /// Whether a rule may call itself.
+    pub fn is_recursive(&self, rule: RuleId) -> bool {
+        self.recursive.contains(&rule)
     }
 
     /// Whether a rule sees intermediate states.
@@ -149,42 +170,50 @@ impl Facts {
         for body in &model.added.terms {
             self.rule_values_of(&body.root);
         }
-        for body in &model.added.rules {
-            walk(&body.root, &mut |rule| {
-                each_term(rule, &mut |term| self.rule_values_of(term));
-            });
-        }
+        self.recursive = recursive(model);
         loop {
-            let before = self.assigned.len() + self.sequential.len() + self.rule_values.len();
+            let before = self.size();
             for (index, rule) in model.rules.iter().enumerate() {
                 if let Some(body) = &rule.body {
-                    self.rule(RuleId(index as u32), body);
+                    let id = RuleId(index as u32);
+                    self.rule(model, id, body);
+                    self.needs_of(model, id, body);
                 }
             }
-            if self.assigned.len() + self.sequential.len() + self.rule_values.len() == before {
+            for (body, id) in model.added.rules.iter().zip(added_rules(model)) {
+                self.rule(model, id, body);
+            }
+            if self.size() == before {
                 return;
             }
         }
     }
 
-    fn rule(&mut self, id: RuleId, body: &Body<RuleTerm>) {
+    /// How much is known: facts are looked for as long as there are more of them.
+    fn size(&self) -> usize {
+        self.assigned.len()
+            + self.sequential.len()
+            + self.rule_values.len()
+            + self.returning.len()
+            + self.needed.len()
+    }
+
+    fn rule(&mut self, model: &Model, id: RuleId, body: &Body<RuleTerm>) {
         walk(&body.root, &mut |rule| {
             match &*rule.kind {
-                RuleKind::Seq(_) | RuleKind::While(..) => {
+                RuleKind::Seq(_)
+                | RuleKind::While(..)
+                | RuleKind::WhileRec(..)
+                | RuleKind::Iterate(_)
+                | RuleKind::Local(_) => {
                     self.sequential.insert(id);
                 }
-                RuleKind::Update(Target::Parameter(variable), _) => {
-                    self.assigned.insert((id, variable.0 as usize));
+                RuleKind::Update(target, _) => self.target(model, id, target),
+                RuleKind::Assign(target, callee, arguments) => {
+                    self.target(model, id, target);
+                    self.call(model, id, *callee, arguments);
                 }
-                RuleKind::Assign(target, callee, _) => {
-                    if let Target::Parameter(variable) = target {
-                        self.assigned.insert((id, variable.0 as usize));
-                    }
-                    self.call(id, body.parameters, *callee, &[]);
-                }
-                RuleKind::Call(callee, arguments) => {
-                    self.call(id, body.parameters, *callee, arguments)
-                }
+                RuleKind::Call(callee, arguments) => self.call(model, id, *callee, arguments),
                 // what runs is not known: assume the worst
                 RuleKind::Run(..) => {
                     self.sequential.insert(id);
@@ -203,19 +232,41 @@ impl Facts {
         });
     }
 
-    fn call(&mut self, caller: RuleId, parameters: usize, callee: RuleId, arguments: &[Term]) {
+    fn target(&mut self, model: &Model, rule: RuleId, target: &Target) {
+        match target {
+            Target::Variable(variable) => drop(self.assigned.insert((rule, *variable))),
+            Target::Location(function, _) if model.reserved.result == Some(*function) => {
+                self.returning.insert(rule);
+            }
+            Target::Location(..) => {}
+        }
+    }
+
+    /// What a rule does because a rule it calls does it. A turbo rule keeps its parameters and its
+    /// result to itself.
+    fn call(&mut self, model: &Model, caller: RuleId, callee: RuleId, arguments: &[Term]) {
         if self.sequential.contains(&callee) {
             self.sequential.insert(caller);
         }
-        for (index, argument) in arguments.iter().enumerate() {
+        if model.rule(callee).turbo {
+            return;
+        }
+        if self.returning.contains(&callee) {
+            self.returning.insert(caller);
+        }
+        for (index, argument) in (0..).zip(arguments) {
             if let TermKind::Variable(variable) = &*argument.kind
-                && (variable.0 as usize) < parameters
-                && self.assigned.contains(&(callee, index))
+                && self.assigned.contains(&(callee, VarId(index)))
             {
-                self.assigned.insert((caller, variable.0 as usize));
+                self.assigned.insert((caller, *variable));
             }
         }
     }
+}
+
+/// The numbers of the rules that were added: those behind the declared ones.
+pub(super) fn added_rules(model: &Model) -> impl Iterator<Item = RuleId> {
+    (model.rules.len() as u32..).map(RuleId)
 }
 
 /// The functions with initial values, each after those its initial values depend on; functions that
@@ -269,7 +320,7 @@ fn definition(function: &Function) -> Option<&Body<Term>> {
 }
 
 /// Calls `see` for a rule and all rules in it.
-fn walk(rule: &RuleTerm, see: &mut dyn FnMut(&RuleTerm)) {
+pub(super) fn walk(rule: &RuleTerm, see: &mut dyn FnMut(&RuleTerm)) {
     stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
         see(rule);
         match &*rule.kind {
@@ -288,16 +339,21 @@ fn walk(rule: &RuleTerm, see: &mut dyn FnMut(&RuleTerm)) {
                 walk(body, see);
                 ifnone.iter().for_each(|rule| walk(rule, see));
             }
+            RuleKind::Local(local) => {
+                local.initial.iter().for_each(|rule| walk(rule, see));
+                walk(&local.body, see);
+            }
             RuleKind::Forall(_, _, body)
             | RuleKind::Let(_, body)
             | RuleKind::Extend(_, _, body)
-            | RuleKind::While(_, body) => walk(body, see),
+            | RuleKind::While(_, body)
+            | RuleKind::WhileRec(_, body)
+            | RuleKind::Iterate(body) => walk(body, see),
             RuleKind::Skip
             | RuleKind::Update(..)
             | RuleKind::Assign(..)
             | RuleKind::Call(..)
             | RuleKind::Run(..)
-            | RuleKind::Unsupported(_)
             | RuleKind::Invalid => {}
         }
     });
@@ -324,7 +380,9 @@ fn each_term(rule: &RuleTerm, see: &mut dyn FnMut(&Term)) {
             all(arguments);
             see(term);
         }
-        RuleKind::If(guard, ..) | RuleKind::While(guard, _) => see(guard),
+        RuleKind::If(guard, ..) | RuleKind::While(guard, _) | RuleKind::WhileRec(guard, _) => {
+            see(guard);
+        }
         RuleKind::Switch(subject, cases, _) => {
             cases.iter().for_each(|(case, _)| see(case));
             see(subject);
@@ -338,7 +396,8 @@ fn each_term(rule: &RuleTerm, see: &mut dyn FnMut(&Term)) {
         | RuleKind::Par(_)
         | RuleKind::Seq(_)
         | RuleKind::Extend(..)
-        | RuleKind::Unsupported(_)
+        | RuleKind::Iterate(_)
+        | RuleKind::Local(_)
         | RuleKind::Invalid => {}
     }
 }
@@ -377,6 +436,7 @@ pub(super) fn subterms(term: &Term, see: &mut dyn FnMut(&Term)) {
         | TermKind::Variable(_)
         | TermKind::Rule(_)
         | TermKind::Extent(_)
+        | TermKind::Unbound
         | TermKind::Invalid => {}
         TermKind::Apply(_, terms) | TermKind::Tuple(terms) | TermKind::Listed(_, terms) => {
             terms.iter().for_each(see);

@@ -36,7 +36,7 @@ impl Lowering<'_> {
                 storage,
                 initial: None,
                 clock: clock(&function.name).filter(|_| function.library),
-                own: !function.library,
+                own: !function.library && function.kind != hir::FunctionKind::Local,
             });
         }
     }
@@ -122,7 +122,8 @@ fn kind(kind: hir::FunctionKind) -> FunctionKind {
     match kind {
         hir::FunctionKind::Static | hir::FunctionKind::Derived => FunctionKind::Fixed,
         hir::FunctionKind::Monitored => FunctionKind::Monitored,
-        hir::FunctionKind::Controlled | hir::FunctionKind::Local => FunctionKind::Controlled,
+        hir::FunctionKind::Controlled => FunctionKind::Controlled,
+        hir::FunctionKind::Local => FunctionKind::Local,
         hir::FunctionKind::Shared => FunctionKind::Shared,
         hir::FunctionKind::Out => FunctionKind::Out,
     }

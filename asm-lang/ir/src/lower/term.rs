@@ -1,14 +1,23 @@
 //! Terms lowered: operators become nodes of their own, locations become slots where they can.
 
-use super::rule::{Binding, Frame};
-use super::{Lowering, function_id};
+use super::frame::{Binding, Frame};
+use super::rule::at;
+use super::{Lowering, domain, function_id};
 use crate::code::{Arithmetic, Binder, Comparison, Kind, Logic, Node, Place, Range, Term};
 use crate::program::{FunctionId, Local, Origin, Slot, Storage};
 use hir::{Meaning, TermKind, Type, TypeId};
-use source::Span;
 use value::Value;
 
 impl Term {
+    /// The value of a local, standing here.
+    pub(super) fn local(local: Local, origin: Origin) -> Self {
+        Self {
+            node: Box::new(Node::Local(local)),
+            kind: Kind::Other,
+            origin,
+        }
+    }
+
     /// `undef`, standing here.
     pub(super) fn undef(origin: Origin) -> Self {
         Self {
@@ -70,11 +79,14 @@ impl Lowering<'_> {
             TermKind::Variable(variable) => match frame.binding(*variable) {
                 Some(Binding::Local(local)) => Node::Local(local),
                 Some(Binding::Term(closed)) => return self.by_name(&closed, frame, origin),
+                Some(Binding::State { run, index }) => {
+                    Node::Location(self.program.variables, at(run, index, origin))
+                }
                 None => Node::Constant(Value::Undef),
             },
             TermKind::Apply(function, arguments) => {
                 let arguments = self.terms(arguments, frame);
-                self.apply(*function, arguments, origin, term.span)
+                self.apply(*function, arguments, origin)
             }
             TermKind::Spread(function, tuple) => return self.spread(*function, tuple, frame, term),
             TermKind::Tuple(items) => Node::Tuple(self.terms(items, frame)),
@@ -133,6 +145,7 @@ impl Lowering<'_> {
             }
             TermKind::Rule(rule) => Node::Constant(Value::Rule(*rule)),
             TermKind::Extent(ty) => Node::Extent(self.shape(*ty)),
+            TermKind::Unbound => Node::Unbound,
             TermKind::Invalid => Node::Constant(Value::Undef),
         };
         Term {
@@ -177,13 +190,7 @@ impl Lowering<'_> {
     }
 
     /// A function applied to arguments that are lowered already.
-    fn apply(
-        &mut self,
-        function: hir::FunctionId,
-        arguments: Vec<Term>,
-        origin: Origin,
-        span: Span,
-    ) -> Node {
+    fn apply(&mut self, function: hir::FunctionId, arguments: Vec<Term>, origin: Origin) -> Node {
         let reserved = self.model.reserved;
         if reserved.self_ == Some(function) {
             return Node::Agent;
@@ -200,10 +207,7 @@ impl Lowering<'_> {
                     None => Node::Constant(Value::Undef),
                 }
             }
-            Meaning::Machine => {
-                self.unsupported(&format!("`{}`", declared.name), span);
-                Node::Constant(Value::Undef)
-            }
+            Meaning::Machine => self.name(declared, arguments),
             Meaning::Constant(atom) => Node::Constant(Value::Atom(*atom)),
             Meaning::Missing => Node::Constant(Value::Undef),
             Meaning::Builtin(builtin) => self.builtin(builtin, arguments, origin),
@@ -232,6 +236,17 @@ impl Lowering<'_> {
         }
     }
 
+    /// `id(a)`, `getAgent("a")`: an element and its name.
+    fn name(&mut self, declared: &hir::Function, arguments: Vec<Term>) -> Node {
+        let Some(argument) = arguments.into_iter().next() else {
+            return Node::Constant(Value::Undef);
+        };
+        match self.model.types.get(declared.codomain) {
+            Type::Domain(agents) => Node::Named(domain::id(*agents), argument),
+            _ => Node::Name(argument),
+        }
+    }
+
     /// `f(t)` where the one term is a tuple of all arguments.
     fn spread(
         &mut self,
@@ -243,7 +258,7 @@ impl Lowering<'_> {
         let origin = self.origin(term.span);
         let kind = self.kind(term.ty);
         let (bindings, arguments) = self.components(function, tuple, frame);
-        let node = self.apply(function, arguments, origin, term.span);
+        let node = self.apply(function, arguments, origin);
         let applied = Term {
             node: Box::new(node),
             kind,
@@ -327,7 +342,14 @@ impl Lowering<'_> {
                     _ => return None,
                 })
             }
-            hir::Target::Parameter(variable) => {
+            hir::Target::Variable(variable) => {
+                if let Some(Binding::State { run, index }) = frame.binding(*variable) {
+                    let origin = Origin::default();
+                    return Some(Place::Location(
+                        self.program.variables,
+                        at(run, index, origin),
+                    ));
+                }
                 if let Some(Binding::Term(closed)) = frame.binding(*variable) {
                     let target = match &*closed.term.kind {
                         TermKind::Apply(function, arguments) => {
@@ -336,6 +358,7 @@ impl Lowering<'_> {
                         TermKind::Spread(function, tuple) => {
                             Some(hir::Target::Location(*function, vec![tuple.clone()]))
                         }
+                        TermKind::Variable(variable) => Some(hir::Target::Variable(*variable)),
                         _ => None,
                     };
                     if let Some(target) = target {

@@ -6,7 +6,7 @@ use super::{Compiler, RuleCode, Values};
 use crate::fault::FaultKind;
 use crate::machine::Choice;
 use crate::run::{Codomain, Run, Stopped, Truth};
-use ir::{Origin, Place, RoutineId, Rule, RuleNode, Term};
+use ir::{Endless, Local, Origin, Place, RoutineId, Rule, RuleNode, Term};
 use std::ops::ControlFlow;
 use value::{RuleId, Value};
 
@@ -75,8 +75,21 @@ impl Compiler<'_> {
                     body(run)
                 })
             }
-            RuleNode::While(guard, body) => self.repeat(guard, body, origin),
             RuleNode::Watched(rule) => self.watched_rule(rule),
+            RuleNode::While {
+                guard,
+                body,
+                until_idle,
+            } => self.repeat(guard.as_ref(), body, *until_idle, origin),
+            RuleNode::Local {
+                run: number,
+                initial,
+                body,
+            } => {
+                let (number, initial, body) = (*number, self.par(initial), self.rule(body));
+                Box::new(move |run| run.with_state(number, &initial, &body))
+            }
+            RuleNode::Draw(numbers, body) => self.draw(numbers, body, origin),
         }
     }
 
@@ -111,7 +124,7 @@ impl Compiler<'_> {
         })
     }
 
-    /// The turbo rule runs in a layer of its own, from which its result is taken out.
+    /// The turbo rule's result goes to its place.
     fn assign(
         &self,
         place: Option<&Place>,
@@ -121,12 +134,8 @@ impl Compiler<'_> {
     ) -> RuleCode {
         let target = place.map(|place| self.target(place, origin));
         let call = self.call(routine, arguments);
-        let result = self.program.result;
         Box::new(move |run| {
-            let layer = run.updates.open();
-            call(run)?;
-            let value = run.updates.take(&layer, result).unwrap_or_default();
-            run.restore(layer)?;
+            let value = run.taking_result(&call)?;
             match &target {
                 Some(target) => target.write(run, value),
                 None => Ok(()),
@@ -187,16 +196,23 @@ impl Compiler<'_> {
         })
     }
 
-    /// `while` stops where its guard fails or its body changes nothing (Börger & Stärk, §4.1.1).
-    fn repeat(&self, guard: &Term, body: &Rule, origin: Origin) -> RuleCode {
-        let guard_origin = guard.origin;
-        let guard = self.truth(guard);
+    /// `while` stops where its guard fails or its body changes nothing, `iterate` where its body
+    /// changes nothing (Börger & Stärk, §4.1.1), `whilerec` where its guard fails.
+    fn repeat(
+        &self,
+        guard: Option<&Term>,
+        body: &Rule,
+        until_idle: bool,
+        origin: Origin,
+    ) -> RuleCode {
+        let guard_origin = guard.map_or(origin, |guard| guard.origin);
+        let guard = guard.map(|guard| self.truth(guard));
         let body = self.rule(body);
         Box::new(move |run| {
             let sequence = run.updates.open();
             while run.iterations < MAX_ITERATIONS {
                 run.iterations += 1;
-                let holds = guard(run);
+                let holds = guard.as_ref().map_or(Truth::True, |guard| guard(run));
                 run.checked()?;
                 match holds {
                     Truth::True => {}
@@ -205,7 +221,7 @@ impl Compiler<'_> {
                 }
                 let layer = run.updates.open();
                 body(run)?;
-                let idle = run.updates.is_empty(&layer);
+                let idle = until_idle && run.updates.is_empty(&layer);
                 run.apply(layer);
                 if idle {
                     return run.restore(sequence);
@@ -261,6 +277,25 @@ impl Compiler<'_> {
         })
     }
 
+    /// Draws the numbers, each with the same probability.
+    fn draw(&self, numbers: &[(Local, Endless)], body: &Rule, origin: Origin) -> RuleCode {
+        let numbers = numbers.to_vec();
+        let body = self.rule(body);
+        Box::new(move |run| {
+            for (local, endless) in &numbers {
+                let count = count(*endless);
+                let index = run.chooser.choose(count).min(count - 1);
+                run.record.choices.push(Choice {
+                    origin,
+                    index,
+                    count,
+                });
+                run.set_local(*local, number(*endless, index));
+            }
+            body(run)
+        })
+    }
+
     /// Candidates are counted first, then the one chosen is found again: nothing is stored.
     fn choose(&self, ranges: Ranges, body: &Rule, ifnone: &Rule, origin: Origin) -> RuleCode {
         let body = self.rule(body);
@@ -301,6 +336,26 @@ impl Compiler<'_> {
     }
 }
 
+/// How many numbers there are to draw from.
+fn count(endless: Endless) -> usize {
+    match endless {
+        Endless::Integer | Endless::Natural => 1 << 32,
+        Endless::Real => 1 << 53,
+    }
+}
+
+/// One of the numbers to draw from.
+fn number(endless: Endless, index: usize) -> Value {
+    let index = index as i64;
+    match endless {
+        // 0, 1, −1, 2, −2, …
+        Endless::Integer if index % 2 == 1 => Value::Int(index / 2 + 1),
+        Endless::Integer => Value::Int(-(index / 2)),
+        Endless::Natural => Value::Int(index),
+        Endless::Real => Value::real(index as f64 / count(endless) as f64),
+    }
+}
+
 /// The program of an agent, by the domain it was declared in or taken for.
 pub(super) fn program_of(run: &Run<'_>, agent: &Value) -> Option<RuleId> {
     let Value::Atom(atom) = agent else {
@@ -337,6 +392,7 @@ fn run_value(
         run.locals.push(argument);
     }
     arguments.passed(run);
+    let returns = rule.returns;
     let (wanted, actual) = (
         run.code.routines[routine.0 as usize].arguments,
         (run.locals.len() - from) as u32,
@@ -344,6 +400,10 @@ fn run_value(
     if wanted != actual {
         run.locals.truncate(from);
         return Err(run.stop(FaultKind::RuleArity { wanted, actual }, origin));
+    }
+    if returns {
+        run.taking_result(|run| run.call_routine(routine, from))?;
+        return Ok(());
     }
     run.call_routine(routine, from)
 }

@@ -4,8 +4,9 @@ use super::collection::collect;
 use super::rule::program_of;
 use super::{Compiler, TermCode};
 use crate::fault::FaultKind;
-use crate::run::Truth;
-use ir::{BodyId, Node, Origin, Term};
+use crate::run::{Run, Truth};
+use crate::state::Naming;
+use ir::{BodyId, DomainId, Node, Origin, Term};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -24,6 +25,7 @@ impl Compiler<'_> {
                 let value = value.clone();
                 Box::new(move |_| value.clone())
             }
+            Node::Unbound => Box::new(move |run| run.fail(FaultKind::Unbound, origin)),
             Node::Local(local) => {
                 let local = *local;
                 Box::new(move |run| run.local(local).clone())
@@ -57,6 +59,20 @@ impl Compiler<'_> {
             Node::Arithmetic(..) => {
                 let integer = self.integer(term);
                 Box::new(move |run| integer.get(run).map_or(Value::Undef, Value::Int))
+            }
+            Node::Name(element) => {
+                let element = self.term(element);
+                Box::new(move |run| match element(run) {
+                    Value::Undef => Value::Undef,
+                    element => Value::text(name(run, &element)),
+                })
+            }
+            Node::Named(domain, text) => {
+                let (domain, text) = (*domain, self.term(text));
+                Box::new(move |run| {
+                    let text = text(run);
+                    named(run, domain, &text)
+                })
             }
             Node::Tuple(items) => {
                 let items = self.terms(items);
@@ -197,4 +213,24 @@ impl Compiler<'_> {
             }
         })
     }
+}
+
+fn name(run: &Run<'_>, element: &Value) -> String {
+    let naming = Naming {
+        program: run.program,
+        reserve: &run.state.reserve,
+    };
+    element.show(&naming).to_string()
+}
+
+/// The element of a domain that is called so.
+fn named(run: &Run<'_>, domain: DomainId, text: &Value) -> Value {
+    let Value::Text(text) = text else {
+        return Value::Undef;
+    };
+    let mut elements = run.state.extents[domain.0 as usize].iter();
+    elements
+        .find(|element| name(run, element) == **text)
+        .cloned()
+        .unwrap_or_default()
 }

@@ -41,7 +41,9 @@ impl Compiler<'_> {
             | RuleNode::Forall(..)
             | RuleNode::Let(..)
             | RuleNode::Extend(..)
-            | RuleNode::While(..)
+            | RuleNode::While { .. }
+            | RuleNode::Local { .. }
+            | RuleNode::Draw(..)
             | RuleNode::Watched(_) => false,
         };
         Box::new(move |run| {

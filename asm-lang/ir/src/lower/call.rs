@@ -1,0 +1,260 @@
+//! Calls: macro arguments that must be passed by name are built into a copy of the macro, all others
+//! are passed by value.
+
+use super::frame::{Binding, Closed, Frame, close};
+use super::{Lowering, facts};
+use crate::code::{Kind, Node, RuleNode, Term};
+use crate::program::{Local, Origin, RoutineId};
+use hir::{TermKind, VarId};
+use source::{Diagnostic, Span};
+use std::rc::Rc;
+use value::RuleId;
+
+/// Macros may be built into each other this deep.
+const MAX_DEPTH: usize = 64;
+
+/// Terms may nest this deep, those passed by name included; in the text they nest less.
+const MAX_NESTING: usize = 1200;
+
+/// Terms passed by name may be written out this often, in a whole program.
+const MAX_EXPANSIONS: usize = 1 << 20;
+
+/// A rule, and for each parameter what is built in for it; `None` for one passed by value.
+pub(super) type Special = (RuleId, Vec<Option<String>>);
+
+impl Lowering<'_> {
+    /// A rule with all arguments passed by value: the main rule, turbo rules, rule values.
+    pub(super) fn routine_by_value(&mut self, rule: RuleId) -> RoutineId {
+        let parameters = self.model.rule(rule).parameters.len();
+        self.routine(rule, vec![None; parameters], 0)
+    }
+
+    /// The routine of a rule for these by-name arguments, whose variables are `extras` more
+    /// arguments after those passed by value.
+    fn routine(
+        &mut self,
+        rule: RuleId,
+        by_name: Vec<Option<Rc<Closed>>>,
+        extras: u32,
+    ) -> RoutineId {
+        let keys = by_name
+            .iter()
+            .map(|closed| closed.as_ref().map(|closed| closed.key.clone()))
+            .collect();
+        let special = (rule, keys);
+        if let Some(&known) = self.routines.get(&special) {
+            return known;
+        }
+        let declared = self.model.rule(rule);
+        let id = self.reserve_routine(declared);
+        self.routines.insert(special, id);
+        let Some(body) = &declared.body else {
+            return id;
+        };
+        if self.depth >= MAX_DEPTH {
+            let finding = Diagnostic::error(
+                "A031",
+                format!("`{}` calls itself with ever other terms", declared.name),
+            )
+            .label(
+                declared.span,
+                "this macro takes a term by name that grows with each call",
+            );
+            self.grows(finding);
+            return id;
+        }
+        let mut frame = Frame::of_rule(rule);
+        let mut values = Vec::new();
+        for (index, closed) in by_name.into_iter().enumerate() {
+            let parameter = VarId(index as u32);
+            match closed {
+                None => {
+                    frame.bind(parameter);
+                    values.push(parameter);
+                }
+                Some(closed) => frame.set(parameter, Binding::Term(closed)),
+            }
+        }
+        frame.locals += extras;
+        let arguments = frame.locals;
+        self.depth += 1;
+        let code = self.with_state(&values, &body.root, &mut frame);
+        self.depth -= 1;
+        let routine = &mut self.program.routines[id.0 as usize];
+        routine.arguments = arguments;
+        routine.locals = frame.locals;
+        routine.code = code;
+        id
+    }
+
+    /// A rule that is not declared.
+    pub(super) fn added_routine(
+        &mut self,
+        id: RuleId,
+        body: &hir::Body<hir::RuleTerm>,
+    ) -> RoutineId {
+        let routine = self.reserve_routine_at(body.root.span, false);
+        let mut frame = Frame::of_rule(id);
+        let code = self.rule(&body.root, &mut frame);
+        let added = &mut self.program.routines[routine.0 as usize];
+        added.locals = frame.locals;
+        added.code = code;
+        routine
+    }
+
+    /// A term passed by name, where its parameter stands.
+    pub(super) fn by_name(&mut self, closed: &Closed, frame: &mut Frame, origin: Origin) -> Term {
+        self.expansions += 1;
+        if self.nesting <= MAX_NESTING && self.expansions <= MAX_EXPANSIONS {
+            frame.within(closed, |frame| self.term(&closed.term, frame))
+        } else {
+            let finding = Diagnostic::error("A031", "a term passed by name becomes too large")
+                .label(closed.term.span, "passed on by one macro after the other");
+            self.grows(finding);
+            Term::undef(origin)
+        }
+    }
+
+    /// Reports macros whose terms grow, once.
+    fn grows(&mut self, finding: Diagnostic) {
+        if !self.has_grown {
+            let help = "make the macro a `turbo rule`, which takes values, or bind the value with `let` before the call";
+            self.report.push(finding.help(help));
+        }
+        self.has_grown = true;
+    }
+
+    /// A call: which arguments are passed by name is decided here.
+    pub(super) fn call(
+        &mut self,
+        rule: RuleId,
+        arguments: &[hir::Term],
+        frame: &mut Frame,
+        span: Span,
+    ) -> RuleNode {
+        let mut values = Vec::new();
+        let mut by_name = Vec::new();
+        let mut extras: Vec<Local> = Vec::new();
+        let turbo = self.model.rule(rule).turbo;
+        let named: Vec<Option<(hir::Term, Vec<Option<Binding>>)>> = arguments
+            .iter()
+            .enumerate()
+            .map(|(index, argument)| {
+                let (term, bindings) = match self.variable_term(argument, frame) {
+                    Some(closed) => (closed.term.clone(), closed.bindings.clone()),
+                    None => (argument.clone(), frame.bindings().to_vec()),
+                };
+                (!turbo && self.is_by_name(rule, index, &term, &bindings))
+                    .then_some((term, bindings))
+            })
+            .collect();
+        let value_count = named.iter().filter(|named| named.is_none()).count() as u32;
+        for (index, (argument, named)) in arguments.iter().zip(named).enumerate() {
+            match named {
+                None => {
+                    values.push(self.term(argument, frame));
+                    by_name.push(None);
+                }
+                Some((term, bindings)) => {
+                    if self.facts.assigns(rule, VarId(index as u32))
+                        && !is_location(self.model, &term, &bindings)
+                    {
+                        self.not_a_location(rule, index, argument.span);
+                    }
+                    by_name.push(Some(Rc::new(close(
+                        &term,
+                        &bindings,
+                        &mut extras,
+                        value_count,
+                    ))));
+                }
+            }
+        }
+        let origin = self.origin(span);
+        let extra_count = extras.len() as u32;
+        values.extend(extras.into_iter().map(|local| Term {
+            node: Box::new(Node::Local(local)),
+            kind: Kind::Other,
+            origin,
+        }));
+        RuleNode::Call(self.routine(rule, by_name, extra_count), values)
+    }
+
+    /// What a variable passed by name stands for, if the term is one.
+    fn variable_term(&self, term: &hir::Term, frame: &Frame) -> Option<Rc<Closed>> {
+        match &*term.kind {
+            TermKind::Variable(variable) => match frame.binding(*variable) {
+                Some(Binding::Term(closed)) => Some(closed),
+                Some(Binding::Local(_) | Binding::State { .. }) | None => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// By name and by value differ if the macro writes the parameter, if it reads it again after a
+    /// state in between, and if it may not read it at all what fails or asks the environment. The
+    /// last is overlooked in a macro that calls itself, which would be written out without end.
+    fn is_by_name(
+        &self,
+        rule: RuleId,
+        parameter: usize,
+        argument: &hir::Term,
+        bindings: &[Option<Binding>],
+    ) -> bool {
+        let parameter = VarId(parameter as u32);
+        let holds_name = || {
+            let mut found = false;
+            facts::visit(argument, &mut |term| {
+                if let TermKind::Variable(variable) = &*term.kind {
+                    found |= matches!(
+                        bindings.get(variable.0 as usize),
+                        Some(Some(Binding::Term(_) | Binding::State { .. }))
+                    );
+                }
+            });
+            found
+        };
+        self.facts.assigns(rule, parameter)
+            || (self.facts.is_sequential(rule) && (self.facts.is_dynamic(argument) || holds_name()))
+            || (!self.facts.is_recursive(rule)
+                && !self.facts.needs(rule, parameter)
+                && (holds_name() || !self.facts.is_silent(self.model, argument)))
+    }
+
+    fn not_a_location(&mut self, rule: RuleId, parameter: usize, span: Span) {
+        let declared = self.model.rule(rule);
+        let name = declared.body.as_ref().map_or_else(String::new, |body| {
+            body.variables[parameter].name.to_string()
+        });
+        self.report.push(
+            Diagnostic::error(
+                "A032",
+                format!(
+                    "`{}` updates its parameter `{name}`, so it needs a location",
+                    declared.name
+                ),
+            )
+            .label(span, "this is a value")
+            .label(declared.span, "declared here")
+            .help("pass a controlled function, applied to its arguments"),
+        );
+    }
+}
+
+/// Whether a term is a location that rules may write.
+fn is_location(model: &hir::Model, term: &hir::Term, bindings: &[Option<Binding>]) -> bool {
+    match &*term.kind {
+        TermKind::Variable(variable) => matches!(
+            bindings.get(variable.0 as usize),
+            Some(Some(Binding::State { .. }))
+        ),
+        TermKind::Apply(function, _) | TermKind::Spread(function, _) => matches!(
+            model.function(*function).kind,
+            hir::FunctionKind::Controlled
+                | hir::FunctionKind::Out
+                | hir::FunctionKind::Shared
+                | hir::FunctionKind::Local
+        ),
+        _ => false,
+    }
+}
