@@ -314,7 +314,7 @@ impl History {
                 self.note(slot, None, before, value.clone());
                 Ok(())
             }
-            FunctionKind::Fixed => {
+            FunctionKind::Fixed | FunctionKind::Local => {
                 let name = &program.symbols.functions[function.0 as usize];
                 let finding =
                     Diagnostic::error("R017", format!("`{name}` is computed, so it cannot be set"))
