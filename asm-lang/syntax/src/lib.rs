@@ -12,6 +12,7 @@ mod fragment;
 mod lexer;
 mod nesting;
 mod node;
+mod print;
 mod spelling;
 
 use lalrpop_util::lalrpop_mod;
@@ -31,6 +32,7 @@ lalrpop_mod!(
 pub use fragment::{
     parse_assignment, parse_assignment_in, parse_rule, parse_rule_in, parse_term, parse_term_in,
 };
+pub use print::format;
 
 use explain::Explainer;
 use findings::Findings;

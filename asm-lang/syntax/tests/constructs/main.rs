@@ -2,7 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests")]
 
-mod print;
+#[path = "../shared/tree.rs"]
+mod tree;
 
 use asm_syntax::ast::{Rule, Term};
 use asm_syntax::{parse, parse_term};
@@ -11,13 +12,13 @@ use source::FileId;
 #[track_caller]
 fn term(text: &str, expected: &str) {
     let term: Term = parse_term(FileId(0), text).unwrap_or_else(|report| panic!("{report:#?}"));
-    assert_eq!(print::term(&term), expected, "{text}");
+    assert_eq!(tree::term(&term), expected, "{text}");
     assert_eq!(term.span.range(), 0..text.len(), "the span of {text}");
 }
 
 #[track_caller]
 fn rule(text: &str, expected: &str) {
-    assert_eq!(print::rule(&read_rule(text)), expected, "{text}");
+    assert_eq!(tree::rule(&read_rule(text)), expected, "{text}");
 }
 
 #[track_caller]
@@ -32,7 +33,7 @@ fn read_rule(text: &str) -> Rule {
 fn file(text: &str, expected: &str) {
     let parsed = parse(FileId(0), text);
     assert!(!parsed.report.has_errors(), "{:#?}", parsed.report);
-    assert_eq!(print::file(&parsed.file), expected.trim());
+    assert_eq!(tree::file(&parsed.file), expected.trim());
 }
 
 /// A declaration of the signature.
@@ -469,10 +470,7 @@ mod declarations {
         declared("dynamic abstract domain D", "dynamic abstract D");
         declared("enum domain D = {AA | BB}", "enum D {AA BB}");
         declared("enum domain D = {A, B1}", "enum D {A B1}");
-        declared(
-            "Prod(D, Seq( E ))",
-            "structured Prod(D, Seq( E )) = (Prod D (Seq E))",
-        );
+        declared("Prod(D, Seq( E ))", "structured (Prod D (Seq E))");
     }
 
     #[test]
@@ -685,7 +683,7 @@ main rule r_Main = skip",
             .collect();
         assert_eq!(codes, ["L052", "L058"]);
         assert_eq!(
-            super::print::file(&parsed.file),
+            super::tree::file(&parsed.file),
             "asm a\nrule r_a = (if b (:= f (+ 1 ?)))\nrule r_b = skip",
         );
     }

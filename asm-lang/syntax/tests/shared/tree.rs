@@ -73,7 +73,7 @@ fn domain(domain: &Domain) -> String {
         DomainKind::Basic => format!("basic {name}"),
         DomainKind::Abstract => format!("{dynamic}abstract {name}"),
         DomainKind::Enum(literals) => format!("enum {name} {{{}}}", names(literals)),
-        DomainKind::Structured(of) => format!("structured {name} = {}", type_(of)),
+        DomainKind::Structured(of) => format!("structured {}", type_(of)),
     }
 }
 

@@ -1,0 +1,45 @@
+//! Trees back to text: the one layout every specification has.
+//!
+//! The tree says where lines may end; words, signs and comments come from the text itself, one after
+//! the other, so that nothing is lost and nothing is put elsewhere.
+
+mod file;
+mod layout;
+mod rule;
+mod term;
+mod trivia;
+
+use crate::parse;
+use layout::Layout;
+use pretty::Arena;
+use source::{FileId, Report};
+use trivia::Tokens;
+
+/// A line is as wide as this at most, where it can be.
+const WIDTH: usize = 100;
+
+/// A level of indentation: one tab, measured as four blanks.
+const INDENT: usize = 4;
+
+/// The text in canonical layout.
+///
+/// # Errors
+/// The text has errors: it stays as it is.
+pub fn format(file: FileId, text: &str) -> Result<String, Report> {
+    let unix = text.replace("\r\n", "\n").replace('\r', "\n");
+    let parsed = parse(file, text);
+    if parsed.report.has_errors() {
+        return Err(parsed.report);
+    }
+    // The places in the tree are those of the text that is printed.
+    let tree = if unix == text {
+        parsed
+    } else {
+        parse(file, &unix)
+    }
+    .file;
+    let arena = Arena::new();
+    let mut layout = Layout::new(&arena, Tokens::new(&unix));
+    layout.file(&tree);
+    Ok(layout.finish())
+}

@@ -1,0 +1,332 @@
+//! Files: sections, declarations, properties.
+
+use super::layout::{Break, Layout};
+use crate::ast::*;
+use crate::lexer::{Keyword, Sign, Token};
+use source::Span;
+
+/// What a section consists of, in the order of the text.
+enum Item<'tree> {
+    Import(&'tree Import),
+    Export(&'tree Export),
+    Domain(&'tree Domain),
+    Function(&'tree Function),
+    DomainDefinition(&'tree DomainDefinition),
+    FunctionDefinition(&'tree FunctionDefinition),
+    Rule(&'tree RuleDeclaration),
+    Property(&'tree Property),
+    Agent(&'tree AgentInit),
+}
+
+impl Layout<'_> {
+    /// All of it.
+    pub(super) fn file(&mut self, file: &File) {
+        let mut items = items(file).into_iter();
+        loop {
+            if self.at_section() {
+                self.section(&mut items);
+            } else if self.at_heading() {
+                self.words_before_name();
+            } else if let Some(item) = items.next() {
+                self.separate(Break::Item);
+                self.item(&item);
+            } else {
+                return;
+            }
+        }
+    }
+
+    /// `asyncr asm x`.
+    fn words_before_name(&mut self) {
+        self.separate(Break::Item);
+        while self.at_heading() {
+            self.token();
+            self.separate(Break::Blank);
+        }
+        self.token();
+    }
+
+    fn at_heading(&self) -> bool {
+        matches!(
+            self.peek(),
+            Some(Token::Keyword(
+                Keyword::Asyncr | Keyword::Asm | Keyword::Module
+            ))
+        )
+    }
+
+    fn at_section(&self) -> bool {
+        matches!(
+            self.peek(),
+            Some(Token::Keyword(
+                Keyword::Signature | Keyword::Definitions | Keyword::Default | Keyword::Init
+            ))
+        )
+    }
+
+    /// `signature:`, `definitions:`, `default init s0:` and what belongs to it.
+    fn section<'tree>(&mut self, items: &mut impl Iterator<Item = Item<'tree>>) {
+        self.separate(Break::Section);
+        self.token();
+        while self.peek().is_some() && !self.at(Sign::Colon) {
+            self.separate(Break::Blank);
+            self.token();
+        }
+        self.token();
+        self.indent(|all| {
+            let mut begin = Break::Hard;
+            while !all.at_section()
+                && !all.at_heading()
+                && let Some(item) = items.next()
+            {
+                all.separate(begin);
+                all.item(&item);
+                begin = Break::Item;
+            }
+            all.comments_inside();
+        });
+    }
+
+    fn item(&mut self, item: &Item<'_>) {
+        self.group(|it| match item {
+            Item::Import(import) => it.import(import),
+            Item::Export(export) => it.export(export),
+            Item::Domain(domain) => it.domain(domain),
+            Item::Function(function) => it.function(function),
+            Item::DomainDefinition(definition) => {
+                it.words_before(definition.name.span);
+                it.token();
+                it.definition(&definition.body);
+            }
+            Item::FunctionDefinition(definition) => {
+                it.words_before(definition.name.span);
+                it.token();
+                it.parameters(&definition.parameters);
+                it.definition(&definition.body);
+            }
+            Item::Rule(rule) => it.rule_declaration(rule),
+            Item::Property(property) => it.property(property),
+            Item::Agent(agent) => {
+                it.words_before(agent.domain.span);
+                it.tokens(2);
+                it.separate(Break::Blank);
+                it.token();
+                it.arguments(&agent.arguments);
+            }
+        });
+    }
+
+    fn import(&mut self, import: &Import) {
+        self.token();
+        self.separate(Break::Blank);
+        self.token();
+        if let Some(names) = &import.names {
+            self.separate(Break::Blank);
+            self.list(names, Break::Fill, |list, _| list.token());
+        }
+    }
+
+    fn export(&mut self, export: &Export) {
+        self.token();
+        self.indent(|list| {
+            list.separate(Break::Blank);
+            match &export.names {
+                Some(names) => list.items(names, Break::Fill, |list, _| list.token()),
+                None => list.token(),
+            }
+        });
+    }
+
+    fn domain(&mut self, domain: &Domain) {
+        match &domain.kind {
+            DomainKind::Concrete(of) => {
+                self.words_before(of.span);
+                self.type_(of);
+            }
+            DomainKind::Structured(of) => self.type_(of),
+            DomainKind::Any | DomainKind::Basic | DomainKind::Abstract => {
+                self.words_before(domain.name.span);
+                self.token();
+            }
+            DomainKind::Enum(literals) => {
+                self.words_before(domain.name.span);
+                for _ in 0..2 {
+                    self.token();
+                    self.separate(Break::Blank);
+                }
+                self.rows(literals, Break::Fill, |list, _| list.token());
+            }
+        }
+    }
+
+    /// `controlled f: D -> E`.
+    pub(super) fn function(&mut self, function: &Function) {
+        self.words_before(function.name.span);
+        self.tokens(2);
+        self.indent(|of| {
+            of.separate(Break::Blank);
+            if let Some(domain) = &function.domain {
+                of.type_(domain);
+                of.separate(Break::Line);
+                of.token();
+                of.separate(Break::Blank);
+            }
+            of.type_(&function.codomain);
+        });
+    }
+
+    /// A domain where it is used.
+    pub(super) fn type_(&mut self, of: &Type) {
+        self.token();
+        match &of.kind {
+            TypeKind::Named(_) => {}
+            TypeKind::Rule(parts) | TypeKind::Prod(parts) => {
+                self.types(&parts.iter().collect::<Vec<_>>());
+            }
+            TypeKind::Seq(part) | TypeKind::Powerset(part) | TypeKind::Bag(part) => {
+                self.types(&[part]);
+            }
+            TypeKind::Map(key, value) => self.types(&[key, value]),
+        }
+    }
+
+    /// Domains in brackets, where there are any.
+    pub(super) fn types(&mut self, types: &[&Type]) {
+        if !types.is_empty() {
+            self.list(types, Break::Line, |list, part| list.type_(part));
+        }
+    }
+
+    fn parameters(&mut self, parameters: &[Parameter]) {
+        if !parameters.is_empty() {
+            self.list(parameters, Break::Line, |list, parameter| {
+                list.words_before(parameter.domain.span);
+                list.type_(&parameter.domain);
+            });
+        }
+    }
+
+    /// `= t` of a domain or a function; on a line of its own where the text has it so.
+    fn definition(&mut self, body: &Term) {
+        self.separate(Break::Blank);
+        self.token();
+        if self.begins_line() {
+            self.indent(|value| {
+                value.separate(Break::Hard);
+                value.term(body);
+            });
+        } else {
+            self.value(body);
+        }
+    }
+
+    fn rule_declaration(&mut self, rule: &RuleDeclaration) {
+        self.words_before(rule.name.span);
+        self.token();
+        self.parameters(&rule.parameters);
+        if let Some(result) = &rule.result {
+            self.separate(Break::Blank);
+            self.words_before(result.span);
+            self.type_(result);
+        }
+        self.separate(Break::Blank);
+        self.token();
+        self.body(&rule.body);
+    }
+
+    fn property(&mut self, property: &Property) {
+        match &property.kind {
+            PropertyKind::Invariant { over, body } => self.invariant(property, over, body),
+            PropertyKind::Constraint(body)
+            | PropertyKind::Justice(body)
+            | PropertyKind::Ctl(body)
+            | PropertyKind::Ltl(body) => {
+                self.token();
+                if property.name.is_some() {
+                    self.separate(Break::Blank);
+                    self.tokens(2);
+                }
+                self.stated(body);
+            }
+            PropertyKind::Compassion(p, q) => {
+                self.token();
+                self.list(&[p, q], Break::Line, |list, part| list.term(part));
+            }
+        }
+    }
+
+    /// A function applied needs no indentation beyond its own.
+    fn stated(&mut self, body: &Term) {
+        let print = |of: &mut Self| {
+            of.separate(Break::Blank);
+            of.term(body);
+        };
+        if matches!(*body.kind, TermKind::Apply { .. }) {
+            print(self);
+        } else {
+            self.indent(print);
+        }
+    }
+
+    fn invariant(&mut self, property: &Property, over: &[Over], body: &Term) {
+        self.token();
+        self.separate(Break::Blank);
+        if property.name.is_some() {
+            self.token();
+            self.separate(Break::Blank);
+        }
+        self.token();
+        self.indent(|of| {
+            of.separate(Break::Blank);
+            of.items(over, Break::Fill, Self::over);
+            of.token();
+            of.separate(Break::Line);
+            of.term(body);
+        });
+    }
+
+    fn over(&mut self, over: &Over) {
+        self.token();
+        if self.at(Sign::Open) {
+            match &over.domain {
+                Some(domain) => self.types(&[domain]),
+                None => self.tokens(2),
+            }
+        }
+    }
+}
+
+/// The items of a file in the order of its text.
+fn items(file: &File) -> Vec<Item<'_>> {
+    let mut items: Vec<(Span, Item<'_>)> = Vec::new();
+    items.extend(
+        file.imports
+            .iter()
+            .map(|it| (it.path.span, Item::Import(it))),
+    );
+    items.extend(file.export.iter().map(|it| (it.span, Item::Export(it))));
+    items.extend(file.domains.iter().map(|it| (it.span, Item::Domain(it))));
+    items.extend(
+        file.functions
+            .iter()
+            .map(|it| (it.span, Item::Function(it))),
+    );
+    let inits = || file.inits.iter();
+    let domains = file.domain_definitions.iter();
+    let domains = domains.chain(inits().flat_map(|init| &init.domains));
+    items.extend(domains.map(|it| (it.name.span, Item::DomainDefinition(it))));
+    let functions = file.function_definitions.iter();
+    let functions = functions.chain(inits().flat_map(|init| &init.functions));
+    items.extend(functions.map(|it| (it.name.span, Item::FunctionDefinition(it))));
+    let rules = file.rules.iter().chain(&file.main);
+    items.extend(rules.map(|it| (it.span, Item::Rule(it))));
+    items.extend(
+        file.properties
+            .iter()
+            .map(|it| (it.span, Item::Property(it))),
+    );
+    let agents = inits().flat_map(|init| &init.agents);
+    items.extend(agents.map(|it| (it.domain.span, Item::Agent(it))));
+    items.sort_by_key(|(place, _)| *place);
+    items.into_iter().map(|(_, item)| item).collect()
+}

@@ -1,0 +1,453 @@
+//! Puts tokens on lines: the tokens come from the text, in its order, with their comments; where a
+//! line may end is said by who walks the tree.
+
+use super::trivia::{Comment, Tokens, indentation};
+use super::{INDENT, WIDTH};
+use crate::lexer::{Keyword, Sign, Token};
+use pretty::{Arena, BuildDoc, Doc, DocAllocator, DocBuilder, RefDoc};
+use source::Span;
+use std::borrow::Cow;
+
+type Piece<'text> = DocBuilder<'text, Arena<'text>>;
+
+/// What stands between two tokens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Break {
+    /// A blank.
+    Blank,
+    /// A blank; a new line where the group does not fit on one.
+    Line,
+    /// Nothing; a new line where the group does not fit on one.
+    Soft,
+    /// A blank; a new line where the next piece does not fit.
+    Fill,
+    /// Two blanks, for rules have no sign between; a new line where the group does not fit on one.
+    Rule,
+    /// A new line.
+    Hard,
+    /// A new line, and a blank one where the text has some.
+    Item,
+    /// A blank line.
+    Section,
+}
+
+impl Break {
+    /// A new line where it must be, otherwise where the group does not fit on one.
+    pub(super) fn line(must: bool) -> Self {
+        if must { Self::Hard } else { Self::Line }
+    }
+
+    /// What it comes to where a comment asks for a new line, or the text has a blank one.
+    fn resolved(self, forced: bool, blank: bool) -> Self {
+        match self {
+            Self::Blank | Self::Line | Self::Soft | Self::Fill | Self::Rule if forced => Self::Hard,
+            Self::Item if blank => Self::Section,
+            Self::Item => Self::Hard,
+            Self::Blank | Self::Line | Self::Soft | Self::Fill | Self::Rule => self,
+            Self::Hard | Self::Section => self,
+        }
+    }
+}
+
+/// A part of a group.
+enum Part<'text> {
+    Piece(Piece<'text>),
+    Break(Break),
+}
+
+/// What was printed last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Last {
+    Nothing,
+    Token,
+    /// A comment with something behind it.
+    Comment,
+    /// A comment with nothing behind it.
+    LineEnd,
+}
+
+/// Prints the tokens of a text one after the other.
+pub(super) struct Layout<'text> {
+    arena: &'text Arena<'text>,
+    tokens: Tokens<'text>,
+    /// The token to print next.
+    next: usize,
+    /// The groups that are open, from the outside in.
+    open: Vec<Vec<Part<'text>>>,
+    /// Where the break before the next piece stands: which group, which part of it.
+    pending: Option<(usize, usize)>,
+    last: Last,
+    /// How far lines are indented here.
+    indentation: usize,
+}
+
+impl<'text> Layout<'text> {
+    pub(super) fn new(arena: &'text Arena<'text>, tokens: Tokens<'text>) -> Self {
+        Self {
+            arena,
+            tokens,
+            next: 0,
+            open: vec![Vec::new()],
+            pending: None,
+            last: Last::Nothing,
+            indentation: 0,
+        }
+    }
+
+    /// The text, once all is printed.
+    pub(super) fn finish(mut self) -> String {
+        self.leading_comments();
+        let parts = self.open.pop().unwrap_or_default();
+        let all = self.concat(parts);
+        let mut text = String::with_capacity(self.tokens.text.len());
+        // Writing to a `String` does not fail.
+        let _ = all.render_fmt(WIDTH, &mut text);
+        with_tabs(&text)
+    }
+
+    // ── what comes next ──
+
+    /// The token to print next.
+    pub(super) fn peek(&self) -> Option<Token<'text>> {
+        self.tokens.get(self.next).map(|(_, token, _)| token)
+    }
+
+    /// The token after it.
+    pub(super) fn peek_second(&self) -> Option<Token<'text>> {
+        self.tokens.get(self.next + 1).map(|(_, token, _)| token)
+    }
+
+    /// Whether the token to print next is this sign.
+    pub(super) fn at(&self, sign: Sign) -> bool {
+        self.peek() == Some(Token::Sign(sign))
+    }
+
+    /// Where the token to print next begins.
+    pub(super) fn start(&self) -> usize {
+        self.tokens.start(self.next)
+    }
+
+    /// Whether a complex number is printed next, brackets apart.
+    pub(super) fn complex_follows(&self) -> bool {
+        let mut rest = (self.next..).map_while(|index| self.tokens.get(index));
+        let first = rest.find(|&(_, token, _)| token != Token::Sign(Sign::Open));
+        matches!(first, Some((_, Token::Complex(_), _)))
+    }
+
+    /// Whether an opening bracket was printed last.
+    fn after_bracket(&self) -> bool {
+        let last = self
+            .next
+            .checked_sub(1)
+            .and_then(|last| self.tokens.get(last));
+        let Some((_, Token::Sign(sign), _)) = last else {
+            return false;
+        };
+        matches!(sign, Sign::Open | Sign::OpenBrace | Sign::OpenBracket)
+    }
+
+    /// Whether the token to print next begins a line of the text.
+    pub(super) fn begins_line(&self) -> bool {
+        self.tokens.gap(self.next).breaks
+    }
+
+    /// Whether a comment stands directly before the token to print next.
+    pub(super) fn comment_before(&self) -> bool {
+        self.last == Last::LineEnd || !self.tokens.gap(self.next).leading.is_empty()
+    }
+
+    /// Whether the token after the next one begins a line of the text.
+    pub(super) fn second_begins_line(&self) -> bool {
+        self.tokens.gap(self.next + 1).breaks
+    }
+
+    /// Whether the token after the next one stands in the same line of the text, without a comment.
+    pub(super) fn goes_on(&self) -> bool {
+        let gap = self.tokens.gap(self.next + 1);
+        !gap.breaks && gap.leading.is_empty()
+    }
+
+    /// Whether the text has this in several lines.
+    pub(super) fn in_lines(&self, span: Span) -> bool {
+        let range = span.range();
+        self.tokens.several_lines(range.start, range.end)
+    }
+
+    /// How many pairs of brackets enclose exactly what is to be printed next and ends where `span`
+    /// does.
+    pub(super) fn brackets_around(&self, span: Span) -> usize {
+        self.tokens.brackets_around(self.next, span.range().end)
+    }
+
+    // ── groups ──
+
+    /// On one line where it fits; otherwise each [`Break::Line`] and [`Break::Soft`] directly inside
+    /// begins a new one.
+    pub(super) fn group(&mut self, inside: impl FnOnce(&mut Self)) {
+        self.nested(inside, |piece| piece.group());
+    }
+
+    /// Lines that begin inside are indented.
+    pub(super) fn indent(&mut self, inside: impl FnOnce(&mut Self)) {
+        self.indentation += INDENT;
+        self.nested(inside, |piece| piece.nest(INDENT.cast_signed()));
+        self.indentation -= INDENT;
+    }
+
+    fn nested(
+        &mut self,
+        inside: impl FnOnce(&mut Self),
+        wrap: impl FnOnce(Piece<'text>) -> Piece<'text>,
+    ) {
+        self.comments_outside();
+        self.open.push(Vec::new());
+        inside(self);
+        let parts = self.open.pop().unwrap_or_default();
+        let piece = wrap(self.concat(parts));
+        self.push(Part::Piece(piece));
+    }
+
+    fn concat(&mut self, parts: Vec<Part<'text>>) -> Piece<'text> {
+        self.pending = self.pending.filter(|&(group, _)| group < self.open.len());
+        let pieces = parts.into_iter().map(|part| match part {
+            Part::Piece(piece) => piece,
+            Part::Break(at) => self.space(at),
+        });
+        self.arena.concat(pieces)
+    }
+
+    fn space(&self, at: Break) -> Piece<'text> {
+        match at {
+            Break::Blank => self.arena.space(),
+            Break::Line => self.arena.line(),
+            Break::Soft => self.arena.line_(),
+            Break::Fill => self.arena.softline(),
+            Break::Rule => self.arena.hardline().flat_alt(self.arena.text("  ")),
+            Break::Hard | Break::Item => self.arena.hardline(),
+            Break::Section => self.arena.hardline().append(self.arena.hardline()),
+        }
+    }
+
+    // ── pieces ──
+
+    /// What stands before the next token; the last word counts.
+    pub(super) fn separate(&mut self, at: Break) {
+        if self.last == Last::Nothing {
+            return;
+        }
+        self.drop_break();
+        let group = self.open.len() - 1;
+        self.push(Part::Break(at));
+        let part = self.open.last().map_or(0, |parts| parts.len() - 1);
+        self.pending = Some((group, part));
+    }
+
+    /// The next token, with its comments.
+    pub(super) fn token(&mut self) {
+        let Some((start, token, end)) = self.tokens.get(self.next) else {
+            return;
+        };
+        self.leading_comments();
+        let blank = self.tokens.gap(self.next).blank;
+        self.place(false, blank);
+        let text = match token {
+            Token::Keyword(Keyword::Exist) => Keyword::Exists.spelling(),
+            Token::Sign(Sign::Dots) => Sign::Colon.spelling(),
+            _ => self.tokens.text.get(start..end).unwrap_or(""),
+        };
+        self.push(Part::Piece(self.text(text)));
+        self.last = Last::Token;
+        self.next += 1;
+        self.trailing_comments();
+    }
+
+    /// So many tokens with nothing between.
+    pub(super) fn tokens(&mut self, count: usize) {
+        for _ in 0..count {
+            self.token();
+        }
+    }
+
+    /// The tokens before this place, with a blank after each.
+    pub(super) fn words_before(&mut self, place: Span) {
+        while self.start() < place.range().start {
+            self.token();
+            self.separate(Break::Blank);
+        }
+    }
+
+    /// Leaves the next token out; its comments stay.
+    pub(super) fn leave_out(&mut self) {
+        let mut before = std::mem::take(self.tokens.gap_mut(self.next));
+        self.next += 1;
+        if before.leading.is_empty() {
+            return self.trailing_comments();
+        }
+        let after = self.tokens.gap_mut(self.next);
+        before.leading.append(&mut after.trailing);
+        before.leading.append(&mut after.leading);
+        after.leading = before.leading;
+    }
+
+    fn push(&mut self, part: Part<'text>) {
+        if let Some(parts) = self.open.last_mut() {
+            parts.push(part);
+        }
+    }
+
+    fn text(&self, text: &'text str) -> Piece<'text> {
+        self.text_of_width(text, text.chars().count())
+    }
+
+    fn text_of_width(&self, text: impl Into<Cow<'text, str>>, width: usize) -> Piece<'text> {
+        let text: RefDoc<'text> = self.arena.alloc(match text.into() {
+            Cow::Borrowed(text) => Doc::BorrowedText(text),
+            Cow::Owned(text) => Doc::OwnedText(text.into()),
+        });
+        DocBuilder(self.arena, BuildDoc::Doc(Doc::RenderLen(width, text)))
+    }
+
+    /// Decides the break before a piece; on a line of its own where it must be.
+    fn place(&mut self, own_line: bool, blank: bool) {
+        let forced = own_line || self.last == Last::LineEnd;
+        let pending = self.pending.take();
+        if let Some((group, part)) = pending {
+            if let Some(Part::Break(at)) = self
+                .open
+                .get_mut(group)
+                .and_then(|parts| parts.get_mut(part))
+            {
+                *at = at.resolved(forced, blank);
+            }
+            return;
+        }
+        match self.last {
+            Last::Nothing => {}
+            Last::Token | Last::Comment | Last::LineEnd if forced => {
+                self.push(Part::Break(Break::Item.resolved(true, blank)));
+            }
+            Last::Comment => self.push(Part::Break(Break::Blank)),
+            Last::Token | Last::LineEnd => {}
+        }
+    }
+
+    /// Takes back the break before the next piece.
+    fn drop_break(&mut self) {
+        if let Some((group, part)) = self.pending.take()
+            && let Some(part) = self
+                .open
+                .get_mut(group)
+                .and_then(|parts| parts.get_mut(part))
+        {
+            *part = Part::Piece(self.arena.nil());
+        }
+    }
+
+    // ── comments ──
+
+    /// The comments before the next token that stand further right than what follows them: they
+    /// belong to the block that ends here.
+    pub(super) fn comments_inside(&mut self) {
+        let next = self.next;
+        let outside = self.tokens.indentation(self.tokens.line_of(next));
+        while let Some(comment) = self.tokens.gap_mut(next).leading.pop_front() {
+            let further = self.tokens.indentation(comment.start) > outside;
+            if comment.own_line && !(further && comment.ends_line) {
+                self.tokens.gap_mut(next).leading.push_front(comment);
+                return;
+            }
+            if comment.own_line {
+                self.separate(Break::Item);
+            }
+            self.comment(&comment);
+        }
+    }
+
+    /// The comments between a break and the group that begins behind it: they are not indented with
+    /// its lines.
+    fn comments_outside(&mut self) {
+        if self.pending.is_some() && !self.tokens.gap(self.next).leading.is_empty() {
+            self.leading_comments();
+            self.new_line();
+        }
+    }
+
+    /// Goes on in a new line where a comment ended the last one.
+    pub(super) fn new_line(&mut self) {
+        if self.last == Last::LineEnd && self.pending.is_none() {
+            self.separate(Break::Item);
+        }
+    }
+
+    fn leading_comments(&mut self) {
+        let next = self.next;
+        while let Some(comment) = self.tokens.gap_mut(next).leading.pop_front() {
+            self.comment(&comment);
+        }
+    }
+
+    fn trailing_comments(&mut self) {
+        let next = self.next;
+        while let Some(comment) = self.tokens.gap_mut(next).trailing.pop_front() {
+            self.drop_break();
+            self.push(Part::Piece(self.text_of_width(" ", 0)));
+            self.comment_text(&comment);
+        }
+    }
+
+    fn comment(&mut self, comment: &Comment<'text>) {
+        let touches = self.pending.is_none() && self.last == Last::Token && !self.after_bracket();
+        if touches && !comment.own_line {
+            self.push(Part::Break(Break::Blank));
+        }
+        self.place(comment.own_line, comment.blank);
+        self.comment_text(comment);
+    }
+
+    /// A comment does not count for the width of its line: it may not tear apart what it speaks of.
+    fn comment_text(&mut self, comment: &Comment<'text>) {
+        let mut lines = comment.text.split('\n');
+        let first = lines.next().unwrap_or("").trim_end();
+        self.push(Part::Piece(self.text_of_width(first, 0)));
+        let column = self.tokens.indentation(comment.start);
+        for line in lines {
+            let line = self.further_line(line, comment.own_line.then_some(column));
+            self.push(Part::Piece(line));
+        }
+        self.last = if comment.ends_line {
+            Last::LineEnd
+        } else {
+            Last::Comment
+        };
+    }
+
+    /// A line of a comment of several: it moves with the first one where that begins its line.
+    fn further_line(&self, line: &'text str, column: Option<usize>) -> Piece<'text> {
+        let newline = self.arena.hardline();
+        match column {
+            Some(column) => {
+                let further = indentation(line).saturating_sub(column);
+                let text = " ".repeat(further) + line.trim();
+                newline.append(self.text_of_width(text, 0))
+            }
+            None => newline
+                .append(self.text_of_width(line.trim_end(), 0))
+                .nest(-self.indentation.cast_signed()),
+        }
+    }
+}
+
+/// Tabs where lines begin, nothing where they end, one line end at the end.
+fn with_tabs(text: &str) -> String {
+    let mut all = String::with_capacity(text.len());
+    for line in text.lines() {
+        let line = line.trim_end();
+        let inside = line.trim_start_matches(' ');
+        let blanks = line.len() - inside.len();
+        all.extend(std::iter::repeat_n('\t', blanks / INDENT));
+        all.extend(std::iter::repeat_n(' ', blanks % INDENT));
+        all.push_str(inside);
+        all.push('\n');
+    }
+    all
+}

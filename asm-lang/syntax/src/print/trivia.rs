@@ -1,0 +1,228 @@
+//! The tokens of a text and what stands between them: comments, line ends, blank lines.
+
+use crate::findings::Findings;
+use crate::lexer::{Lexer, Sign, Spanned, Token};
+use source::FileId;
+use std::collections::VecDeque;
+
+/// A tab is as wide as this when indentations are compared.
+const TAB: usize = super::INDENT;
+
+/// A comment as written.
+#[derive(Debug)]
+pub(super) struct Comment<'text> {
+    /// With its `//` or `/* */`.
+    pub(super) text: &'text str,
+    /// Where it begins.
+    pub(super) start: usize,
+    /// Whether a line begins before it, or should, for it has several.
+    pub(super) own_line: bool,
+    /// Whether a blank line stands before it.
+    pub(super) blank: bool,
+    /// Whether the line ends after it.
+    pub(super) ends_line: bool,
+}
+
+/// What stands between two tokens.
+#[derive(Debug, Default)]
+pub(super) struct Gap<'text> {
+    /// The comments in the line of the token before, where the line ends after them.
+    pub(super) trailing: VecDeque<Comment<'text>>,
+    /// The others.
+    pub(super) leading: VecDeque<Comment<'text>>,
+    /// Whether a line begins somewhere in it.
+    pub(super) breaks: bool,
+    /// Whether a blank line stands before the token behind it.
+    pub(super) blank: bool,
+}
+
+/// The tokens of a text without errors, and the gap before each.
+#[derive(Debug)]
+pub(super) struct Tokens<'text> {
+    pub(super) text: &'text str,
+    tokens: Vec<Spanned<'text>>,
+    /// One more than tokens: the last one stands before the end.
+    gaps: Vec<Gap<'text>>,
+    /// For every `(` its `)`; otherwise the token itself.
+    partners: Vec<usize>,
+}
+
+impl<'text> Tokens<'text> {
+    pub(super) fn new(text: &'text str) -> Self {
+        let unheard = Findings::new(FileId(0));
+        let tokens: Vec<_> = Lexer::new(text, &unheard).collect();
+        let mut gaps = Vec::with_capacity(tokens.len() + 1);
+        let mut end = 0;
+        for &(start, _, next_end) in &tokens {
+            gaps.push(gap(text, end, start));
+            end = next_end;
+        }
+        gaps.push(gap(text, end, text.len()));
+        if let Some(first) = gaps.first_mut() {
+            // Before the first token there is no line a comment could belong to.
+            let mut comments = std::mem::take(&mut first.trailing);
+            if let Some(comment) = comments.front_mut() {
+                comment.own_line = true;
+            }
+            comments.append(&mut first.leading);
+            first.leading = comments;
+        }
+        Self {
+            text,
+            partners: partners(&tokens),
+            tokens,
+            gaps,
+        }
+    }
+
+    /// The token at `index`.
+    pub(super) fn get(&self, index: usize) -> Option<Spanned<'text>> {
+        self.tokens.get(index).copied()
+    }
+
+    /// Where the token at `index` begins; the end of the text behind the last one.
+    pub(super) fn start(&self, index: usize) -> usize {
+        self.get(index).map_or(self.text.len(), |(start, ..)| start)
+    }
+
+    /// Where the token at `index` begins, or the comments in front of it that go with it.
+    pub(super) fn line_of(&self, index: usize) -> usize {
+        let comments = self.gap(index).leading.iter().rev();
+        let with_it = comments.take_while(|comment| !comment.ends_line).last();
+        with_it.map_or(self.start(index), |comment| comment.start)
+    }
+
+    /// The gap before the token at `index`.
+    pub(super) fn gap(&self, index: usize) -> &Gap<'text> {
+        &self.gaps[index.min(self.tokens.len())]
+    }
+
+    /// The same, to take its comments.
+    pub(super) fn gap_mut(&mut self, index: usize) -> &mut Gap<'text> {
+        &mut self.gaps[index.min(self.tokens.len())]
+    }
+
+    /// How many pairs of brackets enclose exactly what reaches from the token at `index` to the
+    /// byte `end`.
+    pub(super) fn brackets_around(&self, index: usize, end: usize) -> usize {
+        let mut closing = None;
+        let encloses = |&opening: &usize| {
+            let Some(&partner) = self.partners.get(opening) else {
+                return false;
+            };
+            let fits = match closing {
+                None => self.get(partner).is_some_and(|(.., byte)| byte == end),
+                Some(outer) => partner + 1 == outer,
+            };
+            closing = Some(partner);
+            fits && partner > opening
+        };
+        (index..).take_while(encloses).count()
+    }
+
+    /// How far the line of this byte is indented.
+    pub(super) fn indentation(&self, byte: usize) -> usize {
+        let before = self.text.get(..byte).unwrap_or("");
+        let line = before.rfind('\n').map_or(0, |end| end + 1);
+        indentation(self.text.get(line..).unwrap_or(""))
+    }
+
+    /// Whether these bytes stand in several lines.
+    pub(super) fn several_lines(&self, start: usize, end: usize) -> bool {
+        self.text
+            .get(start..end)
+            .is_some_and(|text| text.contains('\n'))
+    }
+}
+
+/// The width of the blanks a line begins with.
+pub(super) fn indentation(line: &str) -> usize {
+    line.chars()
+        .map_while(|c| match c {
+            '\t' => Some(TAB),
+            '\n' => None,
+            c => c.is_whitespace().then_some(1),
+        })
+        .sum()
+}
+
+fn partners(tokens: &[Spanned<'_>]) -> Vec<usize> {
+    let mut partners: Vec<usize> = (0..tokens.len()).collect();
+    let mut open = Vec::new();
+    for (index, &(_, token, _)) in tokens.iter().enumerate() {
+        match token {
+            Token::Sign(Sign::Open) => open.push(index),
+            Token::Sign(Sign::Close) => {
+                if let Some(partner) = open.pop().and_then(|open: usize| partners.get_mut(open)) {
+                    *partner = index;
+                }
+            }
+            _ => {}
+        }
+    }
+    partners
+}
+
+/// Reads the blanks and comments from `start` to `end`.
+fn gap(text: &str, start: usize, end: usize) -> Gap<'_> {
+    let mut gap = Gap::default();
+    let mut position = start;
+    let mut comments = VecDeque::new();
+    let mut lines = 0;
+    while let Some(rest) = text.get(position..end).filter(|rest| !rest.is_empty()) {
+        let length = comment_length(rest);
+        if length == 0 {
+            lines += usize::from(rest.starts_with('\n'));
+            position += rest.chars().next().map_or(1, char::len_utf8);
+            continue;
+        }
+        if lines > 0 {
+            end_line(&mut gap, &mut comments);
+        }
+        comments.push_back(Comment {
+            text: rest.get(..length).unwrap_or(rest),
+            start: position,
+            own_line: lines > 0,
+            blank: lines > 1,
+            ends_line: false,
+        });
+        lines = 0;
+        position += length;
+    }
+    gap.blank = lines > 1;
+    if lines > 0 || end == text.len() {
+        end_line(&mut gap, &mut comments);
+    }
+    gap.leading.append(&mut comments);
+    for comment in &mut gap.leading {
+        comment.own_line |= comment.text.contains('\n');
+    }
+    gap
+}
+
+/// What was read last ends its line; what was read first may be in the line of the token before.
+fn end_line<'text>(gap: &mut Gap<'text>, comments: &mut VecDeque<Comment<'text>>) {
+    if let Some(last) = comments.back_mut() {
+        last.ends_line = true;
+    }
+    let line = if gap.breaks {
+        &mut gap.leading
+    } else {
+        &mut gap.trailing
+    };
+    line.append(comments);
+    gap.breaks = true;
+}
+
+/// The length of the comment `text` begins with; 0 for none.
+fn comment_length(text: &str) -> usize {
+    if text.starts_with("//") {
+        text.find('\n').unwrap_or(text.len())
+    } else if let Some(inside) = text.strip_prefix("/*") {
+        inside
+            .find("*/")
+            .map_or(text.len(), |length| "/*".len() + length + "*/".len())
+    } else {
+        0
+    }
+}
