@@ -2,6 +2,7 @@
 
 mod check;
 mod demo;
+mod fmt;
 mod repl;
 mod run;
 mod sim;
@@ -21,6 +22,8 @@ pub enum Command {
     Run(run::Run),
     /// Says what is wrong with specifications and composites, before anything runs
     Check(check::Check),
+    /// Puts specifications into the one layout
+    Fmt(fmt::Fmt),
     /// Runs a specification alone, with scripted or random inputs
     Sim(sim::Sim),
     /// Steps a specification by hand: sets inputs, asks for values, goes back
@@ -34,6 +37,7 @@ impl Command {
             Self::Demo(demo) => demo.run(terminal),
             Self::Run(run) => run.run(terminal),
             Self::Check(check) => check.run(terminal),
+            Self::Fmt(fmt) => fmt.run(terminal),
             Self::Sim(sim) => sim.run(terminal),
             Self::Repl(repl) => repl.run(terminal),
         }

@@ -1,15 +1,34 @@
 //! Two texts of one file as a unified diff.
 
+use crate::terminal::NAME;
+use anstyle::{AnsiColor, Style};
 use similar::TextDiff;
+
+const ADDED: Style = AnsiColor::Green.on_default();
+const REMOVED: Style = AnsiColor::Red.on_default();
 
 /// Unchanged lines shown around a change.
 const CONTEXT: usize = 3;
 
-/// What turns `before` into `after`, as `patch` reads it.
+/// What turns `before` into `after`, as `patch` reads it; coloured, where colour is shown.
 pub fn unified(path: &str, before: &str, after: &str) -> String {
-    TextDiff::from_lines(before, after)
+    let diff = TextDiff::from_lines(before, after)
         .unified_diff()
         .context_radius(CONTEXT)
         .header(path, path)
-        .to_string()
+        .to_string();
+    let lines = diff.split('\n').map(|line| {
+        let style = style(line);
+        format!("{style}{line}{style:#}")
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+fn style(line: &str) -> Style {
+    match line.as_bytes().first() {
+        Some(b'+') => ADDED,
+        Some(b'-') => REMOVED,
+        Some(b'@') => NAME,
+        _ => Style::new(),
+    }
 }

@@ -2,6 +2,7 @@
 
 use asm_lang::Loader;
 use asm_lang::source::LoadError;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -65,4 +66,39 @@ fn tidy(path: &Path) -> String {
         }
     }
     tidy.display().to_string()
+}
+
+/// All specifications of a folder and the folders in it, sorted.
+pub fn specifications(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let mut entries = std::fs::read_dir(folder)?.collect::<Result<Vec<_>, _>>()?;
+    entries.sort_by_key(std::fs::DirEntry::file_name);
+    let mut files = Vec::new();
+    for entry in entries {
+        let path = entry.path();
+        if entry.file_type()?.is_dir() {
+            files.extend(specifications(&path)?);
+        } else if path.extension().is_some_and(|extension| extension == "asm") {
+            files.push(path);
+        }
+    }
+    Ok(files)
+}
+
+/// Puts a new text in the place of the old one; the file is the one or the other at all times.
+pub fn rewrite(path: &str, before: &str, after: &str) -> std::io::Result<()> {
+    // through a symbolic link, so that it stays one
+    let path = std::fs::canonicalize(path)?;
+    if std::fs::read(&path)? != before.as_bytes() {
+        return Err(std::io::Error::other(
+            "it is not UTF-8, or was changed meanwhile",
+        ));
+    }
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let mut new = tempfile::NamedTempFile::new_in(folder)?;
+    new.write_all(after.as_bytes())?;
+    new.as_file()
+        .set_permissions(std::fs::metadata(&path)?.permissions())?;
+    new.as_file().sync_all()?;
+    new.persist(&path).map_err(|failed| failed.error)?;
+    Ok(())
 }

@@ -2,6 +2,7 @@ asm estop
 // human e-stop: three independent sources, latched, two-step operator restart, no automatic restart
 import StandardLibrary
 import CTLLibrary
+
 signature:
 	enum domain Mode = {RUN | LATCHED | ARMED}
 	domain Speed subsetof Integer
@@ -13,6 +14,7 @@ signature:
 	derived stopRequested: Boolean
 	out speedLimit: Speed
 	controlled mode: Mode
+
 definitions:
 	domain Speed = {0 : 2}
 	function stopRequested = button or remote or watchdogLost
@@ -21,14 +23,16 @@ definitions:
 	CTLSPEC ag((mode = LATCHED and not reset) implies ax(mode = LATCHED))
 	CTLSPEC ag(mode != RUN implies speedLimit = 0)
 	CTLSPEC ag(ef(mode = RUN))
+
 	main rule r_Main =
 		if stopRequested then
-			par mode := LATCHED speedLimit := 0 endpar
+			par mode := LATCHED  speedLimit := 0 endpar
 		else if mode = LATCHED and reset then
 			mode := ARMED
 		else if mode = ARMED and confirm then
-			par mode := RUN speedLimit := 2 endpar
+			par mode := RUN  speedLimit := 2 endpar
 		endif endif endif
+
 default init s0:
 	function mode = LATCHED
 	function speedLimit = 0

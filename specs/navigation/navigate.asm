@@ -8,7 +8,9 @@ import CTLLibrary
 signature:
 	enum domain Mode = {IDLE | WAIT_MAP | WAIT_PATH | FOLLOWING | STOPPING | ARRIVED | FAILED}
 	enum domain Command = {NONE | GET_MAP | PLAN | FOLLOW | HALT}
-	enum domain Event = {NOTHING | MAP_OK | PATH_OK | NO_PATH | TIMED_OUT | CALL_FAILED | REACHED | BLOCKED | HALTED}
+	enum domain Event = {
+		NOTHING | MAP_OK | PATH_OK | NO_PATH | TIMED_OUT | CALL_FAILED | REACHED | BLOCKED | HALTED
+	}
 	domain Tries subsetof Integer
 
 	// what the composite binds to topics and to the outcome of service calls

@@ -2,6 +2,7 @@ asm recovery
 // service call with timeout, bounded retries, round-robin of recovery actions, escalation
 import StandardLibrary
 import CTLLibrary
+
 signature:
 	enum domain Mode = {CALL | WAIT | RECOVERING | GIVE_UP | SUCCESS}
 	enum domain Reply = {NONE | OK | TRANSIENT | FATAL}
@@ -18,25 +19,36 @@ signature:
 	controlled retries: N
 	controlled nextRec: Rec
 	controlled outstanding: Boolean
+
 definitions:
 	domain N = {0 : 3}
+
 	macro rule r_fail =
 		if retries < 3 then
 			par
 				retries := retries + 1
 				recovery := nextRec
-				nextRec := (if nextRec = CLEAR_MAP then SPIN else if nextRec = SPIN then BACK_UP else HUMAN endif endif)
+				nextRec :=
+					if nextRec = CLEAR_MAP then
+						SPIN
+					else if nextRec = SPIN then
+						BACK_UP
+					else
+						HUMAN
+					endif endif
 				mode := RECOVERING
 			endpar
 		else
 			mode := GIVE_UP
 		endif
+
 	// PlanSys2 #400: a retry without cancel duplicates the action in the world
 	CTLSPEC ag((sendCall and outstanding) implies mode = WAIT)
 	CTLSPEC ag(mode = CALL implies not outstanding)
 	CTLSPEC ag(mode = RECOVERING implies not outstanding)
 	CTLSPEC ag(mode = GIVE_UP implies retries = 3)
 	CTLSPEC ag(ef(mode = GIVE_UP or mode = SUCCESS))
+
 	main rule r_Main =
 		switch mode
 			case CALL:
@@ -52,9 +64,13 @@ definitions:
 					if reply != NONE and replyIsForMe then
 						par
 							outstanding := false
-							if reply = OK then mode := SUCCESS
-							else if reply = FATAL then par retries := 3 mode := GIVE_UP endpar
-							else r_fail[] endif endif
+							if reply = OK then
+								mode := SUCCESS
+							else if reply = FATAL then
+								par retries := 3  mode := GIVE_UP endpar
+							else
+								r_fail[]
+							endif endif
 						endpar
 					else if deadlinePassed then
 						par
@@ -65,8 +81,9 @@ definitions:
 					endif endif
 				endpar
 			case RECOVERING:
-				if recoveryDone then par cancelCall := false mode := CALL endpar endif
+				if recoveryDone then par cancelCall := false  mode := CALL endpar endif
 		endswitch
+
 default init s0:
 	function mode = CALL
 	function retries = 0

@@ -1,13 +1,11 @@
 //! Fixing a file: rounds of sure fixes in memory, then one write.
 
 use super::findings;
-use crate::files::Disk;
+use crate::files::{self, Disk};
 use asm_lang::source::{self, LoadError};
 use asm_lang::{Loader, Report, Sources};
 use serde_json::{Value, json};
 use std::fmt;
-use std::io::Write;
-use std::path::Path;
 use std::sync::Arc;
 
 /// A file that is not mended after so many rounds goes on as it is.
@@ -74,23 +72,9 @@ impl Mended {
         crate::diff::unified(path, &self.before, &self.after)
     }
 
-    /// Puts the new text in the place of the old one; the file is the one or the other at all times.
+    /// Puts the new text in the place of the old one.
     pub fn write(&self, path: &str) -> std::io::Result<()> {
-        // through a symbolic link, so that it stays one
-        let path = std::fs::canonicalize(path)?;
-        if std::fs::read(&path)? != self.before.as_bytes() {
-            return Err(std::io::Error::other(
-                "it is not UTF-8, or was changed meanwhile",
-            ));
-        }
-        let folder = path.parent().unwrap_or(Path::new("."));
-        let mut new = tempfile::NamedTempFile::new_in(folder)?;
-        new.write_all(self.after.as_bytes())?;
-        new.as_file()
-            .set_permissions(std::fs::metadata(&path)?.permissions())?;
-        new.as_file().sync_all()?;
-        new.persist(&path).map_err(|failed| failed.error)?;
-        Ok(())
+        files::rewrite(path, &self.before, &self.after)
     }
 }
 

@@ -2,14 +2,14 @@
 
 use super::{Sim, Unbegun, comment};
 use crate::exit::Exit;
-use crate::files::Disk;
+use crate::files::{Disk, specifications};
 use crate::terminal::{BAD, FAINT, GOOD, NOTE, Terminal};
 use asm_lang::simulate::{Stopped, Trace};
 use asm_lang::{Failure, Fault, Severity, Specification};
 use rayon::prelude::*;
 use serde_json::json;
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// How it went with one specification.
 enum Outcome {
@@ -31,11 +31,13 @@ impl Sim {
             terminal.error("`--env` gives inputs by name, so it is for one specification");
             return Exit::Usage;
         }
-        let mut files = Vec::new();
-        if let Err(error) = specifications(folder, &mut files) {
-            terminal.error(format_args!("cannot read `{}`: {error}", folder.display()));
-            return Exit::Usage;
-        }
+        let files = match specifications(folder) {
+            Ok(files) => files,
+            Err(error) => {
+                terminal.error(format_args!("cannot read `{}`: {error}", folder.display()));
+                return Exit::Usage;
+            }
+        };
         let outcomes: Vec<Outcome> = files
             .par_iter()
             .map(|file| self.outcome(folder, file))
@@ -151,21 +153,6 @@ fn rejected(failure: &Failure) -> Outcome {
 fn failed(specification: &Specification, fault: &Fault) -> Outcome {
     let finding = specification.explain(fault);
     Outcome::Fault(fault.step, format!("{} {}", finding.code, finding.message))
-}
-
-/// All specifications of a folder and the folders in it, sorted.
-fn specifications(folder: &Path, to: &mut Vec<PathBuf>) -> std::io::Result<()> {
-    let mut entries = std::fs::read_dir(folder)?.collect::<Result<Vec<_>, _>>()?;
-    entries.sort_by_key(std::fs::DirEntry::file_name);
-    for entry in entries {
-        let path = entry.path();
-        if entry.file_type()?.is_dir() {
-            specifications(&path, to)?;
-        } else if path.extension().is_some_and(|extension| extension == "asm") {
-            to.push(path);
-        }
-    }
-    Ok(())
 }
 
 fn write(path: &Path, text: &str) -> std::io::Result<()> {

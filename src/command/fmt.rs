@@ -1,0 +1,178 @@
+//! `asmotion fmt`: every specification in the one layout.
+
+use crate::diff;
+use crate::exit::Exit;
+use crate::files::{self, Disk};
+use crate::terminal::Terminal;
+use asm_lang::source::LoadError;
+use asm_lang::{Loader, Report, Sources, syntax};
+use clap::Args;
+use std::io::Read;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Puts specifications into the one layout; see docs/formatting.md.
+#[derive(Args)]
+pub struct Fmt {
+    /// Specifications, and folders with specifications; `-` is standard input to standard output.
+    #[arg(required = true)]
+    paths: Vec<String>,
+
+    /// Changes nothing; lists what has another layout, and fails where there is some.
+    #[arg(long)]
+    check: bool,
+
+    /// Changes nothing; shows what would change.
+    #[arg(long)]
+    diff: bool,
+}
+
+/// What became of the files.
+#[derive(Default)]
+struct Tally {
+    changed: usize,
+    unchanged: usize,
+    /// With errors in them, so left alone.
+    wrong: usize,
+    /// Neither read nor written.
+    failed: usize,
+}
+
+impl Fmt {
+    /// Formats all files.
+    pub fn run(self, terminal: &mut Terminal) -> Exit {
+        let mut tally = Tally::default();
+        for path in &self.paths {
+            match files_at(path) {
+                Ok(files) => files
+                    .iter()
+                    .for_each(|file| self.file(file, &mut tally, terminal)),
+                Err(error) => {
+                    terminal.error(format_args!("cannot read `{path}`: {error}"));
+                    tally.failed += 1;
+                }
+            }
+        }
+        if self.paths != ["-"] {
+            self.conclude(&tally, terminal);
+        }
+        if tally.failed > 0 {
+            Exit::Usage
+        } else if tally.wrong > 0 || (self.check && tally.changed > 0) {
+            Exit::Findings
+        } else {
+            Exit::Ok
+        }
+    }
+
+    fn file(&self, path: &str, tally: &mut Tally, terminal: &mut Terminal) {
+        let before = match read(path) {
+            Ok(text) => text,
+            Err(error) => {
+                terminal.error(error);
+                tally.failed += 1;
+                return;
+            }
+        };
+        let after = match formatted(path, &before) {
+            Ok(text) => text,
+            Err((report, sources)) => {
+                terminal.report(&report, &sources);
+                tally.wrong += 1;
+                return;
+            }
+        };
+        let changes = *before != *after;
+        if path == "-" && !self.check && !self.diff {
+            terminal.result(after.trim_end_matches('\n'));
+        } else if changes && let Err(error) = self.change(path, &before, &after, terminal) {
+            terminal.error(format_args!("cannot rewrite `{path}`: {error}"));
+            tally.failed += 1;
+            return;
+        }
+        if changes {
+            tally.changed += 1;
+        } else {
+            tally.unchanged += 1;
+        }
+    }
+
+    /// Writes the new text, or says what it would be.
+    fn change(
+        &self,
+        path: &str,
+        before: &str,
+        after: &str,
+        terminal: &mut Terminal,
+    ) -> std::io::Result<()> {
+        if self.diff {
+            terminal.result(diff::unified(path, before, after).trim_end());
+        } else if self.check {
+            terminal.result(path);
+        } else {
+            files::rewrite(path, before, after)?;
+            terminal.status("Formatted", path);
+        }
+        Ok(())
+    }
+
+    fn conclude(&self, tally: &Tally, terminal: &mut Terminal) {
+        let change = if self.check || self.diff {
+            "to format"
+        } else {
+            "formatted"
+        };
+        let mut parts = vec![
+            format!("{} {change}", count(tally.changed)),
+            format!("{} left as they are", tally.unchanged),
+        ];
+        if tally.wrong > 0 {
+            parts.push(format!("{} with errors left alone", tally.wrong));
+        }
+        let told = parts.join(", ");
+        if tally.wrong + tally.failed > 0 || (self.check && tally.changed > 0) {
+            terminal.error(told);
+        } else {
+            terminal.status("Finished", told);
+        }
+    }
+}
+
+fn count(files: usize) -> String {
+    match files {
+        1 => "1 file".to_owned(),
+        files => format!("{files} files"),
+    }
+}
+
+/// The file, or the specifications in the folder.
+fn files_at(path: &str) -> std::io::Result<Vec<String>> {
+    if path == "-" || !std::fs::metadata(path)?.is_dir() {
+        return Ok(vec![path.to_owned()]);
+    }
+    let files = files::specifications(Path::new(path))?;
+    Ok(files
+        .iter()
+        .map(|file| file.display().to_string())
+        .collect())
+}
+
+fn read(path: &str) -> Result<Arc<str>, LoadError> {
+    if path != "-" {
+        return Disk.read(path);
+    }
+    let mut text = String::new();
+    match std::io::stdin().read_to_string(&mut text) {
+        Ok(_) => Ok(text.into()),
+        Err(error) => Err(LoadError {
+            path: path.to_owned(),
+            reason: error.to_string(),
+        }),
+    }
+}
+
+fn formatted(path: &str, text: &Arc<str>) -> Result<String, (Report, Sources)> {
+    let mut sources = Sources::new();
+    let file = sources.add(path, text.clone());
+    syntax::format(file, text).map_err(|report| (report, sources))
+}
