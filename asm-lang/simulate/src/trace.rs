@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! # trace-format 1
-//! D0 Robot = {rob1,rob2}        the elements of the domains that may grow, before the first step
+//! D0 Robot = {rob1,rob2}        the elements of the domains that may grow, before the first step;
+//!                               each in the domain it was declared in or taken for
 //! @step 1
 //! T 40000000                    the time of the step in nanoseconds, unless it is 0
 //! M estop = false               what was read of the environment, in reading order
@@ -161,12 +162,23 @@ impl Trace {
         }
     }
 
+    /// The domains that may grow; an element of several stands in the one it was declared in or taken
+    /// for.
     fn domains(&mut self, word: &str, machine: &Machine) {
-        for (index, domain) in machine.program().domains.iter().enumerate() {
+        let (state, program) = (machine.state(), machine.program());
+        for (index, domain) in program.domains.iter().enumerate() {
+            if !domain.grows {
+                continue;
+            }
             let id = DomainId(index as u32);
-            let elements = machine.state().extent(id);
-            if domain.grows && !elements.is_empty() {
-                self.domain(word, machine, id, elements);
+            let is_at_home = |element: &&Value| match element {
+                Value::Atom(atom) => state.domain_of(program, *atom) == Some(id),
+                _ => true,
+            };
+            let extent = state.extent(id).iter();
+            let elements: Vec<Value> = extent.filter(is_at_home).cloned().collect();
+            if !elements.is_empty() {
+                self.domain(word, machine, id, &elements);
             }
         }
     }

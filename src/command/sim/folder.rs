@@ -5,7 +5,7 @@ use crate::exit::Exit;
 use crate::files::{Disk, specifications};
 use crate::terminal::{BAD, FAINT, GOOD, NOTE, Terminal};
 use asm_lang::simulate::{Stopped, Trace};
-use asm_lang::{Failure, Fault, Severity, Specification};
+use asm_lang::{Diagnostic, Failure, Fault, Severity, Specification};
 use rayon::prelude::*;
 use serde_json::json;
 use std::fmt;
@@ -105,8 +105,7 @@ impl Sim {
             None => (Outcome::Ran(steps), None),
             Some(Stopped::Fault(fault)) => {
                 let finding = specification.explain_in(&fault, simulation.machine());
-                let what = format!("{} {}", finding.code, finding.message);
-                (Outcome::Fault(fault.step, what), Some(fault))
+                (Outcome::Fault(fault.step, in_a_line(&finding)), Some(fault))
             }
             Some(reason @ Stopped::Unreadable { .. }) => {
                 (Outcome::Unusable(reason.to_string()), None)
@@ -146,13 +145,17 @@ impl Sim {
 fn rejected(failure: &Failure) -> Outcome {
     let mut findings = failure.report.diagnostics.iter();
     let first = findings.find(|finding| finding.severity == Severity::Error);
-    let first = first.map(|finding| format!("{} {}", finding.code, finding.message));
-    Outcome::Rejected(first.unwrap_or_default())
+    Outcome::Rejected(first.map(in_a_line).unwrap_or_default())
 }
 
 fn failed(specification: &Specification, fault: &Fault) -> Outcome {
-    let finding = specification.explain(fault);
-    Outcome::Fault(fault.step, format!("{} {}", finding.code, finding.message))
+    Outcome::Fault(fault.step, in_a_line(&specification.explain(fault)))
+}
+
+/// A finding without its places; invariants without a name are quoted in it, line breaks and all.
+fn in_a_line(finding: &Diagnostic) -> String {
+    let words: Vec<&str> = finding.message.split_whitespace().collect();
+    format!("{} {}", finding.code, words.join(" "))
 }
 
 fn write(path: &Path, text: &str) -> std::io::Result<()> {
