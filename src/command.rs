@@ -6,6 +6,7 @@ mod fmt;
 mod repl;
 mod run;
 mod sim;
+mod test;
 
 pub use demo::BLOCKED_CORRIDOR;
 
@@ -28,6 +29,8 @@ pub enum Command {
     Sim(sim::Sim),
     /// Steps a specification by hand: sets inputs, asks for values, goes back
     Repl(repl::Repl),
+    /// Runs scenarios
+    Test(test::Test),
 }
 
 impl Command {
@@ -40,6 +43,7 @@ impl Command {
             Self::Fmt(fmt) => fmt.run(terminal),
             Self::Sim(sim) => sim.run(terminal),
             Self::Repl(repl) => repl.run(terminal),
+            Self::Test(test) => test.run(terminal),
         }
     }
 }

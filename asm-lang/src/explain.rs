@@ -125,6 +125,12 @@ impl Specification {
                     .label(at, "this condition")
                     .help(help)
             }
+            FaultKind::NoCandidate(picked) => {
+                let values: Vec<String> = picked.iter().flatten().map(show).collect();
+                Diagnostic::error("R020", format!("{} was picked, and is no candidate, {when}", values.join(", ")))
+                    .label(at, "chosen here")
+                    .help("pick a value in the range for which the guard holds")
+            }
             FaultKind::NoMain => Diagnostic::error("R015", "there is no main rule to run")
                 .help("add `main rule r_Main = …`"),
         };

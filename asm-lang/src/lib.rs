@@ -21,6 +21,7 @@ mod explain;
 mod files;
 mod history;
 mod render;
+pub mod scenario;
 mod session;
 
 pub use files::Files;
@@ -73,7 +74,15 @@ impl std::error::Error for Failure {}
 /// # Errors
 /// A text cannot be read, or has errors: all of them are in the failure.
 pub fn open(path: &str, loader: &dyn Loader) -> Result<Specification, Failure> {
-    let mut sources = Sources::new();
+    open_in(path, loader, Sources::new())
+}
+
+/// Opens a specification beside texts that were read already.
+fn open_in(
+    path: &str,
+    loader: &dyn Loader,
+    mut sources: Sources,
+) -> Result<Specification, Failure> {
     let loaded = hir::load(path, loader, &mut sources);
     let (model, found) = hir::analyse(&loaded, &sources);
     let mut report = loaded.report;

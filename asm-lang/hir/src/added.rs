@@ -94,12 +94,13 @@ impl Model {
         self.add_typed(term, boolean, what)
     }
 
-    /// Adds a rule.
+    /// Adds a rule. It may write what the environment owns.
     ///
     /// # Errors
-    /// As [`Model::add_term`], or the rule writes what no rule may write.
+    /// As [`Model::add_term`], or the rule writes what nobody may write.
     pub fn add_rule(&mut self, rule: &ast::Rule) -> Result<AddedRule, Report> {
         let body = self.resolve(|mut resolver| {
+            resolver.enter_from_outside();
             let root = resolver.rule(rule);
             Some(resolver.body(0, root))
         })?;
@@ -133,6 +134,17 @@ impl Model {
             function,
             arguments: arguments.map(|body| self.added.term(body)).collect(),
             value: self.added.term(value),
+        })
+    }
+
+    /// Adds a part of a term that was added, with the variables bound in it.
+    pub fn add_part(&mut self, whole: AddedTerm, part: Term) -> AddedTerm {
+        let whole = self.added.terms.get(whole.0 as usize);
+        let variables = whole.map_or_else(Vec::new, |whole| whole.variables.clone());
+        self.added.term(Body {
+            parameters: 0,
+            variables,
+            root: part,
         })
     }
 

@@ -2,7 +2,7 @@
 
 use crate::declare::Declared;
 use crate::error::HirError;
-use crate::model::{Body, Term, TermKind, VarId, Variable};
+use crate::model::{Body, FunctionKind, Term, TermKind, VarId, Variable};
 use crate::scope::similar;
 use crate::types::{Type, TypeId};
 use source::Span;
@@ -20,6 +20,8 @@ pub(crate) struct Resolver<'a> {
     location_parameters: usize,
     /// The domain of the turbo rule's result, while one is being resolved.
     pub result: Option<TypeId>,
+    /// Whether the rule comes from outside: then it may write what the environment owns.
+    from_outside: bool,
 }
 
 impl<'a> Resolver<'a> {
@@ -31,6 +33,7 @@ impl<'a> Resolver<'a> {
             visible: Vec::new(),
             location_parameters: 0,
             result: None,
+            from_outside: false,
         }
     }
 
@@ -39,6 +42,16 @@ impl<'a> Resolver<'a> {
     pub fn enter(&mut self, parameters: usize, turbo: bool, result: Option<TypeId>) {
         self.location_parameters = if turbo { 0 } else { parameters };
         self.result = result;
+    }
+
+    /// Says that the rule comes from outside.
+    pub fn enter_from_outside(&mut self) {
+        self.from_outside = true;
+    }
+
+    /// Whether the rule may write a function although it is the environment's.
+    pub fn may_write(&self, kind: FunctionKind) -> bool {
+        self.from_outside && kind == FunctionKind::Monitored
     }
 
     /// Whether a variable may stand for a location. Parameters are bound before anything else.

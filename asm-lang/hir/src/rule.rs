@@ -225,7 +225,9 @@ impl Resolver<'_> {
         let mut ty = function.codomain;
         if self.is_result(id) {
             ty = self.result.unwrap_or(ty);
-        } else if let Some(error) = forbidden(name, kind, declared, writer) {
+        } else if !self.may_write(kind)
+            && let Some(error) = forbidden(name, kind, declared, writer)
+        {
             let fatal = !matches!(error, HirError::ReturnsToMonitored { .. });
             self.error(error);
             if fatal {

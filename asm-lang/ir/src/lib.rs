@@ -11,5 +11,5 @@ mod program;
 mod visit;
 
 pub use code::*;
-pub use lower::{Lowered, lower, lower_with};
+pub use lower::{Lowered, lower, lower_with, visit_rules, visit_terms};
 pub use program::*;

@@ -13,6 +13,8 @@ use crate::code::{Body, Rule, RuleNode, Term};
 use crate::program::{
     BodyId, Elements, FunctionId, Invariant, Origin, Program, RoutineId, RuleValue, Symbols,
 };
+pub use facts::{visit as visit_terms, walk as visit_rules};
+
 use facts::Facts;
 use frame::Frame;
 use hir::{Meaning, Model};

@@ -6,6 +6,7 @@
 mod collection;
 mod location;
 mod number;
+mod pick;
 mod range;
 mod rule;
 mod term;

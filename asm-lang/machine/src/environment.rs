@@ -6,8 +6,8 @@ use value::Value;
 /// Gives monitored and shared functions their values. Within a step, every location is asked for at
 /// most once, when a rule first reads it; the answer holds for the whole step.
 pub trait Environment {
-    /// The value of a location. `None` leaves a shared location as it is; a clock then tells the
-    /// time of the step, and any other monitored location is undef.
+    /// The value of a location. `None` leaves a location as it is that is shared or has an initial
+    /// value; a clock then tells the time of the step, and any other monitored location is undef.
     ///
     /// # Errors
     /// There is no answer to be had; the text says why. The step then fails.

@@ -395,7 +395,7 @@ impl Machine {
 
 impl Run<'_> {
     /// Checks the invariants that speak of inputs, or all others.
-    fn check_invariants(&mut self, assumptions: bool) -> Result<(), Stopped> {
+    pub(crate) fn check_invariants(&mut self, assumptions: bool) -> Result<(), Stopped> {
         let program = self.program;
         for (index, invariant) in program.invariants.iter().enumerate() {
             if invariant.assumes != assumptions {

@@ -65,6 +65,25 @@ impl Machine {
         })
     }
 
+    /// Checks the invariants that rules must keep, in the current state.
+    ///
+    /// # Errors
+    /// One is violated.
+    pub fn check_invariants(
+        &mut self,
+        environment: &mut dyn Environment,
+        now_ns: i64,
+    ) -> Result<(), Box<Fault>> {
+        self.rounds += 1;
+        let step = self.steps;
+        self.aside(|machine| {
+            machine.run(environment, &mut First, step, now_ns, |run| {
+                // a violation is the fault of the run
+                let _ = run.check_invariants(false);
+            })
+        })
+    }
+
     /// Gives a location a value from outside. A monitored location is asked of the environment all
     /// the same when it is read next.
     ///

@@ -184,7 +184,11 @@ impl Run<'_> {
         let value = match (answer, declared.clock) {
             (Ok(Some(value)), _) => Some(value),
             (Ok(None), Some(unit)) => Some(Value::Int(self.now_ns.div_euclid(unit))),
-            (Ok(None), None) => (declared.kind == FunctionKind::Monitored).then_some(Value::Undef),
+            (Ok(None), None) => {
+                let is_undef =
+                    declared.kind == FunctionKind::Monitored && declared.initial.is_none();
+                is_undef.then_some(Value::Undef)
+            }
             (Err(reason), _) => return self.fail(FaultKind::Input { slot, reason }, origin),
         };
         self.state.asked[index] = self.round;

@@ -1,9 +1,10 @@
-//! Runs without a robot: environments, seeded choice, traces.
+//! Runs without a robot: environments, seeded choice, traces, scenarios.
 
 mod environment;
 mod literal;
 mod random;
 mod recording;
+pub mod scenario;
 mod show;
 mod simulation;
 mod trace;

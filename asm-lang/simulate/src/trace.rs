@@ -220,6 +220,7 @@ fn kind(fault: &Fault) -> &'static str {
         FaultKind::TooLarge(_) => "EXC:TooLarge",
         FaultKind::Unbound => "EXC:Unbound",
         FaultKind::Unbounded => "EXC:Unbounded",
+        FaultKind::NoCandidate(_) => "EXC:NoCandidate",
         FaultKind::NoMain => "EXC:NoMain",
     }
 }

@@ -121,6 +121,14 @@ pub struct Report {
     pub diagnostics: Vec<Diagnostic>,
 }
 
+impl FromIterator<Diagnostic> for Report {
+    fn from_iter<T: IntoIterator<Item = Diagnostic>>(findings: T) -> Self {
+        Self {
+            diagnostics: findings.into_iter().collect(),
+        }
+    }
+}
+
 impl Report {
     /// Nothing found yet.
     pub fn new() -> Self {

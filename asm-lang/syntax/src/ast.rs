@@ -1,12 +1,14 @@
 //! The tree of a file, as written: names are text, types are not known, every node has its span.
 //!
-//! One file a family, named like the files of the later stages: [`term`], [`rule`]; the sections of
-//! a file stand here.
+//! One file a family, named like the files of the later stages: [`term`], [`rule`], [`scenario`]; the
+//! sections of a file stand here.
 
 pub mod rule;
+pub mod scenario;
 pub mod term;
 
 pub use rule::{Assignee, Rule, RuleKind, SwitchRule};
+pub use scenario::{Block, Command, CommandKind, Pick, PickedRule, Scenario, ScenarioInvariant};
 pub use term::{
     Binder, Collection, Comprehension, Interval, Literal, Operator, Quantifier, Term, TermKind,
 };

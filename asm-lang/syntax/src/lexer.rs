@@ -10,6 +10,7 @@ mod word;
 pub(crate) use number::complex_parts;
 pub(crate) use quoted::character;
 pub(crate) use token::{Keyword, Sign, Token};
+pub(crate) use word::length as word_length;
 
 use crate::ast::Annotation;
 use crate::error::SyntaxError;
@@ -63,6 +64,21 @@ impl<'input, 'run> Lexer<'input, 'run> {
         self.position = self.position.max(start);
     }
 
+    /// Where the next token is looked for.
+    pub(crate) fn position(&self) -> usize {
+        self.position
+    }
+
+    /// Leaves out one token, or what is none; gives false at the end of the text.
+    pub(crate) fn pass(&mut self) -> bool {
+        let Some(next) = self.rest().chars().next() else {
+            return false;
+        };
+        let length = self.read().map_or(next.len_utf8(), |(_, length)| length);
+        self.position += length.max(1);
+        true
+    }
+
     /// The token that begins here, if one does.
     fn read(&mut self) -> Option<Read<'input>> {
         if self.previous == Some(Token::Keyword(Keyword::Import))
@@ -96,7 +112,7 @@ impl<'input, 'run> Lexer<'input, 'run> {
     }
 
     /// What is left to read.
-    fn rest(&self) -> &'input str {
+    pub(crate) fn rest(&self) -> &'input str {
         self.from(self.position)
     }
 

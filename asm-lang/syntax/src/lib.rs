@@ -13,6 +13,7 @@ mod lexer;
 mod nesting;
 mod node;
 mod print;
+mod scenario;
 mod spelling;
 
 use lalrpop_util::lalrpop_mod;
@@ -33,6 +34,7 @@ pub use fragment::{
     parse_assignment, parse_assignment_in, parse_rule, parse_rule_in, parse_term, parse_term_in,
 };
 pub use print::format;
+pub use scenario::parse_scenario;
 
 use explain::Explainer;
 use findings::Findings;

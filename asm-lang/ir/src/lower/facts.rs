@@ -320,7 +320,7 @@ fn definition(function: &Function) -> Option<&Body<Term>> {
 }
 
 /// Calls `see` for a rule and all rules in it.
-pub(super) fn walk(rule: &RuleTerm, see: &mut dyn FnMut(&RuleTerm)) {
+pub fn walk(rule: &RuleTerm, see: &mut dyn FnMut(&RuleTerm)) {
     stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
         see(rule);
         match &*rule.kind {
@@ -422,7 +422,7 @@ fn mentions(term: &Term, wanted: &dyn Fn(FunctionId) -> bool) -> bool {
 }
 
 /// Calls `see` for a term and all terms in it.
-pub(super) fn visit(term: &Term, see: &mut dyn FnMut(&Term)) {
+pub fn visit(term: &Term, see: &mut dyn FnMut(&Term)) {
     stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
         see(term);
         subterms(term, &mut |term| visit(term, see));

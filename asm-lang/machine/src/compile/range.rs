@@ -3,7 +3,7 @@
 use super::{Compiler, TermCode, TruthCode};
 use crate::fault::FaultKind;
 use crate::run::{Run, Truth};
-use ir::{Binder, DomainId, Local, Origin, Range, Term};
+use ir::{Binder, DomainId, Local, Node, Origin, Range, Shape, Term};
 use std::ops::ControlFlow;
 use value::{Atom, Value};
 
@@ -12,18 +12,19 @@ const MAX_BINDINGS: u32 = 10_000_000;
 
 /// Variables with their ranges, and a guard.
 pub(super) struct Ranges {
-    binders: Vec<(Local, RangeCode, Origin)>,
-    guard: Option<TruthCode>,
-    guard_origin: Origin,
+    pub(super) binders: Vec<(Local, RangeCode, Origin)>,
+    pub(super) guard: Option<TruthCode>,
+    pub(super) guard_origin: Origin,
     /// Whether an undef guard is a fault (rules) or counts as false in the caller's own way (terms).
     strict: bool,
 }
 
-enum RangeCode {
+pub(super) enum RangeCode {
     Ints(i64, i64),
     Atoms(u32, u32),
     Bools,
     Domain(DomainId),
+    Extent(Shape),
     Elements(TermCode),
 }
 
@@ -35,7 +36,10 @@ impl Compiler<'_> {
                 Range::Atoms(first, count) => RangeCode::Atoms(*first, *count),
                 Range::Bools => RangeCode::Bools,
                 Range::Domain(domain) => RangeCode::Domain(*domain),
-                Range::Elements(term) => RangeCode::Elements(self.term(term)),
+                Range::Elements(term) => match &*term.node {
+                    Node::Extent(shape) => RangeCode::Extent(shape.clone()),
+                    _ => RangeCode::Elements(self.term(term)),
+                },
             };
             (binder.local, range, binder.origin)
         });
@@ -101,26 +105,48 @@ impl Ranges {
             run.set_local(*local, value);
             self.nest(depth + 1, run, visit)
         };
-        match range {
-            RangeCode::Ints(low, high) => {
-                (*low..=*high).try_for_each(|number| bind(run, Value::Int(number)))
+        range.each(run, *origin, &mut bind)
+    }
+}
+
+impl RangeCode {
+    /// Calls `visit` for every value, in ascending order, until it breaks.
+    #[inline]
+    pub(super) fn each(
+        &self,
+        run: &mut Run<'_>,
+        origin: Origin,
+        visit: &mut impl FnMut(&mut Run<'_>, Value) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        match self {
+            Self::Ints(low, high) => {
+                (*low..=*high).try_for_each(|number| visit(run, Value::Int(number)))
             }
-            RangeCode::Atoms(first, count) => {
-                (*first..*first + *count).try_for_each(|atom| bind(run, Value::Atom(Atom(atom))))
+            Self::Atoms(first, count) => {
+                (*first..*first + *count).try_for_each(|atom| visit(run, Value::Atom(Atom(atom))))
             }
-            RangeCode::Bools => [false, true]
+            Self::Bools => [false, true]
                 .into_iter()
-                .try_for_each(|truth| bind(run, Value::Bool(truth))),
-            RangeCode::Domain(domain) => match run.elements(*domain) {
+                .try_for_each(|truth| visit(run, Value::Bool(truth))),
+            Self::Domain(domain) => match run.elements(*domain) {
                 Ok(elements) => elements
                     .iter()
-                    .try_for_each(|element| bind(run, element.clone())),
+                    .try_for_each(|element| visit(run, element.clone())),
                 Err(kind) => {
-                    run.fail(kind, *origin);
+                    run.fail(kind, origin);
                     ControlFlow::Break(())
                 }
             },
-            RangeCode::Elements(term) => {
+            Self::Extent(shape) => match run.extent(shape) {
+                Ok(elements) => elements
+                    .into_iter()
+                    .try_for_each(|element| visit(run, element)),
+                Err(kind) => {
+                    run.fail(kind, origin);
+                    ControlFlow::Break(())
+                }
+            },
+            Self::Elements(term) => {
                 let collection = term(run);
                 if run.fault.is_some() {
                     return ControlFlow::Break(());
@@ -128,15 +154,15 @@ impl Ranges {
                 match &collection {
                     Value::Set(elements) => elements
                         .iter()
-                        .try_for_each(|element| bind(run, element.clone())),
+                        .try_for_each(|element| visit(run, element.clone())),
                     Value::Seq(elements) => elements
                         .iter()
-                        .try_for_each(|element| bind(run, element.clone())),
+                        .try_for_each(|element| visit(run, element.clone())),
                     Value::Bag(elements) => elements.iter().try_for_each(|(element, &count)| {
-                        (0..count).try_for_each(|_| bind(run, element.clone()))
+                        (0..count).try_for_each(|_| visit(run, element.clone()))
                     }),
                     _ => {
-                        run.fail(FaultKind::NotACollection(collection), *origin);
+                        run.fail(FaultKind::NotACollection(collection), origin);
                         ControlFlow::Break(())
                     }
                 }

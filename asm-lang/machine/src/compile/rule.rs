@@ -1,6 +1,7 @@
 //! Rules compiled.
 
 use super::location::SlotCode;
+use super::pick::Candidates;
 use super::range::Ranges;
 use super::{Compiler, RuleCode, Values};
 use crate::fault::FaultKind;
@@ -301,6 +302,11 @@ impl Compiler<'_> {
         let body = self.rule(body);
         let ifnone = self.rule(ifnone);
         Box::new(move |run| {
+            let picked = run.chooser.picked(origin);
+            let ranges = Candidates {
+                ranges: &ranges,
+                picked: picked.as_deref(),
+            };
             let mut wanted = 0;
             if !run.chooser.takes_first() {
                 let mut count = 0usize;
@@ -331,7 +337,11 @@ impl Compiler<'_> {
                 ControlFlow::Break(())
             });
             run.checked()?;
-            if found { Ok(()) } else { ifnone(run) }
+            match (found, picked) {
+                (true, _) => Ok(()),
+                (false, None) => ifnone(run),
+                (false, Some(picked)) => Err(run.stop(FaultKind::NoCandidate(picked), origin)),
+            }
         })
     }
 }

@@ -5,7 +5,7 @@ use crate::ast::{Annotation, Name};
 use crate::error::SyntaxError;
 
 impl Lexer<'_, '_> {
-    pub(super) fn blanks_and_comments(&mut self) {
+    pub(crate) fn blanks_and_comments(&mut self) {
         loop {
             let rest = self.rest();
             let length = match rest {

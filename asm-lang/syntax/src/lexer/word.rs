@@ -14,7 +14,7 @@ pub(super) fn goes_on(c: char) -> bool {
 }
 
 /// The length of the word a text begins with; an element with its number, as `person!1`, is one.
-pub(super) fn length(text: &str) -> usize {
+pub(crate) fn length(text: &str) -> usize {
     let word = text.find(|c| !goes_on(c)).unwrap_or(text.len());
     let number = text
         .get(word..)

@@ -1,0 +1,134 @@
+//! Candidates of a `choose` some of whose variables were picked from outside.
+
+use super::range::{RangeCode, Ranges};
+use crate::fault::FaultKind;
+use crate::run::{Run, Truth};
+use ir::{Origin, Shape};
+use std::ops::ControlFlow;
+use value::{Atom, Value};
+
+/// The candidates that agree with what was picked.
+pub(super) struct Candidates<'a> {
+    pub ranges: &'a Ranges,
+    /// By variable.
+    pub picked: Option<&'a [Option<Value>]>,
+}
+
+impl Candidates<'_> {
+    /// Calls `visit` for each, in ascending order, until it breaks.
+    pub fn each(&self, run: &mut Run<'_>, visit: &mut dyn FnMut(&mut Run<'_>) -> ControlFlow<()>) {
+        match self.picked {
+            None => self.ranges.each(run, visit),
+            Some(picked) => {
+                // a break only says that `visit` broke, or that a fault was noted
+                let _ = self.ranges.nest_picked(0, picked, run, visit);
+            }
+        }
+    }
+}
+
+impl Ranges {
+    fn nest_picked(
+        &self,
+        depth: usize,
+        picked: &[Option<Value>],
+        run: &mut Run<'_>,
+        visit: &mut dyn FnMut(&mut Run<'_>) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let Some((local, range, origin)) = self.binders.get(depth) else {
+            return self.guarded(run, visit);
+        };
+        let values = match picked.get(depth).cloned().flatten() {
+            Some(value) => range.only(run, value, *origin),
+            None => range.listed(run, *origin),
+        };
+        if run.fault.is_some() {
+            return ControlFlow::Break(());
+        }
+        values.into_iter().try_for_each(|value| {
+            run.set_local(*local, value);
+            self.nest_picked(depth + 1, picked, run, visit)
+        })
+    }
+
+    fn guarded(
+        &self,
+        run: &mut Run<'_>,
+        visit: &mut dyn FnMut(&mut Run<'_>) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let truth = self.guard.as_ref().map_or(Truth::True, |guard| guard(run));
+        if run.fault.is_some() {
+            return ControlFlow::Break(());
+        }
+        match truth {
+            Truth::True => visit(run),
+            Truth::False => ControlFlow::Continue(()),
+            Truth::Undef => {
+                run.fail(FaultKind::UndefinedGuard, self.guard_origin);
+                ControlFlow::Break(())
+            }
+        }
+    }
+}
+
+impl RangeCode {
+    /// The value, if it lies in the range; a range need not be listed for that.
+    fn only(&self, run: &mut Run<'_>, value: Value, origin: Origin) -> Vec<Value> {
+        let lies_in = match self {
+            Self::Ints(low, high) => {
+                matches!(&value, Value::Int(number) if (low..=high).contains(&number))
+            }
+            Self::Atoms(first, count) => {
+                matches!(&value, Value::Atom(Atom(atom)) if atom.wrapping_sub(*first) < *count)
+            }
+            Self::Bools => matches!(value, Value::Bool(_)),
+            Self::Domain(domain) => run.is_element(*domain, &value),
+            Self::Extent(shape) => has_shape(run, shape, &value),
+            Self::Elements(_) => self.listed(run, origin).contains(&value),
+        };
+        if lies_in { vec![value] } else { Vec::new() }
+    }
+
+    fn listed(&self, run: &mut Run<'_>, origin: Origin) -> Vec<Value> {
+        let mut values = Vec::new();
+        // nothing breaks it but a fault
+        let _ = self.each(run, origin, &mut |_, value| {
+            values.push(value);
+            ControlFlow::Continue(())
+        });
+        values
+    }
+}
+
+/// Whether a value is one of a shape's.
+fn has_shape(run: &Run<'_>, shape: &Shape, value: &Value) -> bool {
+    match (shape, value) {
+        (Shape::Any, _)
+        | (Shape::Bool, Value::Bool(_))
+        | (Shape::Int, Value::Int(_))
+        | (Shape::Real, Value::Real(_))
+        | (Shape::Char, Value::Char(_))
+        | (Shape::Text, Value::Text(_))
+        | (Shape::Complex, Value::Complex(_))
+        | (Shape::Rule, Value::Rule(_)) => true,
+        (Shape::Natural, Value::Int(number)) => *number >= 0,
+        (Shape::Domain(domain), value) => run.is_element(*domain, value),
+        (Shape::Tuple(shapes), Value::Tuple(items)) => {
+            let mut pairs = shapes.iter().zip(items.iter());
+            shapes.len() == items.len() && pairs.all(|(shape, item)| has_shape(run, shape, item))
+        }
+        (Shape::Seq(shape), Value::Seq(items)) => {
+            items.iter().all(|item| has_shape(run, shape, item))
+        }
+        (Shape::Set(shape), Value::Set(items)) => {
+            items.iter().all(|item| has_shape(run, shape, item))
+        }
+        (Shape::Bag(shape), Value::Bag(items)) => {
+            items.keys().all(|item| has_shape(run, shape, item))
+        }
+        (Shape::Map(keys, values), Value::Map(pairs)) => pairs
+            .iter()
+            .all(|(key, value)| has_shape(run, keys, key) && has_shape(run, values, value)),
+        _ => false,
+    }
+}

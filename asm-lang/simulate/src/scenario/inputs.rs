@@ -1,0 +1,30 @@
+//! Inputs that keep their values.
+
+use ir::FunctionId;
+use machine::Environment;
+use std::collections::BTreeMap;
+use value::Value;
+
+/// Inputs that hold what they were given last; before that they are undef, and clocks tell the time.
+#[derive(Clone, Debug, Default)]
+pub struct Held {
+    values: BTreeMap<(FunctionId, Vec<Value>), Value>,
+}
+
+impl Held {
+    /// Nothing was given yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Gives an input its value.
+    pub fn set(&mut self, function: FunctionId, arguments: &[Value], value: Value) {
+        self.values.insert((function, arguments.to_vec()), value);
+    }
+}
+
+impl Environment for Held {
+    fn read(&mut self, function: FunctionId, arguments: &[Value]) -> Result<Option<Value>, String> {
+        Ok(self.values.get(&(function, arguments.to_vec())).cloned())
+    }
+}

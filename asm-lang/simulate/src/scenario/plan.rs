@@ -1,0 +1,383 @@
+//! From a scenario's tree to actions: blocks written out, terms resolved in the specification.
+
+use super::error::PlanError;
+use hir::{AddedRule, AddedTerm, Assignment, Model, RuleKind, TermKind};
+use source::{Report, Span};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use syntax::ast::{Command, CommandKind, Name, Pick, PickedRule, Scenario};
+use value::Value;
+
+/// A scenario has no more commands than this, blocks written out.
+const MAX_ACTIONS: usize = 100_000;
+
+/// Blocks run each other this deep at most.
+const MAX_DEPTH: usize = 64;
+
+/// Whose reading of a scenario counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Compat {
+    /// A check is evaluated where it stands.
+    #[default]
+    Textbook,
+    /// As AsmetaV does it: checks and `exec` between two steps come after all `set`s there.
+    Asmeta,
+}
+
+/// What a scenario does, in order.
+#[derive(Clone, Debug, Default)]
+pub struct Plan {
+    pub(super) invariants: Vec<PlannedInvariant>,
+    pub(super) actions: Vec<Action>,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct PlannedInvariant {
+    pub name: Arc<str>,
+    pub condition: Condition,
+}
+
+/// A condition, and the locations it reads, which tell why it does not hold.
+#[derive(Clone, Debug)]
+pub(super) struct Condition {
+    pub term: AddedTerm,
+    pub span: Span,
+    pub parts: Vec<(AddedTerm, Span)>,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Action {
+    pub kind: ActionKind,
+    pub span: Span,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum ActionKind {
+    Set(Assignment),
+    Check(Condition),
+    Step,
+    StepUntil(Condition),
+    Exec(AddedRule),
+    Pick {
+        choices: Vec<Picked>,
+        value: AddedTerm,
+    },
+}
+
+/// A variable of a `choose`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Picked {
+    /// Where the `choose` stands.
+    pub choose: Span,
+    /// How many variables it has.
+    pub variables: usize,
+    /// Which of them.
+    pub variable: usize,
+}
+
+impl Plan {
+    /// Reads a scenario against its specification, to which its terms and rules are added. `other`
+    /// finds the scenario of a name whose blocks this one runs.
+    ///
+    /// # Errors
+    /// A term does not fit the specification, a block or choice is unknown; all such places are
+    /// reported.
+    pub fn of(
+        scenario: &Scenario,
+        model: &mut Model,
+        other: &mut dyn FnMut(&str) -> Option<Arc<Scenario>>,
+        compat: Compat,
+    ) -> Result<Self, Report> {
+        let mut planning = Planning {
+            model,
+            other,
+            plan: Self::default(),
+            report: Report::new(),
+            open: Vec::new(),
+        };
+        if let (None, Some(load)) = (planning.model.main, &scenario.load) {
+            let name = planning.model.name.to_string();
+            planning.error(PlanError::NoMain {
+                name,
+                at: load.span,
+            });
+        }
+        for invariant in &scenario.invariants {
+            if let Some(condition) = planning.condition(&invariant.condition, "an invariant") {
+                let name = invariant.name.text.clone();
+                planning
+                    .plan
+                    .invariants
+                    .push(PlannedInvariant { name, condition });
+            }
+        }
+        planning.commands(scenario, &scenario.commands);
+        if planning.report.has_errors() {
+            return Err(planning.report.finish());
+        }
+        let mut plan = planning.plan;
+        if compat == Compat::Asmeta {
+            plan.settings_first();
+        }
+        Ok(plan)
+    }
+
+    /// How many checks there are.
+    pub fn checks(&self) -> usize {
+        let is_check = |action: &&Action| matches!(action.kind, ActionKind::Check(_));
+        self.actions.iter().filter(is_check).count()
+    }
+
+    /// Moves what sets up a step before what else stands before it.
+    fn settings_first(&mut self) {
+        for between in self.actions.split_inclusive_mut(|action| {
+            matches!(action.kind, ActionKind::Step | ActionKind::StepUntil(_))
+        }) {
+            between.sort_by_key(|action| match action.kind {
+                ActionKind::Set(_) | ActionKind::Pick { .. } => 0,
+                ActionKind::Check(_) | ActionKind::Exec(_) => 1,
+                ActionKind::Step | ActionKind::StepUntil(_) => 2,
+            });
+        }
+    }
+}
+
+struct Planning<'a> {
+    model: &'a mut Model,
+    other: &'a mut dyn FnMut(&str) -> Option<Arc<Scenario>>,
+    plan: Plan,
+    report: Report,
+    /// The blocks that are being written out.
+    open: Vec<Arc<str>>,
+}
+
+impl Planning<'_> {
+    fn error(&mut self, error: PlanError) {
+        self.report.push(error.diagnostic());
+    }
+
+    fn heard<T>(&mut self, added: Result<T, Report>) -> Option<T> {
+        match added {
+            Ok(added) => Some(added),
+            Err(report) => {
+                self.report.extend(report);
+                None
+            }
+        }
+    }
+
+    fn commands(&mut self, scenario: &Scenario, commands: &[Command]) {
+        for command in commands {
+            if self.plan.actions.len() >= MAX_ACTIONS {
+                return;
+            }
+            self.command(scenario, command);
+            if self.plan.actions.len() == MAX_ACTIONS {
+                self.error(PlanError::TooLong {
+                    at: command.span,
+                    limit: MAX_ACTIONS,
+                });
+            }
+        }
+    }
+
+    fn command(&mut self, scenario: &Scenario, command: &Command) {
+        let kind = match &command.kind {
+            CommandKind::Set(target, value) => {
+                let added = self.model.add_assignment(target, value);
+                self.heard(added).map(ActionKind::Set)
+            }
+            CommandKind::Check(term) => self.condition(term, "a check").map(ActionKind::Check),
+            CommandKind::Step => Some(ActionKind::Step),
+            CommandKind::StepUntil(term) => self
+                .condition(term, "the end of `step until`")
+                .map(ActionKind::StepUntil),
+            CommandKind::Exec(rule) => {
+                let added = self.model.add_rule(rule);
+                self.heard(added).map(ActionKind::Exec)
+            }
+            CommandKind::Pick(pick) => self.pick(pick),
+            CommandKind::Block(block) => {
+                self.commands(scenario, &block.commands);
+                None
+            }
+            CommandKind::ExecBlock {
+                scenario: from,
+                block,
+            } => {
+                match from {
+                    None => self.block(scenario, block, None),
+                    Some(from) => match (self.other)(&from.text) {
+                        Some(other) => self.block(&other, block, Some(&from.text)),
+                        None => self.error(PlanError::NoScenario {
+                            name: from.text.to_string(),
+                            at: from.span,
+                        }),
+                    },
+                }
+                None
+            }
+        };
+        let span = command.span;
+        self.plan
+            .actions
+            .extend(kind.map(|kind| Action { kind, span }));
+    }
+
+    /// Writes a block out where it is run.
+    fn block(&mut self, scenario: &Scenario, name: &Name, from: Option<&str>) {
+        let Some(block) = scenario.block(&name.text) else {
+            return self.error(PlanError::NoBlock {
+                name: name.text.to_string(),
+                at: name.span,
+                scenario: from.map(str::to_owned),
+            });
+        };
+        let place: Arc<str> = format!("{:?} {}", block.name.span, name.text).into();
+        if self.open.contains(&place) {
+            return self.error(PlanError::Circle {
+                name: name.text.to_string(),
+                at: name.span,
+            });
+        }
+        if self.open.len() >= MAX_DEPTH {
+            let (at, limit) = (name.span, MAX_DEPTH);
+            return self.error(PlanError::TooDeep { at, limit });
+        }
+        self.open.push(place);
+        self.commands(scenario, &block.commands);
+        self.open.pop();
+    }
+
+    fn condition(&mut self, term: &syntax::ast::Term, what: &str) -> Option<Condition> {
+        let added = self.model.add_condition(term, what);
+        let added = self.heard(added)?;
+        Some(Condition {
+            term: added,
+            span: term.span,
+            parts: self.parts(added),
+        })
+    }
+
+    /// The functions of the specification that a term applies, outside of what binds variables.
+    fn parts(&mut self, term: AddedTerm) -> Vec<(AddedTerm, Span)> {
+        let model = &*self.model;
+        let root = &model.added.terms[term.0 as usize].root;
+        let mut found = Vec::new();
+        ir::visit_terms(root, &mut |part| {
+            if let TermKind::Apply(function, _) | TermKind::Spread(function, _) = &*part.kind {
+                let function = model.function(*function);
+                let is_own = !function.library
+                    && matches!(
+                        function.meaning,
+                        hir::Meaning::State | hir::Meaning::Defined(_)
+                    );
+                if is_own && part.span != root.span && is_closed(part) {
+                    found.push(part.clone());
+                }
+            }
+        });
+        let added = found.into_iter().map(|part| {
+            let span = part.span;
+            (self.model.add_part(term, part), span)
+        });
+        added.collect()
+    }
+
+    fn pick(&mut self, pick: &Pick) -> Option<ActionKind> {
+        let choices = self.choices(pick)?;
+        let added = self.model.add_term(&pick.value);
+        let value = self.heard(added)?;
+        let root = &self.model.added.terms[value.0 as usize].root;
+        if matches!(*root.kind, TermKind::Value(Value::Undef)) {
+            self.error(PlanError::PicksUndef {
+                at: pick.value.span,
+            });
+            return None;
+        }
+        Some(ActionKind::Pick { choices, value })
+    }
+
+    /// The `choose` rules with the picked variable.
+    fn choices(&mut self, pick: &Pick) -> Option<Vec<Picked>> {
+        let model = &*self.model;
+        let rules: Vec<&hir::Rule> = match &pick.rule {
+            None => model.rules.iter().collect(),
+            Some(wanted) => picked_rules(model, wanted),
+        };
+        let mut found = Vec::new();
+        for body in rules.iter().filter_map(|rule| rule.body.as_ref()) {
+            ir::visit_rules(&body.root, &mut |rule| {
+                let RuleKind::Choose(binders, ..) = &*rule.kind else {
+                    return;
+                };
+                let is_it = |binder: &hir::Binder| {
+                    let variable = &body.variables[binder.variable.0 as usize];
+                    variable.name == pick.variable.text
+                };
+                found.extend(binders.iter().position(is_it).map(|variable| Picked {
+                    choose: rule.span,
+                    variables: binders.len(),
+                    variable,
+                }));
+            });
+        }
+        if let (Some(wanted), true) = (&pick.rule, rules.is_empty()) {
+            self.error(PlanError::NoRule {
+                name: wanted.name.text.to_string(),
+                at: wanted.name.span,
+            });
+            return None;
+        }
+        if found.is_empty() {
+            self.error(PlanError::NoChoice {
+                variable: pick.variable.text.to_string(),
+                rule: pick.rule.as_ref().map(|rule| rule.name.text.to_string()),
+                at: pick.variable.span,
+            });
+            return None;
+        }
+        Some(found)
+    }
+}
+
+/// The rules that are meant. A name alone is that of the rule without parameters, if there is one.
+fn picked_rules<'a>(model: &'a Model, wanted: &PickedRule) -> Vec<&'a hir::Rule> {
+    let named = model
+        .rules
+        .iter()
+        .filter(|rule| rule.name == wanted.name.text);
+    let takes = |rule: &&hir::Rule, domains: &[Name]| {
+        let shown = rule.parameters.iter().map(|&ty| model.show_type(ty));
+        shown.eq(domains.iter().map(|name| name.text.replace(' ', "")))
+    };
+    match &wanted.parameters {
+        Some(domains) => named.filter(|rule| takes(rule, domains)).collect(),
+        None => {
+            let alone: Vec<_> = named.clone().filter(|rule| takes(rule, &[])).collect();
+            if alone.is_empty() {
+                named.collect()
+            } else {
+                alone
+            }
+        }
+    }
+}
+
+/// Whether a term has a value of its own, whatever stands around it.
+fn is_closed(term: &hir::Term) -> bool {
+    let (mut used, mut bound) = (BTreeSet::new(), BTreeSet::new());
+    ir::visit_terms(term, &mut |term| match &*term.kind {
+        TermKind::Variable(variable) => {
+            used.insert(*variable);
+        }
+        TermKind::Let(bindings, _) => bound.extend(bindings.iter().map(|(variable, _)| *variable)),
+        TermKind::Quantified(_, binders, _)
+        | TermKind::Comprehension(_, binders, ..)
+        | TermKind::MapComprehension(binders, ..) => {
+            bound.extend(binders.iter().map(|binder| binder.variable));
+        }
+        _ => {}
+    });
+    used.is_subset(&bound)
+}

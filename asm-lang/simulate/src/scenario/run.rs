@@ -1,0 +1,311 @@
+//! Actions carried out, one after the other.
+
+use super::choices::Choices;
+use super::inputs::Held;
+use super::plan::{Action, ActionKind, Condition, Picked, Plan};
+use super::verdict::{Failed, Failure, Outcome, Seen, Verdict};
+use hir::{AddedRule, AddedTerm, Assignment};
+use ir::{FunctionKind, Origin};
+use machine::{Fault, Machine};
+use source::Span;
+use std::collections::BTreeMap;
+use value::Value;
+
+/// How a scenario is run.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Decides what is not picked.
+    pub seed: u64,
+    /// A `step until` does no more steps than this.
+    pub max_steps: u64,
+    /// How far clocks move from step to step, in nanoseconds.
+    pub period_ns: i64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            max_steps: 100_000,
+            period_ns: 1_000_000_000,
+        }
+    }
+}
+
+/// Carries out a plan on a machine that runs the program with the plan's terms. `origins` are the
+/// places of the program.
+pub fn run(plan: &Plan, machine: &mut Machine, origins: &[Span], options: &Options) -> Outcome {
+    let mut running = Running {
+        plan,
+        machine,
+        chooses: chooses(plan, origins),
+        inputs: Held::new(),
+        choices: Choices::new(options.seed),
+        options,
+        steps: 0,
+        checks: 0,
+        failures: Vec::new(),
+        begun: false,
+    };
+    for action in &plan.actions {
+        if running.action(action).is_err() {
+            break;
+        }
+    }
+    running.end();
+    Outcome {
+        verdict: running.verdict(),
+        steps: running.steps,
+        checks: running.checks,
+        failures: running.failures,
+    }
+}
+
+/// The origins of the `choose` rules that something is picked for.
+fn chooses(plan: &Plan, origins: &[Span]) -> BTreeMap<Span, Origin> {
+    let mut wanted = BTreeMap::new();
+    for action in &plan.actions {
+        if let ActionKind::Pick { choices, .. } = &action.kind {
+            wanted.extend(choices.iter().map(|picked| (picked.choose, None)));
+        }
+    }
+    for (index, span) in origins.iter().enumerate() {
+        if let Some(origin) = wanted.get_mut(span) {
+            *origin = Some(Origin(index as u32));
+        }
+    }
+    // a `choose` that is never run has no origin
+    let known = wanted
+        .into_iter()
+        .filter_map(|(span, origin)| Some((span, origin?)));
+    known.collect()
+}
+
+/// The scenario goes no further.
+struct Ended;
+
+struct Running<'a> {
+    plan: &'a Plan,
+    machine: &'a mut Machine,
+    chooses: BTreeMap<Span, Origin>,
+    inputs: Held,
+    choices: Choices,
+    options: &'a Options,
+    steps: u64,
+    checks: u64,
+    failures: Vec<Failure>,
+    /// Whether the first state was looked at.
+    begun: bool,
+}
+
+impl Running<'_> {
+    fn action(&mut self, action: &Action) -> Result<(), Ended> {
+        let at = action.span;
+        match &action.kind {
+            ActionKind::Set(assignment) => self.set(assignment, at),
+            ActionKind::Check(condition) => self.check(condition, at),
+            ActionKind::Step => {
+                self.begin(at)?;
+                self.step(at)?;
+                self.choices.forget();
+                Ok(())
+            }
+            ActionKind::StepUntil(condition) => {
+                self.begin(at)?;
+                self.step_until(condition, at)?;
+                self.choices.forget();
+                Ok(())
+            }
+            ActionKind::Exec(rule) => self.exec(*rule, at),
+            ActionKind::Pick { choices, value } => self.pick(choices, *value, at),
+        }
+    }
+
+    /// What was done behind the last step has to respect the invariants, too.
+    fn end(&mut self) {
+        if self.failures.is_empty()
+            && let (true, Some(last)) = (self.begun, self.plan.actions.last())
+            && self.invariants(last.span).is_ok()
+        {
+            let now = self.now();
+            let checked = self.machine.check_invariants(&mut self.inputs, now);
+            // a violation is noted as a failure
+            let _ = self.done(checked, last.span);
+        }
+    }
+
+    fn set(&mut self, assignment: &Assignment, at: Span) -> Result<(), Ended> {
+        let now = self.now();
+        let assigned = self.machine.assigned(assignment, &mut self.inputs, now);
+        let (function, arguments, value) = self.done(assigned, at)?;
+        let set = self.machine.set(function, &arguments, value.clone());
+        self.done(set, at)?;
+        let kind = self.machine.program().functions[function.0 as usize].kind;
+        if kind == FunctionKind::Monitored {
+            self.inputs.set(function, &arguments, value);
+        }
+        Ok(())
+    }
+
+    fn check(&mut self, condition: &Condition, at: Span) -> Result<(), Ended> {
+        let value = self.value(condition.term, at)?;
+        if value == Value::Bool(true) {
+            self.checks += 1;
+        } else {
+            let seen = self.seen(condition, &value);
+            self.fail(at, Failed::Check(seen));
+        }
+        Ok(())
+    }
+
+    /// Nothing is stepped after a check has failed; the first state is looked at before it is left.
+    fn begin(&mut self, at: Span) -> Result<(), Ended> {
+        if !self.failures.is_empty() {
+            return Err(Ended);
+        }
+        if !self.begun {
+            self.begun = true;
+            self.invariants(at)?;
+        }
+        Ok(())
+    }
+
+    fn step(&mut self, at: Span) -> Result<(), Ended> {
+        let now = self.now();
+        let stepped = self.machine.step(&mut self.inputs, &mut self.choices, now);
+        let stepped = stepped.map(|_| ());
+        self.done(stepped, at)?;
+        self.steps += 1;
+        self.invariants(at)
+    }
+
+    fn step_until(&mut self, condition: &Condition, at: Span) -> Result<(), Ended> {
+        let limit = self.options.max_steps;
+        for _ in 0..limit {
+            if self.value(condition.term, at)? == Value::Bool(true) {
+                return Ok(());
+            }
+            self.step(at)?;
+        }
+        let value = self.value(condition.term, at)?;
+        if value == Value::Bool(true) {
+            return Ok(());
+        }
+        let seen = self.seen(condition, &value);
+        self.fail(at, Failed::Until(limit, seen));
+        Err(Ended)
+    }
+
+    fn exec(&mut self, rule: AddedRule, at: Span) -> Result<(), Ended> {
+        let now = self.now();
+        let fired = self
+            .machine
+            .fire(rule, &mut self.inputs, &mut self.choices, now);
+        let fired = fired.map(|_| ());
+        self.done(fired, at)?;
+        self.hold_inputs();
+        Ok(())
+    }
+
+    /// What a rule of the scenario wrote to inputs are their values from now on.
+    fn hold_inputs(&mut self) {
+        let (state, program) = (self.machine.state(), self.machine.program());
+        for update in self.machine.last_step().updates {
+            if let Some((function, arguments)) = state.location(program, update.slot)
+                && program.functions[function.0 as usize].kind == FunctionKind::Monitored
+            {
+                self.inputs.set(function, &arguments, update.value.clone());
+            }
+        }
+    }
+
+    fn pick(&mut self, choices: &[Picked], value: AddedTerm, at: Span) -> Result<(), Ended> {
+        let value = self.value(value, at)?;
+        for picked in choices {
+            if let Some(&choose) = self.chooses.get(&picked.choose) {
+                let (variables, variable) = (picked.variables, picked.variable);
+                self.choices
+                    .pick(choose, variables, variable, value.clone());
+            }
+        }
+        Ok(())
+    }
+
+    fn invariants(&mut self, at: Span) -> Result<(), Ended> {
+        let plan = self.plan;
+        for invariant in &plan.invariants {
+            let value = self.value(invariant.condition.term, at)?;
+            if value != Value::Bool(true) {
+                let seen = self.seen(&invariant.condition, &value);
+                self.fail(at, Failed::Invariant(invariant.name.to_string(), seen));
+                return Err(Ended);
+            }
+        }
+        Ok(())
+    }
+
+    /// The time of the next step: the first one is done when one period is over.
+    fn now(&self) -> i64 {
+        let steps = i64::try_from(self.steps + 1).unwrap_or(i64::MAX);
+        steps.saturating_mul(self.options.period_ns)
+    }
+
+    fn value(&mut self, term: AddedTerm, at: Span) -> Result<Value, Ended> {
+        let now = self.now();
+        let value = self.machine.evaluate(term, &mut self.inputs, now);
+        self.done(value, at)
+    }
+
+    fn seen(&mut self, condition: &Condition, value: &Value) -> Seen {
+        let now = self.now();
+        let mut parts = Vec::new();
+        for &(part, span) in &condition.parts {
+            // a part that has no value has nothing to tell
+            if let Ok(value) = self.machine.evaluate(part, &mut self.inputs, now) {
+                parts.push((span, self.show(&value)));
+            }
+        }
+        let step = self.machine.last_step();
+        let written = crate::updates(self.machine, &step);
+        Seen {
+            condition: condition.span,
+            value: self.show(value),
+            parts,
+            written: written
+                .into_iter()
+                .map(|(location, _, after)| format!("`{location} := {after}`"))
+                .collect(),
+        }
+    }
+
+    fn show(&self, value: &Value) -> String {
+        value.show(&self.machine.naming()).to_string()
+    }
+
+    fn done<T>(&mut self, result: Result<T, Box<Fault>>, at: Span) -> Result<T, Ended> {
+        result.map_err(|fault| {
+            self.fail(at, Failed::Fault(fault));
+            Ended
+        })
+    }
+
+    fn fail(&mut self, at: Span, kind: Failed) {
+        self.failures.push(Failure {
+            at,
+            steps: self.steps,
+            kind,
+        });
+    }
+
+    /// What went wrong first decides.
+    fn verdict(&self) -> Verdict {
+        let Some(failure) = self.failures.first() else {
+            return Verdict::Pass;
+        };
+        match &failure.kind {
+            Failed::Check(_) | Failed::Until(..) => Verdict::Fail,
+            Failed::Invariant(..) => Verdict::Invariant,
+            Failed::Fault(fault) => Verdict::of(fault),
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! How a scenario ended, and why.
+
+use machine::{Fault, FaultKind};
+use source::{Diagnostic, Span};
+
+/// The end of a scenario.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Every check held.
+    Pass,
+    /// A check did not hold, a `step until` did not end, or a pick was no candidate.
+    Fail,
+    /// An invariant was violated.
+    Invariant,
+    /// A step, check or command failed at run time.
+    Fault,
+}
+
+impl Verdict {
+    /// The verdict that a fault is.
+    pub(super) fn of(fault: &Fault) -> Self {
+        match fault.kind {
+            FaultKind::Invariant { .. } => Self::Invariant,
+            FaultKind::NoCandidate(_) => Self::Fail,
+            _ => Self::Fault,
+        }
+    }
+
+    /// The word for it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Pass => "pass",
+            Self::Fail => "fail",
+            Self::Invariant => "invariant",
+            Self::Fault => "fault",
+        }
+    }
+}
+
+/// What came of a scenario.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// How it ended.
+    pub verdict: Verdict,
+    /// How many steps were done.
+    pub steps: u64,
+    /// How many checks held.
+    pub checks: u64,
+    /// What went wrong, in order.
+    pub failures: Vec<Failure>,
+}
+
+impl Outcome {
+    /// The machine could not be built; the place says which specification it is of.
+    pub fn unbegun(fault: Box<Fault>, at: Span) -> Self {
+        Self {
+            verdict: Verdict::of(&fault),
+            steps: 0,
+            checks: 0,
+            failures: vec![Failure {
+                at,
+                steps: 0,
+                kind: Failed::Fault(fault),
+            }],
+        }
+    }
+}
+
+/// Something that went wrong.
+#[derive(Clone, Debug)]
+pub struct Failure {
+    /// The place in the scenario.
+    pub at: Span,
+    /// How many steps had been done.
+    pub steps: u64,
+    /// What it was.
+    pub kind: Failed,
+}
+
+/// What may go wrong.
+#[derive(Clone, Debug)]
+pub enum Failed {
+    /// A check does not hold.
+    Check(Seen),
+    /// An invariant of the scenario does not hold.
+    Invariant(String, Seen),
+    /// `step until` did not come to its end.
+    Until(u64, Seen),
+    /// The machine failed.
+    Fault(Box<Fault>),
+}
+
+/// What was seen where a condition did not hold.
+#[derive(Clone, Debug, Default)]
+pub struct Seen {
+    /// The condition.
+    pub condition: Span,
+    /// Its value: false or undef.
+    pub value: String,
+    /// The locations it reads, and their values.
+    pub parts: Vec<(Span, String)>,
+    /// What the last step wrote: `location := value`.
+    pub written: Vec<String>,
+}
+
+/// More updates than this are not listed in a message.
+const MAX_WRITTEN: usize = 12;
+
+impl Failure {
+    /// The failure in words; what a fault says, the specification knows.
+    pub fn diagnostic(&self) -> Option<Diagnostic> {
+        let when = match self.steps {
+            0 => "before the first step".to_owned(),
+            steps => format!("after step {steps}"),
+        };
+        Some(match &self.kind {
+            Failed::Check(seen) => {
+                let is = if seen.value == "undef" {
+                    "is undef"
+                } else {
+                    "does not hold"
+                };
+                seen.explain(Diagnostic::error("V020", format!("the check {is} {when}")))
+            }
+            Failed::Invariant(name, seen) => {
+                let is = if seen.value == "undef" {
+                    "is undef"
+                } else {
+                    "does not hold"
+                };
+                let message = format!("the invariant `{name}` {is} {when}");
+                seen.explain(Diagnostic::error("V021", message))
+                    .label(self.at, "found here")
+            }
+            Failed::Until(limit, seen) => {
+                let message = format!("`step until` did not end within {limit} steps");
+                seen.explain(Diagnostic::error("V022", message)).help(
+                    "check the condition, set the inputs that lead to it, or raise `--max-steps`",
+                )
+            }
+            Failed::Fault(_) => return None,
+        })
+    }
+}
+
+impl Seen {
+    fn explain(&self, finding: Diagnostic) -> Diagnostic {
+        let mut finding = finding.label(self.condition, format!("is {}", self.value));
+        for (span, value) in &self.parts {
+            finding = finding.label(*span, value.clone());
+        }
+        let more = self.written.len().saturating_sub(MAX_WRITTEN);
+        let mut written: Vec<&str> = self
+            .written
+            .iter()
+            .take(MAX_WRITTEN)
+            .map(|it| &**it)
+            .collect();
+        let rest = format!("and {more} more");
+        if more > 0 {
+            written.push(&rest);
+        }
+        match written.as_slice() {
+            [] => finding,
+            written => finding.note(format!("the step before wrote {}", written.join(", "))),
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! A scenario from its path to its verdict.
+
+use crate::{Failure, Specification, open_in};
+use machine::{Fault, Machine};
+use simulate::scenario::{self, Compat, Failed, Options, Outcome, Plan};
+use source::{Diagnostic, Loader, Report, Severity, Sources, Span};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use syntax::ast::{Name, Scenario};
+
+/// A scenario that was run.
+#[derive(Debug)]
+pub struct Tested {
+    /// The name after `scenario`.
+    pub name: String,
+    /// What came of it.
+    pub outcome: Outcome,
+    /// Warnings, and what went wrong.
+    pub report: Report,
+    /// The specification it is about.
+    pub specification: Specification,
+}
+
+/// Runs the scenario at a path.
+///
+/// # Errors
+/// It cannot be read, or it or its specification makes no sense.
+pub fn test(
+    path: &str,
+    loader: &dyn Loader,
+    compat: Compat,
+    options: &Options,
+) -> Result<Tested, Failure> {
+    let mut sources = Sources::new();
+    let (tree, mut report) = match read(path, loader, &mut sources) {
+        Ok(read) => read,
+        Err(report) => return Err(Failure { sources, report }),
+    };
+    let Some(specification) = tree.load.as_ref().and_then(|load| find(path, load, loader)) else {
+        report.extend(tree.load.as_ref().map(not_found).into_iter().collect());
+        return Err(Failure { sources, report });
+    };
+    if report.has_errors() {
+        return Err(Failure { sources, report });
+    }
+    let mut specification = open_in(&specification, loader, sources)?;
+    match plan(path, &tree, &mut specification, loader, compat) {
+        Ok(plan) => {
+            let warnings = report.diagnostics.drain(..);
+            report = warnings
+                .filter(|finding| finding.severity == Severity::Warning)
+                .collect();
+            Ok(carry_out(&tree, &plan, specification, report, options))
+        }
+        Err(found) => {
+            report.extend(found);
+            let sources = specification.sources;
+            Err(Failure { sources, report })
+        }
+    }
+}
+
+/// The tree of a scenario, and what is wrong with its text.
+fn read(
+    path: &str,
+    loader: &dyn Loader,
+    sources: &mut Sources,
+) -> Result<(Scenario, Report), Report> {
+    match loader.read(path) {
+        Ok(text) => {
+            let file = sources.add(path, text.clone());
+            Ok(syntax::parse_scenario(file, &text))
+        }
+        Err(error) => {
+            let finding = Diagnostic::error("V023", error).help("check the path of the scenario");
+            Err([finding].into_iter().collect())
+        }
+    }
+}
+
+fn find(from: &str, load: &Name, loader: &dyn Loader) -> Option<String> {
+    loader.resolve(from, &load.text)
+}
+
+fn not_found(load: &Name) -> Diagnostic {
+    Diagnostic::error("V024", format!("there is no specification `{}`", load.text))
+        .label(load.span, "loaded here")
+        .help("write its path, from the folder of the scenario")
+}
+
+/// The scenario against its specification, which is lowered with its terms.
+fn plan(
+    path: &str,
+    tree: &Scenario,
+    specification: &mut Specification,
+    loader: &dyn Loader,
+    compat: Compat,
+) -> Result<Plan, Report> {
+    let mut others: BTreeMap<String, Option<Arc<Scenario>>> = BTreeMap::new();
+    let mut found = Report::new();
+    let Specification { model, sources, .. } = specification;
+    let mut other = |name: &str| {
+        let known = others.entry(name.to_owned()).or_insert_with(|| {
+            let other = loader.resolve(path, &format!("{name}.avalla"))?;
+            let (tree, report) = read(&other, loader, sources).ok()?;
+            found.extend(report);
+            Some(Arc::new(tree))
+        });
+        known.clone()
+    };
+    let plan = Plan::of(tree, model, &mut other, compat);
+    if found.has_errors() {
+        found.extend(plan.err().unwrap_or_default());
+        return Err(found);
+    }
+    let plan = plan?;
+    specification.lower()?;
+    Ok(plan)
+}
+
+fn carry_out(
+    tree: &Scenario,
+    plan: &Plan,
+    specification: Specification,
+    mut report: Report,
+    options: &Options,
+) -> Tested {
+    let outcome = match specification.machine() {
+        Ok(mut machine) => {
+            let outcome = scenario::run(plan, &mut machine, &specification.origins, options);
+            report.extend(explained(&outcome, &specification, Some(&machine)));
+            outcome
+        }
+        Err(fault) => {
+            let at = tree
+                .load
+                .as_ref()
+                .map_or_else(Span::default, |load| load.span);
+            let outcome = Outcome::unbegun(fault, at);
+            report.extend(explained(&outcome, &specification, None));
+            outcome
+        }
+    };
+    let name = tree
+        .name
+        .as_ref()
+        .map_or_else(String::new, |name| name.text.to_string());
+    Tested {
+        name,
+        outcome,
+        report,
+        specification,
+    }
+}
+
+/// What went wrong, in words.
+fn explained(
+    outcome: &Outcome,
+    specification: &Specification,
+    machine: Option<&Machine>,
+) -> Report {
+    let explain = |fault: &Fault| match machine {
+        Some(machine) => specification.explain_in(fault, machine),
+        None => specification.explain(fault),
+    };
+    let explained = outcome
+        .failures
+        .iter()
+        .filter_map(|failure| match &failure.kind {
+            Failed::Fault(fault) => Some(explain(fault).label(failure.at, "asked for here")),
+            Failed::Check(_) | Failed::Invariant(..) | Failed::Until(..) => failure.diagnostic(),
+        });
+    explained.collect()
+}

@@ -1,0 +1,133 @@
+//! Scenarios read, and what is said of mistakes in them.
+//!
+//! A file of `tests/scenarios` carries `//~ CODE` on each line that something is to be said about.
+
+#![allow(clippy::disallowed_methods, reason = "the texts are on the disk")]
+
+use asm_syntax::ast::{Command, CommandKind};
+use asm_syntax::parse_scenario;
+use source::{FileId, Sources};
+use std::fs;
+use std::path::Path;
+
+#[test]
+fn they_have_a_name_a_specification_and_commands() {
+    let text = r#"// a comment
+scenario lift
+load "sub dir/Lift.asm"
+invariant safe: speed < 3;
+set f(1, "a;b") := 2; // not the end: ;
+check set(1) = { ';' };
+step
+step until ready;
+exec par a := 1 b := 2 endpar;
+pick $x in r_go(Natural, Prod(Integer, Boolean)) := 3;
+begin outer
+  begin inner step end
+end
+execblock other:inner;
+execblock other.inner;
+execblock inner;
+"#;
+    let (scenario, report) = parse_scenario(FileId(0), text);
+    assert!(report.diagnostics.is_empty(), "{report:#?}");
+    assert_eq!(&*scenario.name.as_ref().unwrap().text, "lift");
+    assert_eq!(&*scenario.load.as_ref().unwrap().text, "sub dir/Lift.asm");
+    assert_eq!(scenario.invariants.len(), 1);
+    let shown: Vec<&str> = scenario
+        .commands
+        .iter()
+        .map(|it| &text[it.span.range()])
+        .collect();
+    insta::assert_snapshot!(shown.join("\n---\n"));
+    let kinds: Vec<&str> = scenario.commands.iter().map(kind).collect();
+    assert_eq!(
+        kinds,
+        [
+            "set",
+            "check",
+            "step",
+            "until",
+            "exec",
+            "pick",
+            "block",
+            "execblock",
+            "execblock",
+            "execblock"
+        ]
+    );
+    assert!(scenario.block("inner").is_some());
+    let CommandKind::Pick(pick) = &scenario.commands[5].kind else {
+        unreachable!()
+    };
+    let domains = pick.rule.as_ref().unwrap().parameters.as_ref().unwrap();
+    let domains: Vec<&str> = domains.iter().map(|name| &*name.text).collect();
+    assert_eq!(domains, ["Natural", "Prod(Integer, Boolean)"]);
+}
+
+fn kind(command: &Command) -> &'static str {
+    match &command.kind {
+        CommandKind::Set(..) => "set",
+        CommandKind::Check(_) => "check",
+        CommandKind::Step => "step",
+        CommandKind::StepUntil(_) => "until",
+        CommandKind::Exec(_) => "exec",
+        CommandKind::Pick(_) => "pick",
+        CommandKind::Block(_) => "block",
+        CommandKind::ExecBlock { .. } => "execblock",
+    }
+}
+
+#[test]
+fn mistakes_are_told_where_they_are() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/scenarios");
+    let mut files: Vec<_> = fs::read_dir(folder)
+        .unwrap()
+        .map(|file| file.unwrap().path())
+        .collect();
+    files.sort();
+    for file in files {
+        let name = file.file_stem().unwrap().to_str().unwrap().to_owned();
+        let text = fs::read_to_string(&file).unwrap();
+        let mut sources = Sources::new();
+        let id = sources.add(&name, text.as_str());
+        let report = parse_scenario(id, &text).1;
+        let mut found = Vec::new();
+        let mut said = String::new();
+        for finding in &report.diagnostics {
+            let at = finding.primary.as_ref().unwrap();
+            let (line, column) = sources.position(id, at.span.start);
+            found.push((line, finding.code));
+            said.push_str(&format!(
+                "{} at {line}:{column} `{}`: {}; {}\n",
+                finding.code,
+                sources.snippet(at.span),
+                finding.message,
+                at.text
+            ));
+            let ways = finding.helps.iter().cloned();
+            let fix = finding.fix.iter().map(|fix| fix.title.clone());
+            ways.chain(fix)
+                .for_each(|way| said.push_str(&format!("  {way}\n")));
+        }
+        insta::assert_snapshot!(name.clone(), said);
+        let expected: Vec<(usize, &str)> = text
+            .lines()
+            .enumerate()
+            .filter_map(|(line, text)| Some((line + 1, text.split_once("//~")?.1)))
+            .flat_map(|(line, codes)| codes.split_whitespace().map(move |code| (line, code)))
+            .collect();
+        assert_eq!(found, expected, "in {name}");
+    }
+}
+
+#[test]
+fn any_text_is_read_to_its_end() {
+    let text = "scenario é load \"x\ninvariant i: step check; set x := \"; pick $ in r_a(((,) := 'é; \
+                begin begin a end execblock a.; ☃ ;;; exec par /* step until";
+    for end in (0..=text.len()).filter(|&end| text.is_char_boundary(end)) {
+        parse_scenario(FileId(0), &text[..end]);
+    }
+    let deep = "begin a ".repeat(10_000);
+    parse_scenario(FileId(0), &deep);
+}

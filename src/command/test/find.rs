@@ -1,0 +1,39 @@
+//! Which files are tests.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// The scenarios among paths: files as they are, folders searched through, in order of their names.
+pub fn scenarios(paths: &[PathBuf]) -> Result<Vec<PathBuf>, String> {
+    let mut found = Vec::new();
+    for path in paths {
+        let failed = |error: io::Error| format!("cannot read `{}`: {error}", path.display());
+        if std::fs::metadata(path).map_err(failed)?.is_dir() {
+            folder(path, &mut found).map_err(failed)?;
+        } else {
+            found.push(path.clone());
+        }
+    }
+    Ok(found)
+}
+
+fn folder(path: &Path, found: &mut Vec<PathBuf>) -> io::Result<()> {
+    let mut entries: Vec<_> = std::fs::read_dir(path)?.collect::<io::Result<_>>()?;
+    entries.sort_by_key(std::fs::DirEntry::file_name);
+    for entry in entries {
+        // a link to a folder may lead in a circle: it is not followed
+        let kind = entry.file_type()?;
+        let is_hidden = entry.file_name().to_string_lossy().starts_with('.');
+        if kind.is_dir() && !is_hidden {
+            folder(&entry.path(), found)?;
+        } else if !kind.is_dir() && is_test(&entry.path()) {
+            found.push(entry.path());
+        }
+    }
+    Ok(())
+}
+
+fn is_test(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|extension| extension == "avalla")
+}

@@ -1,0 +1,80 @@
+//! What came of the tests, for people and programs.
+
+use super::{End, Ended};
+use crate::terminal::{BAD, FAINT, GOOD, NOTE, Terminal};
+use asm_lang::Severity;
+use asm_lang::simulate::scenario::Verdict;
+use serde_json::json;
+use std::time::Duration;
+
+/// One test: a line, and what there is to say.
+pub fn tell(one: &Ended, as_json: bool, terminal: &mut Terminal) {
+    if as_json {
+        return terminal.result(json(one));
+    }
+    let colour = match one.end {
+        End::Ran(Verdict::Pass) => GOOD,
+        End::Ran(Verdict::Fail | Verdict::Invariant | Verdict::Fault) => BAD,
+        End::Unusable => NOTE,
+    };
+    let steps = plural(one.steps, "step");
+    let checks = plural(one.checks, "check");
+    terminal.result(format_args!(
+        "{colour}{:>9}{colour:#} {} {FAINT}({steps}, {checks}){FAINT:#}",
+        one.end.word(),
+        one.path.display()
+    ));
+    terminal.report(&one.report, &one.sources);
+}
+
+fn json(one: &Ended) -> serde_json::Value {
+    let findings: Vec<serde_json::Value> = one
+        .report
+        .diagnostics
+        .iter()
+        .map(|finding| {
+            let at = finding.primary.as_ref().map(|label| {
+                let (line, column) = one.sources.position(label.span.file, label.span.start);
+                json!({ "path": one.sources.path(label.span.file), "line": line, "column": column })
+            });
+            let severity = match finding.severity {
+                Severity::Error => "error",
+                Severity::Warning => "warning",
+            };
+            json!({
+                "severity": severity, "code": finding.code, "message": finding.message, "at": at,
+            })
+        })
+        .collect();
+    json!({
+        "type": "test", "v": 1, "path": one.path.display().to_string(), "name": one.name,
+        "verdict": one.end.word(), "steps": one.steps, "checks": one.checks, "findings": findings,
+    })
+}
+
+/// How many ended how.
+pub fn sum_up(ended: &[Ended], took: Duration, terminal: &mut Terminal) {
+    let count = |exit| ended.iter().filter(|one| one.end.exit() == exit).count() as u64;
+    use crate::exit::Exit;
+    let mut parts = vec![format!("{} passed", count(Exit::Ok))];
+    for (exit, word) in [(Exit::Findings, "failed"), (Exit::Usage, "cannot be run")] {
+        if count(exit) > 0 {
+            parts.push(format!("{} {word}", count(exit)));
+        }
+    }
+    let what = plural(ended.len() as u64, "scenario");
+    terminal.status(
+        "Tested",
+        format_args!(
+            "{what} in {:.2} s: {}",
+            took.as_secs_f64(),
+            parts.join(", ")
+        ),
+    );
+}
+
+/// "1 step", "3 steps".
+fn plural(count: u64, word: &str) -> String {
+    let ending = if count == 1 { "" } else { "s" };
+    format!("{count} {word}{ending}")
+}
