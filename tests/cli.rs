@@ -275,7 +275,6 @@ fn bad_input_gets_a_diagnostic_and_no_panic() {
     let self_include = "schema = \"composite/1\"\n[composite]\nname = \"loop\"\n\
                         [components.Again]\nimplementation = { composite = \"loop.composite.toml\" }\n";
     for (name, text) in [
-        ("empty.asm", Vec::new()),
         ("noise.asm", noise.clone()),
         ("deep.asm", nested.into_bytes()),
         (
@@ -327,6 +326,14 @@ fn colour_follows_the_flag_and_the_variables() {
         .output()
         .unwrap();
     assert!(!String::from_utf8_lossy(&output.stdout).contains('\u{1b}'));
+}
+
+#[test]
+fn an_empty_specification_is_no_error() {
+    let (_folder, path) = file("empty.asm", "");
+    let (code, out, _) = run(&["check", "--format", "concise", &path]);
+    assert_eq!(code, 0, "{out}");
+    assert!(out.contains("warning[L020]"), "{out}");
 }
 
 #[test]
