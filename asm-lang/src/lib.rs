@@ -95,6 +95,7 @@ fn open_in(
     };
     match ir::lower(&model) {
         Ok(lowered) => {
+            report.extend(lowered.warnings);
             let (program, origins) = (Arc::new(lowered.program), lowered.origins);
             Ok(Specification {
                 model,

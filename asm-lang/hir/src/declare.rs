@@ -232,6 +232,7 @@ impl Declared {
                 meaning,
                 initial: None,
                 span: name.span,
+                declaration: function.span,
                 library: unit.library,
                 run: None,
             });
@@ -260,6 +261,7 @@ impl Declared {
             meaning: Meaning::State,
             initial: None,
             span: function.name.span,
+            declaration: function.span,
             library: false,
             run: Some(run),
         });
@@ -279,6 +281,7 @@ impl Declared {
             meaning: Meaning::State,
             initial: None,
             span: Span::default(),
+            declaration: Span::default(),
             library: true,
             run: None,
         });

@@ -408,9 +408,15 @@ impl HirError {
                 .help(format!(
                     "write `not (… {operator} …)` to negate the comparison"
                 )),
-            Self::FileName { name, at, .. } => warning("W002").label(*at, "this name").help(
-                format!("call the file `{name}.asm`: the reference tools insist on it"),
-            ),
+            Self::FileName { name, at, stem } => {
+                let found = warning("W002").label(*at, "this name").help(format!(
+                    "or call the file `{name}.asm`: the reference tools insist on it"
+                ));
+                match is_word(stem) {
+                    true => found.fix("name it after the file", *at, stem.clone()),
+                    false => found,
+                }
+            }
             Self::ImportsNothing { at, .. } => warning("W003")
                 .label(*at, "imported here")
                 .help("add `export *` to the module"),
@@ -424,6 +430,14 @@ impl HirError {
                 )),
         }
     }
+}
+
+/// Whether the file's name can be a name of the language.
+fn is_word(stem: &str) -> bool {
+    let mut letters = stem.chars();
+    let first = letters.next();
+    first.is_some_and(|first| first.is_ascii_alphabetic() || first == '_')
+        && letters.all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
 }
 
 /// Offers the similar name, or help where there is none.

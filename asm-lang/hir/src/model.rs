@@ -131,8 +131,10 @@ pub struct Function {
     pub meaning: Meaning,
     /// Its value in the initial state.
     pub initial: Option<Body<Term>>,
-    /// Where it is declared.
+    /// Where it is declared: its name.
     pub span: Span,
+    /// The whole declaration, from the word that says who may write it.
+    pub declaration: Span,
     /// Whether it is declared in a standard library.
     pub library: bool,
     /// For a `local` function, the variable of its rule that holds the number of the run: the first

@@ -5,6 +5,7 @@ mod domain;
 mod facts;
 mod frame;
 mod layout;
+mod lint;
 mod needs;
 mod rule;
 mod term;
@@ -33,6 +34,8 @@ pub struct Lowered {
     pub program: Program,
     /// The place of each [`Origin`].
     pub origins: Vec<Span>,
+    /// What works, and is probably not what was meant.
+    pub warnings: Report,
 }
 
 /// Lowers a model.
@@ -64,6 +67,7 @@ pub fn lower_with(model: &Model, dense: u32) -> Result<Lowered, Report> {
     Ok(Lowered {
         program: lowering.program,
         origins: lowering.origins,
+        warnings: lint::warnings(model, &lowering.facts),
     })
 }
 

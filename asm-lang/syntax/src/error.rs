@@ -1,7 +1,7 @@
 //! What can be wrong with a text: the facts, then the words.
 
 use crate::lexer::Keyword;
-use source::{Diagnostic, Span};
+use source::{Applicability, Diagnostic, Edit, Fix, Span};
 use thiserror::Error;
 
 /// A word or a sign of the text and where it stands.
@@ -186,6 +186,8 @@ pub(crate) enum SyntaxError {
         block: &'static str,
         count: &'static str,
         at: Span,
+        /// How the text reads without the block; empty where that is hard to say.
+        without: Vec<Edit>,
     },
 
     #[error("{what} after {before}")]
@@ -194,6 +196,17 @@ pub(crate) enum SyntaxError {
         before: &'static str,
         at: Span,
         earlier: Span,
+        /// How it is put into its place; empty where that is hard to say.
+        moved: Vec<Edit>,
+    },
+
+    #[error("`{rule}` is called before it is declared")]
+    CalledEarly {
+        rule: String,
+        at: Span,
+        declared: Span,
+        /// How it is declared first.
+        moved: Vec<Edit>,
     },
 
     #[error("`{section}:` is missing before {what}")]
@@ -201,6 +214,8 @@ pub(crate) enum SyntaxError {
         section: &'static str,
         what: &'static str,
         at: Span,
+        /// How the heading is written there.
+        written: Edit,
     },
 
     #[error("`{name}` does not begin with `{prefix}`")]
@@ -451,19 +466,55 @@ impl SyntaxError {
             Self::OldInterval { at } => warning("L071")
                 .label(*at, "an old spelling, AsmetaS refuses it")
                 .fix("write it the new way", *at, " : "),
-            Self::FewRules { at, .. } => warning("L072")
-                .label(*at, "AsmetaS wants at least two rules here")
-                .help("a rule alone needs no block; `skip` is the rule that does nothing"),
-            Self::OutOfOrder { at, earlier, .. } => warning("L073")
-                .label(*at, "AsmetaS wants this first")
-                .label(*earlier, "and this after it"),
-            Self::NoSection { section, at, .. } => warning("L074")
+            Self::FewRules {
+                at, count, without, ..
+            } => {
+                let few = warning("L072").label(*at, "AsmetaS wants at least two rules here");
+                let help = match *count {
+                    "no rule" => "`skip` is the rule that does nothing",
+                    _ => "a rule alone needs no block",
+                };
+                match without.as_slice() {
+                    [] => few.help(help),
+                    edits => few.with_fix(all_sure(help, edits)),
+                }
+            }
+            Self::OutOfOrder {
+                at, earlier, moved, ..
+            } => {
+                let found = warning("L073")
+                    .label(*at, "AsmetaS wants this first")
+                    .label(*earlier, "and this after it");
+                match moved.as_slice() {
+                    [] => found.help("put it before the other"),
+                    edits => found.with_fix(all_sure("put it before the other", edits)),
+                }
+            }
+            Self::NoSection { at, written, .. } => warning("L074")
                 .label(*at, "AsmetaS wants the heading before this")
-                .help(format!("write `{section}:`")),
+                .with_fix(all_sure("write the heading", std::slice::from_ref(written))),
             Self::PropertyPrefix { prefix, name, at } => warning("L075")
                 .label(*at, "AsmetaS refuses this name")
                 .fix("rename it", *at, format!("{prefix}{name}")),
+            Self::CalledEarly {
+                at,
+                declared,
+                moved,
+                ..
+            } => warning("L076")
+                .label(*at, "AsmetaS does not know it yet")
+                .label(*declared, "declared here")
+                .with_fix(all_sure("declare it first", moved)),
         }
+    }
+}
+
+/// Edits that keep the meaning.
+fn all_sure(title: &str, edits: &[Edit]) -> Fix {
+    Fix {
+        title: title.to_owned(),
+        edits: edits.to_vec(),
+        applicability: Applicability::Sure,
     }
 }
 

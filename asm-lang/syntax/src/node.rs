@@ -1,6 +1,7 @@
 //! Builds the nodes of the tree: spans, depths, and what the grammar cannot say.
 
 mod file;
+mod order;
 mod rule;
 mod term;
 

@@ -1,10 +1,10 @@
 //! A file from its items: each goes to its section, in whatever order they come.
 
-use super::Nodes;
+use super::{Nodes, order};
 use crate::ast::*;
 use crate::error::SyntaxError;
 use crate::findings::Findings;
-use source::Span;
+use source::{Edit, Span};
 
 /// What a file consists of; a section is opened by its heading and ends with the next one.
 pub(crate) enum Item {
@@ -69,6 +69,27 @@ enum Kind {
 }
 
 impl Kind {
+    /// Whether other items follow from it.
+    fn is_heading(self) -> bool {
+        match self {
+            Self::Heading | Self::Signature | Self::Definitions | Self::Init | Self::End => true,
+            Self::Import
+            | Self::Export
+            | Self::Domain
+            | Self::Function
+            | Self::DomainDefinition
+            | Self::FunctionDefinition
+            | Self::Rule
+            | Self::Constraint
+            | Self::Fairness
+            | Self::Property
+            | Self::Main
+            | Self::DomainInit
+            | Self::FunctionInit
+            | Self::Agent => false,
+        }
+    }
+
     /// As in "a domain after a function".
     fn described(self) -> &'static str {
         match self {
@@ -97,17 +118,22 @@ impl Kind {
 
 impl Nodes<'_, '_> {
     /// Sorts the items into the sections they belong to.
-    pub(crate) fn file(&self, items: Vec<Item>) -> File {
-        let mut assembly = Assembly::new(self.findings);
+    pub(crate) fn file(&self, items: Vec<(usize, Item, usize)>) -> File {
+        let mut assembly = Assembly::new(self.findings, self.text);
         let end = self.span(self.text.len(), self.text.len());
         if items.is_empty() && !self.findings.has_errors() {
             self.findings.report(SyntaxError::Empty { at: end });
             return assembly.file;
         }
-        for item in items {
+        for (start, item, stop) in items {
+            assembly.whole = self.span(start, stop);
             assembly.add(item);
         }
+        assembly.whole = end;
         assembly.place(Kind::End, end);
+        if assembly.in_order && !assembly.broken {
+            order::rules(self.text, &assembly.file.rules, self.findings);
+        }
         assembly.file
     }
 }
@@ -115,7 +141,12 @@ impl Nodes<'_, '_> {
 /// A file in the making.
 struct Assembly<'run> {
     findings: &'run Findings,
+    text: &'run str,
     file: File,
+    /// The item that is being added, from its first word to its last.
+    whole: Span,
+    /// The items so far that are where they belong, from the last beginning of the order.
+    placed: Vec<(Kind, Span)>,
     /// The furthest kind so far, and its last item.
     furthest: Option<(Kind, Span)>,
     in_order: bool,
@@ -126,10 +157,13 @@ struct Assembly<'run> {
 }
 
 impl<'run> Assembly<'run> {
-    fn new(findings: &'run Findings) -> Self {
+    fn new(findings: &'run Findings, text: &'run str) -> Self {
         Self {
             findings,
+            text,
             file: empty(),
+            whole: Span::default(),
+            placed: Vec::new(),
             furthest: None,
             in_order: true,
             broken: false,
@@ -268,6 +302,7 @@ impl<'run> Assembly<'run> {
     fn begin_init(&mut self, at: Span) {
         if self.furthest.is_some_and(|(kind, _)| kind > Kind::Init) {
             self.furthest = Some((Kind::Init, at));
+            self.placed.clear();
         }
         self.place(Kind::Init, at);
     }
@@ -277,11 +312,16 @@ impl<'run> Assembly<'run> {
         if self.furthest.is_none() && kind != Kind::Heading && !self.broken {
             self.findings.report(SyntaxError::NoHeading { at });
         }
+        let (text, whole) = (self.text, self.whole);
         let mut section = |missing: bool, section: &'static str| {
             if missing && self.in_order && !self.broken {
                 let what = kind.described();
-                self.findings
-                    .report(SyntaxError::NoSection { section, what, at });
+                self.findings.report(SyntaxError::NoSection {
+                    section,
+                    what,
+                    at,
+                    written: order::heading(text, section, whole),
+                });
                 self.in_order = false;
             }
         };
@@ -296,11 +336,24 @@ impl<'run> Assembly<'run> {
                         before,
                         at,
                         earlier,
+                        moved: self.moved(kind),
                     });
                     self.in_order = false;
                 }
             }
-            _ => self.furthest = Some((kind, at)),
+            _ => {
+                self.furthest = Some((kind, at));
+                self.placed.push((kind, self.whole));
+            }
+        }
+    }
+
+    /// The current item put before the first one that belongs after it.
+    fn moved(&self, kind: Kind) -> Vec<Edit> {
+        let later = self.placed.iter().find(|(other, _)| *other > kind);
+        match later {
+            Some((_, later)) if !kind.is_heading() => order::moved(self.text, self.whole, *later),
+            Some(_) | None => Vec::new(),
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::MAX_DEPTH;
 use crate::ast::*;
 use crate::error::{Place, SyntaxError};
 use crate::spelling::nearest;
-use source::Span;
+use source::{Edit, Span};
 
 /// `choose` up to its `do`.
 pub(crate) struct Choose {
@@ -83,26 +83,73 @@ impl Nodes<'_, '_> {
     }
 
     /// `par … endpar`.
-    pub(crate) fn par(&self, start: usize, rules: Vec<Rule>) -> RuleKind {
-        self.count_rules("par", &rules, start);
+    pub(crate) fn par(&self, start: usize, rules: Vec<Rule>, end: usize) -> RuleKind {
+        self.count_rules("par", &rules, self.span(start, end));
         RuleKind::Par(rules)
     }
 
     /// `seq … endseq`.
-    pub(crate) fn seq(&self, start: usize, rules: Vec<Rule>) -> RuleKind {
-        self.count_rules("seq", &rules, start);
+    pub(crate) fn seq(&self, start: usize, rules: Vec<Rule>, end: usize) -> RuleKind {
+        self.count_rules("seq", &rules, self.span(start, end));
         RuleKind::Seq(rules)
     }
 
-    fn count_rules(&self, block: &'static str, rules: &[Rule], start: usize) {
-        let count = match rules {
-            [] => "no rule",
-            [only] if !matches!(*only.kind, RuleKind::Invalid) => "one rule",
+    fn count_rules(&self, block: &'static str, rules: &[Rule], all: Span) {
+        let (count, without) = match rules {
+            [] => ("no rule", self.skipped(all)),
+            [only] if !matches!(*only.kind, RuleKind::Invalid) => {
+                ("one rule", self.unwrapped(block, only, all))
+            }
             _ => return,
         };
+        let start = all.start as usize;
         let at = self.span(start, start + block.len());
-        self.findings
-            .report(SyntaxError::FewRules { block, count, at });
+        self.findings.report(SyntaxError::FewRules {
+            block,
+            count,
+            at,
+            without,
+        });
+    }
+
+    /// An empty block as `skip`, unless a comment stands in it.
+    fn skipped(&self, all: Span) -> Vec<Edit> {
+        let text = self.text.get(all.range()).unwrap_or("");
+        if text.split_whitespace().count() != 2 {
+            return Vec::new();
+        }
+        let text = "skip".to_owned();
+        vec![Edit { span: all, text }]
+    }
+
+    /// A block without its words. Comments stay, and so does a block that keeps a `choose` apart from
+    /// the `ifnone` of another one.
+    fn unwrapped(&self, block: &str, only: &Rule, all: Span) -> Vec<Edit> {
+        if takes_ifnone(only) {
+            return Vec::new();
+        }
+        let (start, end) = (all.start as usize, all.end as usize);
+        let (inner_start, inner_end) = (only.span.start as usize, only.span.end as usize);
+        let blank = |from: usize, to: usize| {
+            let between = self.text.get(from..to);
+            between.is_some_and(|between| between.trim().is_empty())
+        };
+        let (opened, closed) = (start + block.len(), end - "end".len() - block.len());
+        let head = if blank(opened, inner_start) {
+            inner_start
+        } else {
+            opened
+        };
+        let tail = if blank(inner_end, closed) {
+            inner_end
+        } else {
+            closed
+        };
+        let drop = |from, to| Edit {
+            span: self.span(from, to),
+            text: String::new(),
+        };
+        vec![drop(start, head), drop(tail, end)]
     }
 
     /// One rule; several are a mistake, read as if they stood in `par`.
@@ -213,4 +260,32 @@ fn target_depth(target: &Assignee) -> u32 {
 
 fn optional_rule(rule: &Option<Rule>) -> u32 {
     rule.as_ref().map_or(0, |rule| rule.depth)
+}
+
+/// Whether an `ifnone` after the rule would belong to it.
+fn takes_ifnone(rule: &Rule) -> bool {
+    match &*rule.kind {
+        RuleKind::Choose { ifnone: None, .. } => true,
+        RuleKind::Choose {
+            ifnone: Some(last), ..
+        } => takes_ifnone(last),
+        RuleKind::Forall { body, .. }
+        | RuleKind::Extend { body, .. }
+        | RuleKind::While { body, .. }
+        | RuleKind::WhileRec { body, .. }
+        | RuleKind::Local { body, .. } => takes_ifnone(body),
+        RuleKind::Skip
+        | RuleKind::Update { .. }
+        | RuleKind::Assign { .. }
+        | RuleKind::Macro { .. }
+        | RuleKind::Turbo { .. }
+        | RuleKind::Term { .. }
+        | RuleKind::Par(_)
+        | RuleKind::Seq(_)
+        | RuleKind::If { .. }
+        | RuleKind::Switch(_)
+        | RuleKind::Let { .. }
+        | RuleKind::Iterate(_)
+        | RuleKind::Invalid => false,
+    }
 }

@@ -1,0 +1,115 @@
+//! What only shows when all definitions are known.
+
+use super::facts::{Facts, visit};
+use hir::{DomainId, Function, FunctionKind, Meaning, Model, Term, TermKind, Type, TypeId};
+use source::{Diagnostic, Report, Span};
+
+/// The functions that are not of the kind they are declared.
+pub(super) fn warnings(model: &Model, facts: &Facts) -> Report {
+    let mut report = Report::new();
+    for (id, function) in model.own_functions() {
+        let Meaning::Defined(body) = &function.meaning else {
+            continue;
+        };
+        let finding = match (function.kind, facts.is_static(id)) {
+            (FunctionKind::Static, false) => changing(facts, function, &body.root),
+            (FunctionKind::Derived, true) if !takes_dynamic(model, function) => {
+                constant(function, body.root.span)
+            }
+            _ => continue,
+        };
+        report.push(finding);
+    }
+    report
+}
+
+fn changing(facts: &Facts, function: &Function, body: &Term) -> Diagnostic {
+    let name = &function.name;
+    let finding = Diagnostic::warning(
+        "W006",
+        format!("`{name}` is static, but its value may change"),
+    )
+    .label(function.span, "declared static here");
+    let finding = match changes(facts, body) {
+        Some(at) => finding.label(at, "this may change from step to step"),
+        None => finding,
+    };
+    finding.fix(
+        "declare it `derived`",
+        keyword(function, "static"),
+        "derived",
+    )
+}
+
+fn constant(function: &Function, body: Span) -> Diagnostic {
+    let name = &function.name;
+    Diagnostic::warning(
+        "W007",
+        format!("`{name}` is derived, but its value never changes"),
+    )
+    .label(function.span, "declared derived here")
+    .label(body, "nothing here depends on the state")
+    .fix(
+        "declare it `static`",
+        keyword(function, "derived"),
+        "static",
+    )
+}
+
+/// Whether an argument or the value is of a dynamic domain. AsmetaS wants such a function derived,
+/// and counts `Agent` among them.
+fn takes_dynamic(model: &Model, function: &Function) -> bool {
+    let is_dynamic = |id: &DomainId| {
+        let domain = model.domain(*id);
+        domain.dynamic || &*domain.name == "Agent"
+    };
+    let mut open: Vec<TypeId> = function.parameters.clone();
+    open.push(function.codomain);
+    while let Some(ty) = open.pop() {
+        match model.types.get(ty) {
+            Type::Domain(domain) if is_dynamic(domain) => return true,
+            Type::Prod(parts) => open.extend(parts),
+            Type::Seq(part) | Type::Powerset(part) | Type::Bag(part) => open.push(*part),
+            Type::Map(key, value) => open.extend([*key, *value]),
+            Type::Domain(_)
+            | Type::Invalid
+            | Type::Undef
+            | Type::Boolean
+            | Type::Integer
+            | Type::Natural
+            | Type::Real
+            | Type::Complex
+            | Type::Char
+            | Type::String
+            | Type::Rule => {}
+        }
+    }
+    false
+}
+
+/// The first part that changes: a location, what is derived from one, or a domain that grows.
+fn changes(facts: &Facts, body: &Term) -> Option<Span> {
+    let mut found: Option<Span> = None;
+    visit(body, &mut |term| {
+        let own = match &*term.kind {
+            TermKind::Apply(function, _) | TermKind::Spread(function, _) => {
+                !facts.is_static(*function)
+            }
+            TermKind::Extent(_) => facts.is_dynamic(term),
+            _ => false,
+        };
+        if own && found.is_none() {
+            found = Some(term.span);
+        }
+    });
+    found
+}
+
+/// The first word of the declaration.
+fn keyword(function: &Function, word: &str) -> Span {
+    let declaration = function.declaration;
+    Span {
+        end: declaration.start + word.len() as u32,
+        ..declaration
+    }
+}
