@@ -88,6 +88,12 @@ impl Loading<'_> {
         self.loaded.units.len() - 1
     }
 
+    fn library(&mut self, library: &stdlib::Library) -> usize {
+        let path = format!("<{}>", library.name);
+        self.known(&path)
+            .unwrap_or_else(|| self.unit(&path, Arc::from(library.text), true))
+    }
+
     fn import(&mut self, from: &str, import: &ast::Import) -> Option<usize> {
         let at = import.path.span;
         if let Some(frame) = self.open.last_mut() {
@@ -100,13 +106,12 @@ impl Loading<'_> {
             .next()
             .unwrap_or(&import.path.text);
         if let Some(library) = stdlib::library(last) {
-            let path = format!("<{}>", library.name);
-            return Some(
-                self.known(&path)
-                    .unwrap_or_else(|| self.unit(&path, Arc::from(library.text), true)),
-            );
+            return Some(self.library(library));
         }
         let Some(path) = self.loader.resolve(from, &import.path.text) else {
+            if let Some(library) = stdlib::library_spelt_like(last) {
+                return Some(self.library(library));
+            }
             let error = HirError::ImportNotFound {
                 path: import.path.text.to_string(),
                 at,
