@@ -99,6 +99,14 @@ impl Analysis<'_> {
                     Meaning::Defined(known) => Some(known.root.span),
                     _ => None,
                 };
+                if let Meaning::Constant(_) = self.declared.functions[id.0 as usize].meaning {
+                    let error = HirError::DefinesItself {
+                        name: definition.name.text.clone(),
+                        at: definition.name.span,
+                    };
+                    self.declared.report.push(error.diagnostic());
+                    continue;
+                }
                 self.once(&definition.name, known);
                 self.declared.functions[id.0 as usize].meaning = Meaning::Defined(body);
             }
@@ -162,7 +170,8 @@ impl Analysis<'_> {
         let id = self.defined_function(unit, name, &parameters)?;
         let function = &self.declared.functions[id.0 as usize];
         let (codomain, declared, kind) = (function.codomain, function.span, function.kind);
-        if let Some((why, help)) = purpose.forbids(kind) {
+        let reserved = matches!(function.meaning, Meaning::Machine);
+        if let Some((why, help)) = purpose.forbids(kind, reserved) {
             let error = HirError::DefinesWrongKind {
                 name: name.text.clone(),
                 kind: kind_name(kind),
@@ -488,7 +497,13 @@ enum Purpose {
 
 impl Purpose {
     /// Why a function of this kind has no such definition, and what to do.
-    fn forbids(self, kind: FunctionKind) -> Option<(&'static str, &'static str)> {
+    fn forbids(self, kind: FunctionKind, reserved: bool) -> Option<(&'static str, &'static str)> {
+        if reserved {
+            return Some((
+                "the machine gives it its value",
+                "drop this; agents get their programs by `agent Domain: r_rule[]`",
+            ));
+        }
         let fixed = matches!(kind, FunctionKind::Static | FunctionKind::Derived);
         match self {
             Self::Definition if !fixed => Some((

@@ -149,7 +149,7 @@ impl Resolver<'_> {
         let declared = &self.declared.functions[function.0 as usize];
         let parameters = &declared.parameters[usize::from(declared.run.is_some())..];
         let types = &self.declared.types;
-        let mut bindings = Bindings::new();
+        let mut bindings = Bindings::default();
         let actual: Vec<TypeId> = match arguments {
             [tuple] if parameters.len() > 1 && declared.run.is_none() => {
                 match types.get(types.root(tuple.ty, &self.declared.domains)) {
@@ -162,9 +162,10 @@ impl Resolver<'_> {
         if parameters.len() != actual.len() {
             return None;
         }
-        let mut total = 0;
+        let mut total = 0u32;
         for (&wanted, &actual) in parameters.iter().zip(&actual) {
-            total += types.fit(wanted, actual, &self.declared.domains, &mut bindings)?;
+            let fit = types.fit(wanted, actual, &self.declared.domains, &mut bindings)?;
+            total = fit.saturating_add(total);
         }
         Some((total, bindings))
     }
@@ -269,10 +270,11 @@ impl Resolver<'_> {
             return None;
         }
         let (types, domains) = (&self.declared.types, &self.declared.domains);
-        let mut bindings = Bindings::new();
+        let mut bindings = Bindings::default();
         let mut pairs = parameters.iter().zip(actual);
-        pairs.try_fold(0, |sum, (&wanted, &actual)| {
-            Some(sum + types.fit(wanted, actual, domains, &mut bindings)?)
+        pairs.try_fold(0u32, |sum, (&wanted, &actual)| {
+            let fit = types.fit(wanted, actual, domains, &mut bindings)?;
+            Some(fit.saturating_add(sum))
         })
     }
 

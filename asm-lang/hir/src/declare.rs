@@ -184,6 +184,7 @@ impl Declared {
             .tree
             .function_definitions
             .iter()
+            .filter(|definition| !definition.is_circular())
             .map(|definition| &*definition.name.text)
             .collect();
         let mut undefined = Vec::new();

@@ -131,6 +131,10 @@ pub(crate) enum HirError {
     NoMain { name: Name, at: Span },
     #[error("the main rule takes no arguments")]
     MainParameters { at: Span },
+    #[error("`{name}` is defined as itself: it is an element of its domain")]
+    DefinesItself { name: Name, at: Span },
+    #[error("`{function}` is set by the machine, so no rule may update it")]
+    WritesReserved { function: Name, at: Span },
     #[error("`{name}` does not say what it returns")]
     ResultUndeclared {
         name: Name,
@@ -372,6 +376,12 @@ impl HirError {
                 .label(*at, "its result is wanted here")
                 .label(*declared, "a macro, which has none")
                 .help("declare `turbo rule r_x(…) in D = …` and update `result` in it"),
+            Self::DefinesItself { at, .. } => warning("W024")
+                .label(*at, "this says nothing")
+                .help("drop the definition"),
+            Self::WritesReserved { at, function } => error("A034")
+                .label(*at, "updated here")
+                .help(format!("`{function}` is the agent whose program runs: run it with `program(agent)`")),
             Self::ResultUndeclared { at, declared, .. } => warning("W022")
                 .label(*at, "its result is wanted here")
                 .label(*declared, "declared without `in Domain`")

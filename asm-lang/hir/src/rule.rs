@@ -225,6 +225,12 @@ impl Resolver<'_> {
         let mut ty = function.codomain;
         if self.is_result(id) {
             ty = self.result.unwrap_or(ty);
+        } else if matches!(function.meaning, Meaning::Machine) && kind == FunctionKind::Controlled {
+            self.error(HirError::WritesReserved {
+                function: name.text.clone(),
+                at: name.span,
+            });
+            return None;
         } else if !self.may_write(kind)
             && let Some(error) = forbidden(name, kind, declared, writer)
         {

@@ -78,7 +78,14 @@ pub struct Types {
 pub(crate) type Fit = Option<u32>;
 
 /// What type variables stand for within one application.
-pub(crate) type Bindings = BTreeMap<DomainId, TypeId>;
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Bindings {
+    variables: BTreeMap<DomainId, TypeId>,
+    /// How often a variable was looked at.
+    looks: usize,
+    /// Pairs without variables, which fit alike wherever they stand: products of products have many.
+    known: BTreeMap<(TypeId, TypeId), Fit>,
+}
 
 impl Types {
     /// The id of a type.
@@ -166,11 +173,29 @@ impl Types {
     /// Whether a value of one type may stand where the other is wanted. Symmetric: a concrete domain
     /// and what it is a subset of fit both ways, membership is checked when a location is written.
     pub fn compatible(&self, a: TypeId, b: TypeId, domains: &[Domain]) -> bool {
-        self.fit(a, b, domains, &mut Bindings::new()).is_some()
+        self.fit(a, b, domains, &mut Bindings::default()).is_some()
     }
 
     /// How well `actual` fits `wanted`, whose type variables are bound in `bindings`.
     pub(crate) fn fit(
+        &self,
+        wanted: TypeId,
+        actual: TypeId,
+        domains: &[Domain],
+        bindings: &mut Bindings,
+    ) -> Fit {
+        if let Some(known) = bindings.known.get(&(wanted, actual)) {
+            return *known;
+        }
+        let looks = bindings.looks;
+        let fit = self.fit_anew(wanted, actual, domains, bindings);
+        if bindings.looks == looks {
+            bindings.known.insert((wanted, actual), fit);
+        }
+        fit
+    }
+
+    fn fit_anew(
         &self,
         wanted: TypeId,
         actual: TypeId,
@@ -184,6 +209,7 @@ impl Types {
             return self.bind(variable, actual, domains, bindings);
         }
         if self.variable(actual, domains).is_some() {
+            bindings.looks += 1;
             return Some(2);
         }
         let (wanted_root, actual_root) = (self.root(wanted, domains), self.root(actual, domains));
@@ -193,11 +219,11 @@ impl Types {
             let fit = stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
                 self.fit(wanted_root, actual_root, domains, bindings)
             });
-            return Some(step + fit?);
+            return Some(fit?.saturating_add(step));
         }
         let mut all = |pairs: &[(TypeId, TypeId)]| {
-            pairs.iter().try_fold(0, |sum, &(a, b)| {
-                Some(sum + self.fit(a, b, domains, bindings)?)
+            pairs.iter().try_fold(0u32, |sum, &(a, b)| {
+                Some(self.fit(a, b, domains, bindings)?.saturating_add(sum))
             })
         };
         match (self.get(wanted), self.get(actual)) {
@@ -221,8 +247,9 @@ impl Types {
         domains: &[Domain],
         bindings: &mut Bindings,
     ) -> Fit {
-        let Some(&bound) = bindings.get(&variable) else {
-            bindings.insert(variable, actual);
+        bindings.looks += 1;
+        let Some(&bound) = bindings.variables.get(&variable) else {
+            bindings.variables.insert(variable, actual);
             return Some(3);
         };
         if !self.compatible(bound, actual, domains) {
@@ -230,12 +257,12 @@ impl Types {
         }
         // `including({}, 3)`: the empty set leaves the variable open, the element decides.
         if self.is_open(bound) {
-            bindings.insert(variable, actual);
+            bindings.variables.insert(variable, actual);
         } else if bound != actual {
             // two subsets of one domain meet in that domain
             let root = self.root(bound, domains);
             if root != bound {
-                bindings.insert(variable, root);
+                bindings.variables.insert(variable, root);
             }
         }
         Some(3)
@@ -269,7 +296,7 @@ impl Types {
         bindings: &Bindings,
     ) -> TypeId {
         if let Some(variable) = self.variable(id, domains) {
-            return bindings.get(&variable).copied().unwrap_or(id);
+            return bindings.variables.get(&variable).copied().unwrap_or(id);
         }
         let ty = match self.get(id).clone() {
             Type::Prod(items) => Type::Prod(

@@ -7,19 +7,21 @@ mod frame;
 mod layout;
 mod lint;
 mod needs;
+mod order;
 mod rule;
 mod term;
 
 use crate::code::{Body, Rule, RuleNode, Term};
 use crate::program::{
-    BodyId, Elements, FunctionId, Invariant, Origin, Program, RoutineId, RuleValue, Symbols,
+    BodyId, Elements, FunctionId, Initial, Invariant, Origin, Program, RoutineId, RuleValue,
+    Symbols,
 };
 pub use facts::{visit as visit_terms, walk as visit_rules};
 
 use facts::Facts;
 use frame::Frame;
 use hir::{Meaning, Model};
-use source::{Report, Span};
+use source::{Diagnostic, Report, Span};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use value::RuleId;
@@ -203,26 +205,55 @@ impl<'a> Lowering<'a> {
                 self.program.functions[index].initial = Some(id);
             }
         }
-        let order = facts::initial_order(self.model);
-        let (later, now) = order
+        let order = order::initial(self.model, &self.program);
+        for circular in &order.circular {
+            let domain = self.model.domain(*circular);
+            let at = domain
+                .definition
+                .as_ref()
+                .map_or(domain.span, |definition| definition.root.span);
+            self.report.push(
+                Diagnostic::error(
+                    "A035",
+                    format!("the elements of `{}` depend on themselves", domain.name),
+                )
+                .label(at, "this needs the elements of the domain itself")
+                .label(domain.span, "declared here")
+                .help("define it by its elements, or by those of another domain"),
+            );
+        }
+        (self.program.initial_inputs, self.program.initial_order) = order
+            .steps
             .into_iter()
-            .partition(|&function| self.facts.begins_with_input(function));
-        let ids =
-            |functions: Vec<hir::FunctionId>| functions.into_iter().map(function_id).collect();
-        self.program.initial_order = ids(now);
-        self.program.initial_inputs = ids(later);
+            .partition(|&initial| self.begins_with_input(initial));
+    }
+
+    fn begins_with_input(&self, initial: Initial) -> bool {
+        match initial {
+            Initial::Function(function) => {
+                self.facts.begins_with_input(hir::FunctionId(function.0))
+            }
+            Initial::Domain(domain) => self
+                .model
+                .domain(hir::DomainId(domain.0))
+                .definition
+                .as_ref()
+                .is_some_and(|definition| self.facts.reads_input(&definition.root)),
+        }
     }
 
     fn invariants(&mut self) {
         for invariant in &self.model.invariants {
             let body = self.body(invariant.span, &invariant.condition);
-            let assumes = self.facts.reads_input(&invariant.condition.root);
+            let assumes = self.facts.reads_monitored(&invariant.condition.root);
+            let waits = !assumes && self.facts.reads_input(&invariant.condition.root);
             let origin = self.origin(invariant.condition.root.span);
             let name = invariant.name.clone();
             self.program.invariants.push(Invariant {
                 name,
                 body,
                 assumes,
+                waits,
                 origin,
             });
         }

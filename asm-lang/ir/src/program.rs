@@ -45,10 +45,11 @@ pub struct Program {
     pub slots: Slot,
     /// The functions with fixed slots, in the order of their slots.
     pub dense: Vec<FunctionId>,
-    /// The functions with initial values, each after those its values depend on.
-    pub initial_order: Vec<FunctionId>,
-    /// Those of them whose initial values depend on the inputs of the first step, likewise.
-    pub initial_inputs: Vec<FunctionId>,
+    /// The functions with initial values and the domains that must be computed, each after those its
+    /// values depend on.
+    pub initial_order: Vec<Initial>,
+    /// Those of them whose values depend on the inputs and the time of the first step, likewise.
+    pub initial_inputs: Vec<Initial>,
     /// Definitions, initial values, conditions.
     pub bodies: Vec<Body<Term>>,
     /// Rules, specialised.
@@ -72,6 +73,15 @@ pub struct Program {
     /// The function whose locations are the variables that rules assign: the number of a run of
     /// the rule that binds them, and the number of the variable.
     pub variables: FunctionId,
+}
+
+/// What the initial state is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Initial {
+    /// The elements of a domain.
+    Domain(DomainId),
+    /// The initial values of a function.
+    Function(FunctionId),
 }
 
 /// Names, by number.
@@ -322,8 +332,12 @@ pub struct Invariant {
     pub name: Arc<str>,
     /// The condition.
     pub body: BodyId,
-    /// Whether it speaks of inputs: then it is an assumption, checked before the step's updates.
+    /// Whether it speaks of what the environment alone owns: then it is an assumption, checked before
+    /// the step's updates.
     pub assumes: bool,
+    /// Whether it speaks of what rules and the environment share: then the initial state satisfies it
+    /// or not when the environment has spoken.
+    pub waits: bool,
     /// Where it stands.
     pub origin: Origin,
 }

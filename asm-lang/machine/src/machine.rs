@@ -9,7 +9,7 @@ use crate::run::{Record, Run, Stopped, Truth};
 use crate::state::{Naming, State};
 use crate::updates::{Update, Updates};
 use crate::witness::Notes;
-use ir::{DomainId, Elements, FunctionId, Origin, Program, Slot, Storage};
+use ir::{DomainId, Elements, FunctionId, Initial, Origin, Program, Slot, Storage};
 use std::sync::Arc;
 use value::{Atom, Value};
 
@@ -190,6 +190,7 @@ impl Machine {
         self.scratch.record.begin(now_ns);
         self.scratch.before.clear();
         self.scratch.updates.begin(self.state.len());
+        self.state.forget_uncommitted();
         let reserve = self.state.reserve.len();
         if !self.is_complete {
             self.initialise_with_inputs(environment, now_ns)?;
@@ -205,6 +206,7 @@ impl Machine {
             return Err(fault);
         }
         self.fire_updates();
+        self.state.commit();
         Ok(())
     }
 
@@ -255,29 +257,14 @@ impl Machine {
         self.scratch.updates.begin(self.state.len());
         self.state.initial = self.state.slots.clone();
         let program = self.program.clone();
-        for (index, domain) in program.domains.iter().enumerate() {
-            if let Elements::Computed(body) = domain.elements {
-                let elements = self.build(&mut NoInputs, 0, |run| run.call_body(body, 0))?;
-                let elements: Vec<Value> = match elements {
-                    Value::Set(elements) => elements.iter().cloned().collect(),
-                    Value::Seq(elements) => {
-                        let mut elements = elements.to_vec();
-                        elements.sort();
-                        elements.dedup();
-                        elements
-                    }
-                    _ => Vec::new(),
-                };
-                self.state.extents[index] = Arc::new(elements);
-            }
+        for &initial in &program.initial_order {
+            self.initialise_one(&program, initial, &mut NoInputs, 0)?;
         }
-        for &function in &program.initial_order {
-            self.initialise_function(&program, function, &mut NoInputs, 0)?;
-        }
-        self.state.initial = self.state.slots.clone();
-        self.is_complete = program.initial_inputs.is_empty();
+        self.begin_here(0);
+        let waits = program.invariants.iter().any(|invariant| invariant.waits);
+        self.is_complete = program.initial_inputs.is_empty() && !waits;
         match self.is_complete {
-            true => self.check_initial(),
+            true => self.check_initial(&mut NoInputs, 0),
             false => Ok(()),
         }
     }
@@ -289,18 +276,70 @@ impl Machine {
         now_ns: i64,
     ) -> Result<(), Box<Fault>> {
         let program = self.program.clone();
-        for &function in &program.initial_inputs {
-            self.initialise_function(&program, function, environment, now_ns)?;
+        for &initial in &program.initial_inputs {
+            self.initialise_one(&program, initial, environment, now_ns)?;
         }
-        self.state.initial = self.state.slots.clone();
+        self.begin_here(now_ns);
         self.is_complete = true;
-        self.check_initial()
+        self.check_initial(environment, now_ns)
     }
 
-    fn check_initial(&mut self) -> Result<(), Box<Fault>> {
-        self.run(&mut NoInputs, &mut First, 0, 0, |run| {
+    /// Says that this is the initial state: what is met later begins as it would have begun here.
+    fn begin_here(&mut self, now_ns: i64) {
+        self.state.initial = self.state.slots.clone();
+        self.state.initial_extents = self.state.extents.clone();
+        self.state.initial_now = now_ns;
+        self.state.commit();
+    }
+
+    fn check_initial(
+        &mut self,
+        environment: &mut dyn Environment,
+        now_ns: i64,
+    ) -> Result<(), Box<Fault>> {
+        self.run(environment, &mut First, 0, now_ns, |run| {
             let _ = run.check_invariants(false);
         })
+    }
+
+    fn initialise_one(
+        &mut self,
+        program: &Program,
+        initial: Initial,
+        environment: &mut dyn Environment,
+        now_ns: i64,
+    ) -> Result<(), Box<Fault>> {
+        match initial {
+            Initial::Domain(domain) => self.initialise_domain(program, domain, environment, now_ns),
+            Initial::Function(function) => {
+                self.initialise_function(program, function, environment, now_ns)
+            }
+        }
+    }
+
+    fn initialise_domain(
+        &mut self,
+        program: &Program,
+        domain: DomainId,
+        environment: &mut dyn Environment,
+        now_ns: i64,
+    ) -> Result<(), Box<Fault>> {
+        let Elements::Computed(body) = program.domains[domain.0 as usize].elements else {
+            return Ok(());
+        };
+        let elements = self.build(environment, now_ns, |run| run.call_body(body, 0))?;
+        let elements: Vec<Value> = match elements {
+            Value::Set(elements) => elements.iter().cloned().collect(),
+            Value::Seq(elements) => {
+                let mut elements = elements.to_vec();
+                elements.sort();
+                elements.dedup();
+                elements
+            }
+            _ => Vec::new(),
+        };
+        self.state.extents[domain.0 as usize] = Arc::new(elements);
+        Ok(())
     }
 
     fn initialise_function(

@@ -92,6 +92,8 @@ fn finite(program: &Program, shape: &Shape) -> Option<Option<AxisRange>> {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Near {
     slots: Vec<Vec<Option<Slot>>>,
+    /// The greatest slot in them.
+    greatest: Option<Slot>,
 }
 
 impl Near {
@@ -99,6 +101,19 @@ impl Near {
     #[inline]
     pub fn find(&self, window: usize, index: u32) -> Option<Slot> {
         *self.slots.get(window)?.get(index as usize)?
+    }
+
+    /// Forgets the slots from this one on.
+    pub fn forget(&mut self, from: Slot) {
+        if self.greatest < Some(from) {
+            return;
+        }
+        for known in self.slots.iter_mut().flatten() {
+            if known.is_some_and(|slot| slot >= from) {
+                *known = None;
+            }
+        }
+        self.greatest = from.checked_sub(1);
     }
 
     /// Remembers a slot.
@@ -111,5 +126,6 @@ impl Near {
             slots.resize(index as usize + 1, None);
         }
         slots[index as usize] = Some(slot);
+        self.greatest = self.greatest.max(Some(slot));
     }
 }

@@ -231,12 +231,23 @@ impl Run<'_> {
         if self.building {
             return self.call_body(body, from);
         }
-        std::mem::swap(&mut self.state.slots, &mut self.state.initial);
+        let agent = std::mem::take(&mut self.agent);
+        let now_ns = std::mem::replace(&mut self.now_ns, self.state.initial_now);
+        self.swap_initial();
         self.building = true;
         let value = self.call_body(body, from);
         self.building = false;
-        std::mem::swap(&mut self.state.slots, &mut self.state.initial);
+        self.swap_initial();
+        self.now_ns = now_ns;
+        self.agent = agent;
         value
+    }
+
+    /// Exchanges the state and the initial one.
+    fn swap_initial(&mut self) {
+        let state = &mut *self.state;
+        std::mem::swap(&mut state.slots, &mut state.initial);
+        std::mem::swap(&mut state.extents, &mut state.initial_extents);
     }
 
     /// Runs a body whose arguments are the locals from `from` on.
@@ -454,8 +465,24 @@ impl Run<'_> {
                 self.state.extents[domain.0 as usize]
                     .binary_search(value)
                     .is_ok()
+                    || self.is_joining(domain, value)
             }
         }
+    }
+}
+
+impl Run<'_> {
+    /// Whether a value is an element that joins the domain with the updates of this step.
+    fn is_joining(&self, domain: DomainId, value: &Value) -> bool {
+        let Value::Atom(atom) = value else {
+            return false;
+        };
+        let declared = self.program.symbols.atoms.len();
+        atom.0 as usize >= declared
+            && self
+                .state
+                .domain_of(self.program, *atom)
+                .is_some_and(|of| self.code.supers[of.0 as usize].contains(&domain))
     }
 }
 

@@ -17,6 +17,13 @@ pub struct State {
     /// What each slot held in the initial state: initial values of locations met later are computed
     /// there.
     pub(crate) initial: Vec<Value>,
+    /// The elements of each domain in the initial state.
+    pub(crate) initial_extents: Vec<Arc<Vec<Value>>>,
+    /// The time of the initial state.
+    pub(crate) initial_now: i64,
+    /// How many slots there were after the last step that was done: those met in a step that failed
+    /// are known only until the next one begins.
+    committed: usize,
     /// In which step each slot was last asked of the environment.
     pub(crate) asked: Vec<u64>,
     /// The elements of each domain, ascending.
@@ -71,6 +78,9 @@ impl State {
         Self {
             slots: vec![Value::Undef; program.slots as usize],
             initial: Vec::new(),
+            initial_extents: Vec::new(),
+            initial_now: 0,
+            committed: program.slots as usize,
             asked: vec![0; program.slots as usize],
             extents,
             caches: vec![None; program.caches as usize],
@@ -116,6 +126,30 @@ impl State {
         slot
     }
 
+    /// Keeps the locations that were met.
+    pub(crate) fn commit(&mut self) {
+        self.committed = self.slots.len();
+    }
+
+    /// Forgets the locations that only a failed step met.
+    pub(crate) fn forget_uncommitted(&mut self) {
+        while self.slots.len() > self.committed {
+            self.slots.pop();
+            self.initial.pop();
+            self.asked.pop();
+            let slot = self.slots.len() as Slot;
+            if let Some((function, arguments)) = self.locations.met.pop() {
+                let found = self
+                    .interned
+                    .find_entry(hash(function, &arguments), |&known| known == slot);
+                if let Ok(entry) = found {
+                    entry.remove();
+                }
+            }
+        }
+        self.near.forget(self.committed as Slot);
+    }
+
     /// A new element for a domain.
     pub(crate) fn fresh(&mut self, program: &Program, domain: DomainId) -> Atom {
         let last = self
@@ -152,12 +186,12 @@ impl State {
 
     /// How many slots there are.
     pub fn len(&self) -> usize {
-        self.slots.len()
+        self.committed
     }
 
     /// Whether there is no location at all.
     pub fn is_empty(&self) -> bool {
-        self.slots.is_empty()
+        self.committed == 0
     }
 
     /// The elements a domain has now, ascending.
@@ -210,7 +244,7 @@ impl State {
 
     /// All locations and what they hold, by function and arguments; those of the specification only.
     pub fn locations(&self, program: &Program) -> Vec<(FunctionId, Vec<Value>, Slot)> {
-        let mut all: Vec<(FunctionId, Vec<Value>, Slot)> = (0..self.slots.len() as Slot)
+        let mut all: Vec<(FunctionId, Vec<Value>, Slot)> = (0..self.committed as Slot)
             .filter_map(|slot| {
                 let (function, arguments) = self.location(program, slot)?;
                 program.functions[function.0 as usize]

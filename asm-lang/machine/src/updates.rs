@@ -44,7 +44,8 @@ struct Mark {
 #[derive(Debug)]
 enum Undo {
     Slot(Slot, Value),
-    Extent(DomainId, Arc<Vec<Value>>),
+    /// The last element of a domain joined it.
+    Joined(DomainId),
 }
 
 /// The update set of a step while it grows.
@@ -185,7 +186,7 @@ impl Updates {
             let (domain, atom) = self.extended[index];
             for &domain in &written.supers[domain.0 as usize] {
                 let extent = &mut written.extents[domain.0 as usize];
-                self.undo.push(Undo::Extent(domain, extent.clone()));
+                self.undo.push(Undo::Joined(domain));
                 Arc::make_mut(extent).push(Value::Atom(atom));
             }
         }
@@ -245,7 +246,9 @@ impl Updates {
         for undo in self.undo.drain(to..).rev() {
             match undo {
                 Undo::Slot(slot, value) => written.slots[slot as usize] = value,
-                Undo::Extent(domain, extent) => written.extents[domain.0 as usize] = extent,
+                Undo::Joined(domain) => {
+                    Arc::make_mut(&mut written.extents[domain.0 as usize]).pop();
+                }
             }
         }
     }

@@ -206,6 +206,18 @@ pub struct FunctionDefinition {
     pub body: Term,
 }
 
+impl FunctionDefinition {
+    /// Whether it says that a constant is itself, as in `function a = a`.
+    pub fn is_circular(&self) -> bool {
+        match &*self.body.kind {
+            TermKind::Apply { name, arguments } => {
+                self.parameters.is_empty() && arguments.is_empty() && name.text == self.name.text
+            }
+            _ => false,
+        }
+    }
+}
+
 /// `rule r_x($a in D) = …`.
 #[derive(Clone, Debug)]
 pub struct RuleDeclaration {

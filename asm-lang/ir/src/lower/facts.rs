@@ -15,7 +15,9 @@ pub(super) struct Facts {
     dynamic: BTreeSet<FunctionId>,
     /// Types whose elements may become more: `extend` adds to abstract domains.
     growing: BTreeSet<TypeId>,
-    /// Functions whose value may depend on an input.
+    /// Functions whose value may depend on what the environment alone owns.
+    monitored: BTreeSet<FunctionId>,
+    /// Functions whose value may depend on an input, or on the time.
     inputs: BTreeSet<FunctionId>,
     /// Functions whose initial value may.
     initial_inputs: BTreeSet<FunctionId>,
@@ -98,6 +100,11 @@ impl Facts {
         self.initial_inputs.contains(&function)
     }
 
+    /// Whether a term may depend on what the environment alone owns.
+    pub fn reads_monitored(&self, term: &Term) -> bool {
+        mentions(term, &|function| self.monitored.contains(&function))
+    }
+
     /// Whether a term may depend on an input.
     pub fn reads_input(&self, term: &Term) -> bool {
         mentions(term, &|function| self.inputs.contains(&function))
@@ -112,6 +119,8 @@ impl Facts {
                 }
                 Meaning::Builtin(builtin) if builtin.name.starts_with("currTime") => {
                     self.dynamic.insert(id);
+                    self.inputs.insert(id);
+                    self.monitored.insert(id);
                 }
                 Meaning::Defined(_)
                 | Meaning::Builtin(_)
@@ -124,10 +133,19 @@ impl Facts {
             ) {
                 self.inputs.insert(id);
             }
+            if function.kind == FunctionKind::Monitored {
+                self.monitored.insert(id);
+            }
         }
         // Definitions inherit it from what they mention.
         loop {
-            let before = self.dynamic.len() + self.inputs.len() + self.initial_inputs.len();
+            let size = |facts: &Self| {
+                facts.dynamic.len()
+                    + facts.inputs.len()
+                    + facts.monitored.len()
+                    + facts.initial_inputs.len()
+            };
+            let before = size(self);
             for (index, function) in model.functions.iter().enumerate() {
                 let id = FunctionId(index as u32);
                 if let Meaning::Defined(body) = &function.meaning {
@@ -136,6 +154,9 @@ impl Facts {
                     }
                     if self.reads_input(&body.root) {
                         self.inputs.insert(id);
+                    }
+                    if self.reads_monitored(&body.root) {
+                        self.monitored.insert(id);
                     }
                 }
                 for body in definition(function).into_iter().chain(&function.initial) {
@@ -147,7 +168,7 @@ impl Facts {
                     }
                 }
             }
-            if self.dynamic.len() + self.inputs.len() + self.initial_inputs.len() == before {
+            if size(self) == before {
                 return;
             }
         }
@@ -269,46 +290,8 @@ pub(super) fn added_rules(model: &Model) -> impl Iterator<Item = RuleId> {
     (model.rules.len() as u32..).map(RuleId)
 }
 
-/// The functions with initial values, each after those its initial values depend on; functions that
-/// depend on each other stand in order of declaration.
-pub(super) fn initial_order(model: &Model) -> Vec<FunctionId> {
-    fn add(
-        model: &Model,
-        function: FunctionId,
-        seen: &mut BTreeSet<FunctionId>,
-        order: &mut Vec<FunctionId>,
-    ) {
-        if !seen.insert(function) {
-            return;
-        }
-        let declared = model.function(function);
-        let mut needed = BTreeSet::new();
-        for body in definition(declared).into_iter().chain(&declared.initial) {
-            visit(&body.root, &mut |term| {
-                if let TermKind::Apply(function, _) | TermKind::Spread(function, _) = &*term.kind {
-                    needed.insert(*function);
-                }
-            });
-        }
-        stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
-            needed
-                .into_iter()
-                .for_each(|function| add(model, function, seen, order));
-        });
-        if declared.initial.is_some() {
-            order.push(function);
-        }
-    }
-    let mut seen = BTreeSet::new();
-    let mut order = Vec::new();
-    for index in 0..model.functions.len() {
-        add(model, FunctionId(index as u32), &mut seen, &mut order);
-    }
-    order
-}
-
 /// The definition of a function that has one.
-fn definition(function: &Function) -> Option<&Body<Term>> {
+pub(super) fn definition(function: &Function) -> Option<&Body<Term>> {
     match &function.meaning {
         Meaning::Defined(body) => Some(body),
         Meaning::State

@@ -1,6 +1,6 @@
 //! Which slots the locations of the functions are.
 
-use super::{Lowering, domain};
+use super::{Lowering, domain, order};
 use crate::program::{Axis, AxisRange, Elements, Function, FunctionId, FunctionKind, Storage};
 use hir::{Meaning, Type, TypeId};
 
@@ -12,9 +12,12 @@ impl Lowering<'_> {
             let id = hir::FunctionId(index as u32);
             let is_result = self.model.reserved.result == Some(id);
             let stored = is_result || matches!(function.meaning, Meaning::State);
-            let storage = match stored {
-                true => self.storage(&function.parameters),
-                false => Storage::None,
+            // values that need others of the same function are computed when they are met
+            let met = function.initial.is_some() && order::is_recursive(self.model, id);
+            let storage = match (stored, met) {
+                (true, false) => self.storage(&function.parameters),
+                (true, true) => Storage::Interned,
+                (false, _) => Storage::None,
             };
             if let Storage::Dense { base, .. } = storage {
                 self.program.dense.push(FunctionId(index as u32));

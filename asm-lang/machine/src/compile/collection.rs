@@ -97,7 +97,8 @@ fn listed(from: &Value, to: &Value, step: Option<&Value>) -> Result<Option<Vec<V
             if count > MAX_ELEMENTS as f64 {
                 return Err(count as u64);
             }
-            let number = |index: u64| Real::new(decimal(from.get() + index as f64 * step));
+            let places = decimals(from.get()).max(decimals(step));
+            let number = |index: u64| Real::new(rounded(from.get() + index as f64 * step, places));
             Ok(Some(
                 (0..count as u64)
                     .map(|index| Value::Real(number(index)))
@@ -108,8 +109,15 @@ fn listed(from: &Value, to: &Value, step: Option<&Value>) -> Result<Option<Vec<V
     }
 }
 
-/// The number with 12 decimals: `0.1 + 2 · 0.1` is `0.3`, as it is written.
-fn decimal(number: f64) -> f64 {
-    let scaled = (number * 1e12).round() / 1e12;
-    if scaled.is_finite() { scaled } else { number }
+/// How many decimals a number is written with.
+fn decimals(number: f64) -> usize {
+    let written = format!("{number}");
+    written
+        .split_once('.')
+        .map_or(0, |(_, decimals)| decimals.len())
+}
+
+/// The number with so many decimals: `0.1 + 2 · 0.1` is `0.3`, as it is written.
+fn rounded(number: f64, decimals: usize) -> f64 {
+    format!("{number:.decimals$}").parse().unwrap_or(number)
 }

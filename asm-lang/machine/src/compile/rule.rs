@@ -3,7 +3,7 @@
 use super::location::SlotCode;
 use super::pick::Candidates;
 use super::range::Ranges;
-use super::{Compiler, RuleCode, Values};
+use super::{Compiler, RuleCode};
 use crate::fault::FaultKind;
 use crate::machine::Choice;
 use crate::run::{Codomain, Run, Stopped, Truth};
@@ -158,7 +158,8 @@ impl Compiler<'_> {
         Box::new(move |run| {
             let rule = term(run);
             run.checked()?;
-            run_value(run, &rule, &arguments, origin)
+            let given = arguments.stacked(run);
+            run_value(run, &rule, given, origin)
         })
     }
 
@@ -172,8 +173,10 @@ impl Compiler<'_> {
             let Some(rule) = program_of(run, &agent) else {
                 return Err(run.stop(FaultKind::NoProgram(agent), origin));
             };
+            // the caller's arguments speak of the caller
+            let given = arguments.stacked(run);
             let outer = std::mem::replace(&mut run.agent, agent);
-            let done = run_value(run, &Value::Rule(rule), &arguments, origin);
+            let done = run_value(run, &Value::Rule(rule), given, origin);
             run.agent = outer;
             done
         })
@@ -378,12 +381,8 @@ pub(super) fn program_of(run: &Run<'_>, agent: &Value) -> Option<RuleId> {
         .map(|(_, rule)| *rule)
 }
 
-fn run_value(
-    run: &mut Run<'_>,
-    rule: &Value,
-    arguments: &Values,
-    origin: Origin,
-) -> Result<(), Stopped> {
+/// Runs a rule value; what it is given at the call lies on the stack.
+fn run_value(run: &mut Run<'_>, rule: &Value, given: usize, origin: Origin) -> Result<(), Stopped> {
     let program = run.program;
     let Value::Rule(id) = rule else {
         return Err(run.stop(FaultKind::NotARule(rule.clone()), origin));
@@ -401,7 +400,8 @@ fn run_value(
         let argument = run.call_body(body, end);
         run.locals.push(argument);
     }
-    arguments.passed(run);
+    let given = run.stack.drain(given..);
+    run.locals.extend(given);
     let returns = rule.returns;
     let (wanted, actual) = (
         run.code.routines[routine.0 as usize].arguments,
