@@ -25,7 +25,7 @@ pub mod scenario;
 mod session;
 
 pub use files::Files;
-pub use hir::{FunctionKind, Model};
+pub use hir::{FunctionKind, Model, Options};
 pub use history::{Event, History, Written};
 pub use machine::{Chooser, Environment, Fault, FaultKind, First, Machine, NoInputs, Step, Update};
 pub use render::{Style, concise, render, render_all};
@@ -74,7 +74,19 @@ impl std::error::Error for Failure {}
 /// # Errors
 /// A text cannot be read, or has errors: all of them are in the failure.
 pub fn open(path: &str, loader: &dyn Loader) -> Result<Specification, Failure> {
-    open_in(path, loader, Sources::new())
+    open_with(path, loader, &Options::default())
+}
+
+/// Opens a specification as somebody asks for.
+///
+/// # Errors
+/// As [`open`], or there is no such initial state.
+pub fn open_with(
+    path: &str,
+    loader: &dyn Loader,
+    options: &Options,
+) -> Result<Specification, Failure> {
+    open_in(path, loader, Sources::new(), options)
 }
 
 /// Opens a specification beside texts that were read already.
@@ -82,9 +94,10 @@ fn open_in(
     path: &str,
     loader: &dyn Loader,
     mut sources: Sources,
+    options: &Options,
 ) -> Result<Specification, Failure> {
     let loaded = hir::load(path, loader, &mut sources);
-    let (model, found) = hir::analyse(&loaded, &sources);
+    let (model, found) = hir::analyse_with(&loaded, &sources, options);
     let mut report = loaded.report;
     report.extend(found);
     let Some(model) = model else {

@@ -43,7 +43,11 @@ pub fn test(
     if report.has_errors() {
         return Err(Failure { sources, report });
     }
-    let mut specification = open_in(&specification, loader, sources)?;
+    let reading = hir::Options {
+        compatible: compat == Compat::Asmeta,
+        initial: None,
+    };
+    let mut specification = open_in(&specification, loader, sources, &reading)?;
     match plan(path, &tree, &mut specification, loader, compat) {
         Ok(plan) => {
             let warnings = report.diagnostics.drain(..);

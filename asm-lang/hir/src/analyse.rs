@@ -8,6 +8,7 @@ use crate::model::{
     Body, DomainKind, FunctionId, FunctionKind, Invariant, Logic, Meaning, Model, Program,
     Reserved, Rule, TemporalProperty, Term, Variable,
 };
+use crate::options::Options;
 use crate::resolver::Resolver;
 use crate::scope::similar;
 use crate::types::{Type, TypeId};
@@ -18,15 +19,25 @@ use value::RuleId;
 
 /// Resolves and types everything that was loaded. Without a model, the report has errors.
 pub fn analyse(loaded: &Loaded, sources: &Sources) -> (Option<Model>, Report) {
+    analyse_with(loaded, sources, &Options::default())
+}
+
+/// Resolves and types everything that was loaded, as somebody asks for.
+pub fn analyse_with(
+    loaded: &Loaded,
+    sources: &Sources,
+    options: &Options,
+) -> (Option<Model>, Report) {
     let Some(main) = loaded.units.last() else {
         return (None, Report::new());
     };
     let mut analysis = Analysis {
-        declared: declare(&loaded.units),
+        declared: declare(&loaded.units, options.compatible),
         invariants: Vec::new(),
         properties: Vec::new(),
         programs: Vec::new(),
         sources,
+        options,
     };
     for (index, unit) in loaded.units.iter().enumerate() {
         analysis.definitions(index, &unit.tree);
@@ -55,6 +66,7 @@ struct Analysis<'a> {
     properties: Vec<TemporalProperty>,
     programs: Vec<Program>,
     sources: &'a Sources,
+    options: &'a Options,
 }
 
 impl Analysis<'_> {
@@ -327,36 +339,54 @@ impl Analysis<'_> {
     }
 
     fn initial_state(&mut self, unit: usize, tree: &ast::File) {
-        let default = tree.inits.iter().find(|init| init.default);
-        if let (None, Some(first)) = (default, tree.inits.first()) {
-            self.declared.report.push(
-                HirError::NoDefaultInit {
-                    at: first.name.span,
-                }
-                .diagnostic(),
-            );
-        }
+        let wanted = self.wanted_init(tree);
         // The others are checked all the same.
-        for init in &tree.inits {
+        for (index, init) in tree.inits.iter().enumerate() {
+            let is_wanted = wanted == Some(index);
             for definition in &init.domains {
-                if init.default {
+                // the reference reads the elements of dynamic domains and forgets them
+                if is_wanted && !self.options.compatible {
                     self.domain_definition(unit, definition);
                 }
             }
             for definition in &init.functions {
                 let resolved = self.function_definition(unit, definition, Purpose::Initial);
-                if let (Some((id, body)), true) = (resolved, init.default) {
+                if let (Some((id, body)), true) = (resolved, is_wanted) {
                     let known = self.declared.functions[id.0 as usize].initial.as_ref();
                     self.once(&definition.name, known.map(|known| known.root.span));
                     self.declared.functions[id.0 as usize].initial = Some(body);
                 }
             }
             for agent in &init.agents {
-                if let (Some(program), true) = (self.program(unit, agent), init.default) {
+                if let (Some(program), true) = (self.program(unit, agent), is_wanted) {
                     self.programs.push(program);
                 }
             }
         }
+    }
+
+    /// Which initial state to begin in: the one asked for, or the default.
+    fn wanted_init(&mut self, tree: &ast::File) -> Option<usize> {
+        let first = tree.inits.first()?;
+        let at = first.name.span;
+        let mut inits = tree.inits.iter();
+        let (found, error) = match &self.options.initial {
+            Some(name) => (
+                inits.position(|init| *init.name.text == **name),
+                HirError::UnknownInit {
+                    name: name.as_str().into(),
+                    at,
+                },
+            ),
+            None => (
+                inits.position(|init| init.default),
+                HirError::NoDefaultInit { at },
+            ),
+        };
+        if found.is_none() {
+            self.declared.report.push(error.diagnostic());
+        }
+        found
     }
 
     fn program(&mut self, unit: usize, agent: &ast::AgentInit) -> Option<Program> {
@@ -480,6 +510,7 @@ impl Analysis<'_> {
             invariants: self.invariants,
             properties: self.properties,
             reserved,
+            compatible: self.options.compatible,
             added: Added::default(),
             scope: seen_from_outside(self.declared.scopes),
         }

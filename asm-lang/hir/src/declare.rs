@@ -24,10 +24,12 @@ pub(crate) struct Declared {
     /// By unit.
     pub scopes: Vec<Scope>,
     pub report: Report,
+    /// Whether library functions compute what the reference computes.
+    pub compatible: bool,
 }
 
 /// Declares everything in all units.
-pub(crate) fn declare(units: &[Unit]) -> Declared {
+pub(crate) fn declare(units: &[Unit], compatible: bool) -> Declared {
     let mut declared = Declared {
         types: Types::default(),
         domains: Vec::new(),
@@ -36,6 +38,7 @@ pub(crate) fn declare(units: &[Unit]) -> Declared {
         atoms: Vec::new(),
         scopes: Vec::new(),
         report: Report::new(),
+        compatible,
     };
     let mut functions = Vec::new();
     for (index, unit) in units.iter().enumerate() {
@@ -314,7 +317,11 @@ impl Declared {
                     [one] => one.clone(),
                     several => format!("Prod({})", several.join(",")),
                 };
-                stdlib::builtin(name, &domain).map_or(Meaning::Missing, Meaning::Builtin)
+                let builtin = match self.compatible {
+                    true => stdlib::compatible(name, &domain),
+                    false => stdlib::builtin(name, &domain),
+                };
+                builtin.map_or(Meaning::Missing, Meaning::Builtin)
             }
             FunctionKind::Controlled if library && stdlib::RESERVED.contains(&name) => {
                 Meaning::Machine

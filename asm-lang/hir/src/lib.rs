@@ -12,6 +12,7 @@ mod error;
 mod import;
 mod load;
 mod model;
+mod options;
 mod resolver;
 mod rule;
 mod scope;
@@ -19,7 +20,8 @@ mod term;
 mod types;
 
 pub use added::{Added, AddedRule, AddedTerm, Assignment};
-pub use analyse::analyse;
+pub use analyse::{analyse, analyse_with};
 pub use load::{Loaded, Unit, load};
 pub use model::*;
+pub use options::Options;
 pub use types::{Type, TypeId, Types};

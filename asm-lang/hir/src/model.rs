@@ -47,6 +47,8 @@ pub struct Model {
     pub properties: Vec<TemporalProperty>,
     /// The functions with a meaning of their own.
     pub reserved: Reserved,
+    /// Whether it runs as the reference tools run it.
+    pub compatible: bool,
     /// Terms and rules from outside.
     pub added: Added,
     /// The names that are seen from outside.

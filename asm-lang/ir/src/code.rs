@@ -197,15 +197,8 @@ pub enum Place {
     Slot(FunctionId, Slot),
     /// A location whose arguments are computed.
     Location(FunctionId, Vec<Term>),
-}
-
-impl Place {
-    /// The function written.
-    pub fn function(&self) -> FunctionId {
-        match self {
-            Self::Slot(function, _) | Self::Location(function, _) => *function,
-        }
-    }
+    /// A variable, overwritten at once: as the reference does it.
+    Local(Local),
 }
 
 /// A rule.

@@ -134,6 +134,7 @@ impl<'a> Lowering<'a> {
             invariants: Vec::new(),
             added_terms: Vec::new(),
             added_rules: Vec::new(),
+            compatible: model.compatible,
             caches: 0,
             result: 0,
             variables: function_id(model.reserved.variables),
@@ -222,9 +223,12 @@ impl<'a> Lowering<'a> {
                 .help("define it by its elements, or by those of another domain"),
             );
         }
+        // the reference knows no initial state: a location has its value when it is met
+        let lazy = |initial: &Initial| matches!(initial, Initial::Function(_));
         (self.program.initial_inputs, self.program.initial_order) = order
             .steps
             .into_iter()
+            .filter(|initial| !(self.model.compatible && lazy(initial)))
             .partition(|&initial| self.begins_with_input(initial));
     }
 

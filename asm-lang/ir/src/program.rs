@@ -66,6 +66,8 @@ pub struct Program {
     pub added_terms: Vec<BodyId>,
     /// Rules from outside, by [`AddedRule`].
     pub added_rules: Vec<RoutineId>,
+    /// Whether it runs as the reference tools run it, where these observably differ.
+    pub compatible: bool,
     /// How many values of closed static terms can be kept.
     pub caches: u32,
     /// The location of `result`, where turbo rules leave theirs.

@@ -121,7 +121,7 @@ impl RuleNode {
 impl Place {
     fn terms_mut(&mut self) -> std::slice::IterMut<'_, Term> {
         match self {
-            Self::Slot(..) => [].iter_mut(),
+            Self::Slot(..) | Self::Local(_) => [].iter_mut(),
             Self::Location(_, arguments) => arguments.iter_mut(),
         }
     }

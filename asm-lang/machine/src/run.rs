@@ -191,7 +191,7 @@ impl Run<'_> {
             }
             (Err(reason), _) => return self.fail(FaultKind::Input { slot, reason }, origin),
         };
-        self.state.asked[index] = self.round;
+        self.asked(slot);
         let Some(value) = value else {
             return self.state.slots[index].clone();
         };
@@ -204,6 +204,15 @@ impl Run<'_> {
             self.state.initial[index] = value.clone();
         }
         value
+    }
+
+    /// Notes that the environment was asked: not again in this step. The reference forgets it with the
+    /// intermediate state in which it asked.
+    fn asked(&mut self, slot: Slot) {
+        let before = std::mem::replace(&mut self.state.asked[slot as usize], self.round);
+        if self.program.compatible {
+            self.updates.forget_asking(slot, before);
+        }
     }
 
     /// The slot of a location whose arguments are on the stack from `arguments` on.
@@ -228,7 +237,7 @@ impl Run<'_> {
     fn initial_value(&mut self, body: BodyId, arguments: usize) -> Value {
         let from = self.locals.len();
         self.locals.extend_from_slice(&self.stack[arguments..]);
-        if self.building {
+        if self.building || self.program.compatible {
             return self.call_body(body, from);
         }
         let agent = std::mem::take(&mut self.agent);
@@ -372,6 +381,8 @@ impl Run<'_> {
         let written = Written {
             slots: &mut state.slots,
             extents: &mut state.extents,
+            asked: &mut state.asked,
+            round: self.round,
             supers: &self.code.supers,
         };
         (self.updates, written)
@@ -396,13 +407,16 @@ impl Run<'_> {
         work: impl FnOnce(&mut Self) -> Result<(), Stopped>,
     ) -> Result<Value, Stopped> {
         let result = self.program.result;
+        let leaks = self.program.compatible;
         let layer = self.updates.open();
-        let (updates, mut written) = self.written();
-        updates.hide(result, Value::Undef, &mut written);
+        if !leaks {
+            let (updates, mut written) = self.written();
+            updates.hide(result, Value::Undef, &mut written);
+        }
         work(self)?;
         let value = self.updates.given(result).cloned().unwrap_or_default();
         let (updates, mut written) = self.written();
-        match updates.close_restoring(layer, &mut written, |slot| slot == result) {
+        match updates.close_restoring(layer, &mut written, |slot| slot == result && !leaks) {
             Ok(()) => Ok(value),
             Err((clash, origin)) => Err(self.stop(clash, origin)),
         }
@@ -428,10 +442,12 @@ impl Run<'_> {
         self.apply(layer);
         self.runs -= 1;
         let state = &mut *self.state;
-        let (slots, extents, locations) = (&mut state.slots, &mut state.extents, &state.locations);
+        let locations = &state.locations;
         let mut written = Written {
-            slots,
-            extents,
+            slots: &mut state.slots,
+            extents: &mut state.extents,
+            asked: &mut state.asked,
+            round: self.round,
             supers: &self.code.supers,
         };
         let is_local = |slot| locations.is_local(self.program, slot, runs);
@@ -478,7 +494,8 @@ impl Run<'_> {
             return false;
         };
         let declared = self.program.symbols.atoms.len();
-        atom.0 as usize >= declared
+        !self.program.compatible
+            && atom.0 as usize >= declared
             && self
                 .state
                 .domain_of(self.program, *atom)

@@ -44,6 +44,8 @@ struct Mark {
 #[derive(Debug)]
 enum Undo {
     Slot(Slot, Value),
+    /// When a slot was asked of the environment.
+    Asked(Slot, u64),
     /// The last element of a domain joined it.
     Joined(DomainId),
 }
@@ -79,6 +81,10 @@ pub(crate) struct Layer {
 pub(crate) struct Written<'a> {
     pub slots: &'a mut [Value],
     pub extents: &'a mut [Arc<Vec<Value>>],
+    /// When each slot was last asked of the environment.
+    pub asked: &'a mut [u64],
+    /// What is asked now.
+    pub round: u64,
     /// The domains an element of a domain belongs to, beginning with itself.
     pub supers: &'a [Vec<DomainId>],
 }
@@ -181,6 +187,11 @@ impl Updates {
             let slot = update.slot as usize;
             let before = std::mem::replace(&mut written.slots[slot], update.value);
             self.undo.push(Undo::Slot(update.slot, before));
+            // what was written in this step is not asked of the environment
+            if written.asked[slot] != written.round {
+                let before = std::mem::replace(&mut written.asked[slot], written.round);
+                self.undo.push(Undo::Asked(update.slot, before));
+            }
         }
         for index in layer.extended..self.extended.len() {
             let (domain, atom) = self.extended[index];
@@ -229,6 +240,13 @@ impl Updates {
         self.undo.push(Undo::Slot(slot, before));
     }
 
+    /// Takes it back, with the intermediate state, that a slot was asked of the environment.
+    pub fn forget_asking(&mut self, slot: Slot, before: u64) {
+        if self.depth > 0 {
+            self.undo.push(Undo::Asked(slot, before));
+        }
+    }
+
     /// The value that the innermost set gives a slot.
     pub fn given(&self, slot: Slot) -> Option<&Value> {
         let mark = self.marks[slot as usize];
@@ -246,6 +264,7 @@ impl Updates {
         for undo in self.undo.drain(to..).rev() {
             match undo {
                 Undo::Slot(slot, value) => written.slots[slot as usize] = value,
+                Undo::Asked(slot, before) => written.asked[slot as usize] = before,
                 Undo::Joined(domain) => {
                     Arc::make_mut(&mut written.extents[domain.0 as usize]).pop();
                 }

@@ -3,7 +3,7 @@
 use crate::literal::Literals;
 use ir::{FunctionId, FunctionKind, Program};
 use machine::{Chooser, Environment, Machine};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use value::Value;
 
@@ -112,9 +112,8 @@ impl Recorded {
         let mut unreadable = Vec::new();
         for (location, value) in &self.inputs {
             match literals.input(location, value) {
-                // read twice in a step, the first answer holds
                 Some((location, value)) => {
-                    inputs.values.entry(location).or_insert(value);
+                    inputs.values.entry(location).or_default().push_back(value);
                 }
                 None => unreadable.push(format!("{location} = {value}")),
             }
@@ -135,10 +134,11 @@ impl Recorded {
     }
 }
 
-/// The inputs of one recorded step.
+/// The inputs of one recorded step. What was read several times in it (by the reference, which asks
+/// again after an intermediate state) is answered in that order, the last answer for ever.
 #[derive(Clone, Debug)]
 pub struct Inputs {
-    values: BTreeMap<(FunctionId, Vec<Value>), Value>,
+    values: BTreeMap<(FunctionId, Vec<Value>), VecDeque<Value>>,
     program: Arc<Program>,
     unread: Unread,
 }
@@ -148,12 +148,18 @@ impl Environment for Inputs {
         let key = (function, arguments.to_vec());
         let declared = &self.program.functions[function.0 as usize];
         let is_owed = declared.kind == FunctionKind::Monitored && declared.clock.is_none();
-        match (self.values.get(&key), self.unread) {
+        let known = self.values.get_mut(&key).and_then(|answers| {
+            if answers.len() > 1 {
+                return answers.pop_front();
+            }
+            answers.front().cloned()
+        });
+        match (known, self.unread) {
             (None, Unread::Astray) if is_owed => {
                 Err("the recorded step did not read it".to_owned())
             }
             (None, Unread::Silent) if is_owed => Err("the recorded run has no inputs".to_owned()),
-            (known, _) => Ok(known.cloned()),
+            (known, _) => Ok(known),
         }
     }
 }

@@ -97,6 +97,34 @@ pub(crate) const TABLE: &[Builtin] = &[
     total("print", "Prod(D,D1,D2,D3,D4,D5,D6,D7,D8,D9)", print),
 ];
 
+/// What the reference tool computes instead: sets are written like its lists, tuples without blanks.
+pub(crate) const COMPATIBLE: &[Builtin] = &[strict("toString", "D", |arguments, context| {
+    unary(arguments, |value: &Value| to_list(value, context.names))
+})];
+
+fn to_list(value: &Value, names: &dyn Names) -> String {
+    let all = |items: &mut dyn Iterator<Item = &Value>, separator: &str| {
+        let items: Vec<String> = items.map(|item| to_list(item, names)).collect();
+        items.join(separator)
+    };
+    match value {
+        Value::Set(items) => format!("[{}]", all(&mut items.iter(), ", ")),
+        Value::Seq(items) => format!("[{}]", all(&mut items.iter(), ", ")),
+        Value::Tuple(items) => format!("({})", all(&mut items.iter(), ",")),
+        Value::Undef
+        | Value::Bool(_)
+        | Value::Int(_)
+        | Value::Real(_)
+        | Value::Char(_)
+        | Value::Text(_)
+        | Value::Complex(_)
+        | Value::Atom(_)
+        | Value::Rule(_)
+        | Value::Bag(_)
+        | Value::Map(_) => to_string(value, names),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::same_number;

@@ -74,7 +74,10 @@ const TOPICS: &[&[Builtin]] = &[
 type Index = BTreeMap<(&'static str, &'static str), &'static Builtin>;
 
 static INDEX: LazyLock<Index> = LazyLock::new(|| index(builtins()));
-static COMPATIBLE: LazyLock<Index> = LazyLock::new(|| index(set::COMPATIBLE.iter()));
+static COMPATIBLE: LazyLock<Index> = LazyLock::new(|| {
+    let topics = [set::COMPATIBLE, integer::COMPATIBLE, any::COMPATIBLE];
+    index(topics.into_iter().flatten())
+});
 
 fn index(functions: impl Iterator<Item = &'static Builtin>) -> Index {
     functions
@@ -88,7 +91,8 @@ pub fn builtin(name: &str, domain: &str) -> Option<&'static Builtin> {
 }
 
 /// The function as `--compat asmeta` wants it: as [`builtin`] has it, except where the reference
-/// tool observably computes something else (`difference`, which is symmetric there).
+/// tool observably computes something else: `difference` is symmetric there, integers wrap around,
+/// `iton` lets negative numbers pass, and a set is written as a list.
 pub fn compatible(name: &str, domain: &str) -> Option<&'static Builtin> {
     COMPATIBLE
         .get(&(name, domain))

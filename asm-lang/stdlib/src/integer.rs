@@ -265,6 +265,22 @@ pub(crate) const TABLE: &[Builtin] = &[
     }),
 ];
 
+/// What the reference tool computes instead.
+pub(crate) const COMPATIBLE: &[Builtin] = &[
+    strict("plus", "Prod(Integer,Integer)", |arguments, _| {
+        binary(arguments, i64::wrapping_add)
+    }),
+    strict("minus", "Prod(Integer,Integer)", |arguments, _| {
+        binary(arguments, i64::wrapping_sub)
+    }),
+    strict("mult", "Prod(Integer,Integer)", |arguments, _| {
+        binary(arguments, i64::wrapping_mul)
+    }),
+    strict("iton", "Integer", |arguments, _| {
+        unary(arguments, |number: i64| number)
+    }),
+];
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -13,7 +13,8 @@ impl Lowering<'_> {
             let is_result = self.model.reserved.result == Some(id);
             let stored = is_result || matches!(function.meaning, Meaning::State);
             // values that need others of the same function are computed when they are met
-            let met = function.initial.is_some() && order::is_recursive(self.model, id);
+            let met = function.initial.is_some()
+                && (self.model.compatible || order::is_recursive(self.model, id));
             let storage = match (stored, met) {
                 (true, false) => self.storage(&function.parameters),
                 (true, true) => Storage::Interned,

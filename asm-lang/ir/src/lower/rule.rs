@@ -105,7 +105,7 @@ impl Lowering<'_> {
             RuleKind::While(guard, body) => RuleNode::While {
                 guard: Some(self.term(guard, frame)),
                 body: self.rule(body, frame),
-                until_idle: true,
+                until_idle: !self.model.compatible,
             },
             RuleKind::WhileRec(guard, body) => RuleNode::While {
                 guard: Some(self.term(guard, frame)),
@@ -196,7 +196,7 @@ impl Lowering<'_> {
                 Some(Binding::Term(_) | Binding::State { .. }) | None => None,
             })
             .collect();
-        if assigned.is_empty() {
+        if assigned.is_empty() || self.model.compatible {
             return self.rule(body, frame);
         }
         let origin = self.origin(body.span);

@@ -343,6 +343,11 @@ impl Lowering<'_> {
                 })
             }
             hir::Target::Variable(variable) => {
+                if let (Some(Binding::Local(local)), true) =
+                    (frame.binding(*variable), self.model.compatible)
+                {
+                    return Some(Place::Local(local));
+                }
                 if let Some(Binding::State { run, index }) = frame.binding(*variable) {
                     let origin = Origin::default();
                     return Some(Place::Location(
@@ -410,15 +415,18 @@ impl Lowering<'_> {
         let mut operands = arguments.iter().cloned();
         if let (Some(left), Some(right), None) = (operands.next(), operands.next(), operands.next())
         {
-            if let Some(logic) =
-                logic(builtin.name).filter(|_| builtin.domain == "Prod(Boolean,Boolean)")
-            {
+            if let Some(logic) = logic(builtin.name).filter(|_| {
+                // the reference evaluates both operands
+                builtin.domain == "Prod(Boolean,Boolean)" && !self.model.compatible
+            }) {
                 return Node::Logic(logic, left, right);
             }
             if let Some(comparison) = comparison(builtin.name).filter(|_| integers) {
                 return Node::Compare(comparison, left, right);
             }
-            if let Some(arithmetic) = arithmetic(builtin.name).filter(|_| integers) {
+            if let Some(arithmetic) =
+                arithmetic(builtin.name).filter(|_| integers && !self.model.compatible)
+            {
                 return Node::Arithmetic(arithmetic, left, right);
             }
             // numbers of different domains are equal as numbers: the library converts them

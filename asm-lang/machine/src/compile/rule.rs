@@ -15,16 +15,31 @@ use value::{RuleId, Value};
 const MAX_ITERATIONS: u32 = 10_000_000;
 
 /// Where a value goes.
-struct Target {
-    slot: SlotCode,
-    codomain: Codomain,
-    origin: Origin,
+enum Target {
+    Location {
+        slot: SlotCode,
+        codomain: Codomain,
+        origin: Origin,
+    },
+    Local(Local),
 }
 
 impl Target {
     fn write(&self, run: &mut Run<'_>, value: Value) -> Result<(), Stopped> {
-        let slot = (self.slot)(run);
-        run.write(slot, value, self.codomain, self.origin)
+        match self {
+            Self::Location {
+                slot,
+                codomain,
+                origin,
+            } => {
+                let slot = slot(run);
+                run.write(slot, value, *codomain, *origin)
+            }
+            Self::Local(local) => {
+                run.set_local(*local, value);
+                run.checked()
+            }
+        }
     }
 }
 
@@ -95,16 +110,17 @@ impl Compiler<'_> {
     }
 
     fn target(&self, place: &Place, origin: Origin) -> Target {
-        let slot: SlotCode = match place {
-            Place::Slot(_, slot) => {
+        let (slot, function): (SlotCode, _) = match place {
+            Place::Slot(function, slot) => {
                 let slot = *slot;
-                Box::new(move |_| slot)
+                (Box::new(move |_| slot), *function)
             }
-            Place::Location(function, arguments) => self.slot(*function, arguments),
+            Place::Location(function, arguments) => (self.slot(*function, arguments), *function),
+            Place::Local(local) => return Target::Local(*local),
         };
-        Target {
+        Target::Location {
             slot,
-            codomain: Codomain::of(self.program, place.function()),
+            codomain: Codomain::of(self.program, function),
             origin,
         }
     }
@@ -177,7 +193,9 @@ impl Compiler<'_> {
             let given = arguments.stacked(run);
             let outer = std::mem::replace(&mut run.agent, agent);
             let done = run_value(run, &Value::Rule(rule), given, origin);
-            run.agent = outer;
+            if !run.program.compatible {
+                run.agent = outer;
+            }
             done
         })
     }
