@@ -6,9 +6,9 @@ mod single;
 use crate::exit::Exit;
 use crate::files::Disk;
 use crate::terminal::Terminal;
-use asm_lang::simulate::{Causes, Random, Recording, Script, Simulation};
-use asm_lang::{Diagnostic, Fault, Loader, Report, Specification};
-use clap::Args;
+use asm_lang::simulate::{Causes, Clock, Random, Recording, Script, Simulation};
+use asm_lang::{Diagnostic, Failure, Fault, Loader, Options, Report, Specification};
+use clap::{Args, ValueEnum};
 use std::path::Path;
 
 /// Runs a specification alone, with scripted, recorded or random inputs.
@@ -33,6 +33,19 @@ pub struct Sim {
     #[arg(long, value_name = "FILE")]
     trace: Option<String>,
 
+    /// Begins in the initial state of this name instead of the default one.
+    #[arg(long, value_name = "NAME")]
+    init: Option<String>,
+
+    /// Where it observably differs from the textbook, does what these tools do.
+    #[arg(long, value_enum, value_name = "TOOLS")]
+    compat: Option<Compat>,
+
+    /// What time it is: `virtual` stands still, `wall` passes, `stepped` or `stepped:ns|us|ms|s|min|h`
+    /// passes by one unit a step.
+    #[arg(long, value_name = "CLOCK", default_value = "virtual", value_parser = ticking)]
+    clock: Ticking,
+
     /// Decides random inputs and `choose`.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -44,6 +57,54 @@ pub struct Sim {
     /// The final state alone; of a folder, the summary alone.
     #[arg(long, short)]
     quiet: bool,
+}
+
+/// Tools that models were written for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Compat {
+    /// AsmetaS and AsmetaV.
+    Asmeta,
+}
+
+/// What time it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Ticking {
+    Virtual,
+    Wall,
+    Stepped(i64),
+}
+
+fn ticking(text: &str) -> Result<Ticking, String> {
+    const SECOND: i64 = 1_000_000_000;
+    Ok(match text {
+        "virtual" => Ticking::Virtual,
+        "wall" => Ticking::Wall,
+        "stepped" | "stepped:s" => Ticking::Stepped(SECOND),
+        "stepped:ns" => Ticking::Stepped(1),
+        "stepped:us" => Ticking::Stepped(1_000),
+        "stepped:ms" => Ticking::Stepped(1_000_000),
+        "stepped:min" => Ticking::Stepped(60 * SECOND),
+        "stepped:h" => Ticking::Stepped(3600 * SECOND),
+        _ => {
+            let known = "`virtual`, `wall`, `stepped`, `stepped:ns`, `stepped:us`, `stepped:ms`, `stepped:s`, `stepped:min`, `stepped:h`";
+            return Err(format!("the clocks are {known}"));
+        }
+    })
+}
+
+impl Ticking {
+    fn clock(self) -> Clock {
+        match self {
+            Self::Virtual => Clock::Virtual,
+            Self::Stepped(unit) => Clock::Stepped(unit),
+            Self::Wall => {
+                let begin = std::time::Instant::now();
+                Clock::Told(Box::new(move || {
+                    i64::try_from(begin.elapsed().as_nanos()).unwrap_or(i64::MAX)
+                }))
+            }
+        }
+    }
 }
 
 /// How many steps a run takes whose inputs have no end.
@@ -91,7 +152,15 @@ impl Sim {
                 Causes::Random(Box::new(Random::new(program, &machine, self.seed)))
             }
         };
-        Ok(Simulation::new(machine, causes, self.seed))
+        Ok(Simulation::new(machine, causes, self.seed).timed(self.clock.clock()))
+    }
+
+    fn open(&self, path: &str) -> Result<Specification, Failure> {
+        let options = Options {
+            compatible: self.compat.is_some(),
+            initial: self.init.clone(),
+        };
+        asm_lang::open_with(path, &Disk, &options)
     }
 
     fn steps(&self, simulation: &Simulation) -> u64 {

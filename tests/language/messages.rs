@@ -36,6 +36,7 @@ fn has_an_example_of_every_code() {
     let sources = [
         "hir/src/error.rs",
         "ir/src/lower.rs",
+        "ir/src/lower/call.rs",
         "ir/src/lower/rule.rs",
         "ir/src/lower/term.rs",
         "src/explain.rs",

@@ -370,20 +370,16 @@ impl Analysis<'_> {
         let first = tree.inits.first()?;
         let at = first.name.span;
         let mut inits = tree.inits.iter();
-        let (found, error) = match &self.options.initial {
-            Some(name) => (
-                inits.position(|init| *init.name.text == **name),
-                HirError::UnknownInit {
-                    name: name.as_str().into(),
-                    at,
-                },
-            ),
-            None => (
-                inits.position(|init| init.default),
-                HirError::NoDefaultInit { at },
-            ),
+        let found = match &self.options.initial {
+            Some(name) => inits.position(|init| *init.name.text == **name),
+            None => inits.position(|init| init.default),
         };
         if found.is_none() {
+            let wanted = match &self.options.initial {
+                Some(name) => format!("called `{name}`"),
+                None => "the default".to_owned(),
+            };
+            let error = HirError::NoSuchInit { wanted, at };
             self.declared.report.push(error.diagnostic());
         }
         found

@@ -168,10 +168,8 @@ pub(crate) enum HirError {
         at: Span,
         declared: Span,
     },
-    #[error("no initial state is called `{name}`")]
-    UnknownInit { name: Name, at: Span },
-    #[error("none of the initial states is the default")]
-    NoDefaultInit { at: Span },
+    #[error("none of the initial states is {wanted}")]
+    NoSuchInit { wanted: String, at: Span },
     #[error("this is not a rule: its value is {actual}")]
     NotARule { actual: String, at: Span },
     #[error("`not` binds tighter than `{operator}`: this reads `(not …) {operator} …`")]
@@ -404,10 +402,7 @@ impl HirError {
                 .label(*at, "extended here")
                 .label(*declared, format!("{kind}, declared here"))
                 .help("only abstract domains, and subsets of them, take new elements"),
-            Self::UnknownInit { at, .. } => error("A036")
-                .label(*at, "the first initial state")
-                .help("ask for one of those that the file declares"),
-            Self::NoDefaultInit { at } => error("A027")
+            Self::NoSuchInit { at, .. } => error("A027")
                 .label(*at, "an initial state")
                 .help("write `default init` for the one to start from"),
             Self::NotARule { at, .. } => error("A028")

@@ -25,6 +25,8 @@ use value::Value;
 #[derive(Clone, Debug, Default)]
 pub struct Script {
     defaults: Inputs,
+    /// The functions that tell the time: where the script is silent, the run's clock speaks.
+    clocks: Vec<FunctionId>,
     steps: Vec<Inputs>,
     /// The step the machine is in, from 0.
     at: usize,
@@ -74,6 +76,7 @@ impl Environment for Script {
         let step = self.steps.get(self.at).and_then(|inputs| inputs.get(&key));
         match step.or_else(|| self.defaults.get(&key)) {
             Some(value) => Ok(Some(value.clone())),
+            None if self.clocks.contains(&function) => Ok(None),
             None => Err(format!(
                 "step {} of the script gives it none, and there is no default",
                 self.at + 1
@@ -98,7 +101,12 @@ impl Reading<'_> {
     }
 
     fn script(&mut self, text: &str) -> Script {
-        let mut script = Script::default();
+        let functions = (0..).zip(&self.program.functions);
+        let clocks = functions.filter(|(_, function)| function.clock.is_some());
+        let mut script = Script {
+            clocks: clocks.map(|(index, _)| FunctionId(index)).collect(),
+            ..Script::default()
+        };
         let table = match DeTable::parse(text) {
             Ok(table) => table.into_inner(),
             Err(error) => {

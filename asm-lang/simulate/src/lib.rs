@@ -1,5 +1,6 @@
 //! Runs without a robot: environments, seeded choice, traces, scenarios.
 
+mod clock;
 mod environment;
 mod literal;
 mod random;
@@ -9,6 +10,7 @@ mod show;
 mod simulation;
 mod trace;
 
+pub use clock::Clock;
 pub use environment::Script;
 pub use random::{Random, Seeded};
 pub use recording::{Choices, Inputs, Recorded, Recording};

@@ -1,6 +1,6 @@
 //! A machine that runs alone: what causes its steps, and what is written down about them.
 
-use crate::{Random, Recording, Script, Seeded, Trace};
+use crate::{Clock, Random, Recording, Script, Seeded, Trace};
 use machine::{Chooser, Environment, Fault, Machine};
 use std::fmt;
 
@@ -66,6 +66,7 @@ pub struct Simulation {
     machine: Machine,
     causes: Causes,
     choices: Seeded,
+    clock: Clock,
     trace: Option<Trace>,
 }
 
@@ -76,8 +77,15 @@ impl Simulation {
             machine,
             causes,
             choices: Seeded::new(seed),
+            clock: Clock::default(),
             trace: None,
         }
+    }
+
+    /// Lets a clock say when steps are done, where no recording does.
+    pub fn timed(mut self, clock: Clock) -> Self {
+        self.clock = clock;
+        self
     }
 
     /// Writes down what happens from now on; the trace begins with lines of comment.
@@ -119,12 +127,13 @@ impl Simulation {
     fn attempt(&mut self) -> Result<(), Stopped> {
         let machine = &mut self.machine;
         let choices = &mut self.choices;
+        let now_ns = self.clock.now(machine.steps() + 1);
         match &mut self.causes {
             Causes::Script(script) => {
-                step(machine, script, choices, 0)?;
+                step(machine, script, choices, now_ns)?;
                 script.advance();
             }
-            Causes::Random(random) => step(machine, &mut **random, choices, 0)?,
+            Causes::Random(random) => step(machine, &mut **random, choices, now_ns)?,
             Causes::Recording(recording) => {
                 let number = machine.steps();
                 let recorded = recording.step(number as usize);

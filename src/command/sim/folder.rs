@@ -2,7 +2,7 @@
 
 use super::{Sim, Unbegun, comment};
 use crate::exit::Exit;
-use crate::files::{Disk, specifications};
+use crate::files::specifications;
 use crate::terminal::{BAD, FAINT, GOOD, NOTE, Terminal};
 use asm_lang::simulate::{Stopped, Trace};
 use asm_lang::{Diagnostic, Failure, Fault, Severity, Specification};
@@ -57,7 +57,7 @@ impl Sim {
     /// Opens, checks and runs one specification.
     fn outcome(&self, folder: &Path, file: &Path) -> Outcome {
         let name = file.strip_prefix(folder).unwrap_or(file);
-        let mut specification = match asm_lang::open(&file.to_string_lossy(), &Disk) {
+        let mut specification = match self.open(&file.to_string_lossy()) {
             Ok(specification) => specification,
             Err(failure) => return rejected(&failure),
         };

@@ -2,7 +2,6 @@
 
 use super::{Sim, Unbegun, comment};
 use crate::exit::Exit;
-use crate::files::Disk;
 use crate::show;
 use crate::terminal::{FAINT, NAME, Terminal, count};
 use asm_lang::machine::Machine;
@@ -12,7 +11,7 @@ use serde_json::{Map, Value, json};
 
 impl Sim {
     pub(super) fn single(&self, terminal: &mut Terminal) -> Exit {
-        let mut specification = match asm_lang::open(&self.spec, &Disk) {
+        let mut specification = match self.open(&self.spec) {
             Ok(specification) => specification,
             Err(failure) => {
                 terminal.report(&failure.report, &failure.sources);
