@@ -3,12 +3,13 @@
 mod folder;
 mod single;
 
+use super::test::Tool;
 use crate::exit::Exit;
 use crate::files::Disk;
 use crate::terminal::Terminal;
 use asm_lang::simulate::{Causes, Clock, Random, Recording, Script, Simulation};
 use asm_lang::{Diagnostic, Failure, Fault, Loader, Options, Report, Specification};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use std::path::Path;
 
 /// Runs a specification alone, with scripted, recorded or random inputs.
@@ -39,7 +40,7 @@ pub struct Sim {
 
     /// Where it observably differs from the textbook, does what these tools do.
     #[arg(long, value_enum, value_name = "TOOLS")]
-    compat: Option<Compat>,
+    compat: Option<Tool>,
 
     /// What time it is: `virtual` stands still, `wall` passes, `stepped` or `stepped:ns|us|ms|s|min|h`
     /// passes by one unit a step.
@@ -57,13 +58,6 @@ pub struct Sim {
     /// The final state alone; of a folder, the summary alone.
     #[arg(long, short)]
     quiet: bool,
-}
-
-/// Tools that models were written for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Compat {
-    /// AsmetaS and AsmetaV.
-    Asmeta,
 }
 
 /// What time it is.

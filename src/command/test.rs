@@ -52,7 +52,7 @@ pub struct Test {
 
 /// A tool whose reading of scenarios differs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Tool {
+pub(super) enum Tool {
     /// AsmetaV
     Asmeta,
 }
