@@ -163,7 +163,7 @@ impl State {
     }
 
     /// The domain an atom was declared in or taken for.
-    pub fn domain_of(&self, program: &Program, atom: Atom) -> Option<DomainId> {
+    pub(crate) fn domain_of(&self, program: &Program, atom: Atom) -> Option<DomainId> {
         let index = atom.0 as usize;
         match program.symbols.atom_domains.get(index) {
             Some(&domain) => Some(domain),

@@ -22,11 +22,13 @@
 //! sorted by their text. Every tool that runs the language can write such a trace, so that runs can
 //! be compared; and a [`Recording`](crate::Recording) replays one.
 
-use ir::{DomainId, FunctionId, FunctionKind, Program, Slot};
-use machine::{Fault, FaultKind, Machine, Step};
+mod text;
+
+use ir::{DomainId, FunctionKind, Program, Slot};
+use machine::{Fault, FaultKind, Machine, Naming, Step};
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use value::Value;
+use value::{Atom, Value};
 
 /// A trace that is being written.
 #[derive(Debug, Default)]
@@ -39,7 +41,7 @@ impl Trace {
     pub fn begin(machine: &Machine, comment: &str) -> Self {
         let mut trace = Self::default();
         trace.head(comment);
-        trace.domains("D0", machine);
+        trace.domains("D0", machine.naming());
         trace
     }
 
@@ -47,6 +49,11 @@ impl Trace {
     pub fn stillborn(program: &Program, fault: &Fault, comment: &str) -> String {
         let mut trace = Self::default();
         trace.head(comment);
+        let naming = Naming {
+            program,
+            reserve: &[],
+        };
+        trace.domains("D0", naming);
         trace.line(format_args!("@step 1"));
         match &fault.kind {
             FaultKind::Invariant { index, .. } => trace.invariant(program, *index, "pre"),
@@ -120,7 +127,7 @@ impl Trace {
             self.line(format_args!(
                 "M {} = {}",
                 location(machine, input.slot),
-                text(machine, &input.value)
+                text::text(machine.naming(), &input.value)
             ));
         }
         for choice in step.choices {
@@ -139,12 +146,12 @@ impl Trace {
             joined.entry(*domain).or_default().push(Value::Atom(*atom));
         }
         for (domain, atoms) in joined {
-            self.domain("UD", machine, domain, &atoms);
+            self.domain("UD", machine.naming(), domain, &atoms);
         }
         let state = machine.state();
         let slots = written(machine).map(|slot| (slot, state.get(slot)));
         self.locations("S", machine, slots);
-        self.domains("D", machine);
+        self.domains("D", machine.naming());
     }
 
     fn locations<'a>(
@@ -153,8 +160,11 @@ impl Trace {
         machine: &Machine,
         locations: impl Iterator<Item = (Slot, &'a Value)>,
     ) {
-        let lines = locations
-            .map(|(slot, value)| format!("{} = {}", location(machine, slot), text(machine, value)));
+        let line = |(slot, value)| {
+            let value = text::text(machine.naming(), value);
+            format!("{} = {value}", location(machine, slot))
+        };
+        let lines = locations.map(line);
         let mut lines: Vec<String> = lines.collect();
         lines.sort();
         for line in lines {
@@ -162,33 +172,26 @@ impl Trace {
         }
     }
 
-    /// The domains that may grow; an element of several stands in the one it was declared in or taken
-    /// for.
-    fn domains(&mut self, word: &str, machine: &Machine) {
-        let (state, program) = (machine.state(), machine.program());
-        for (index, domain) in program.domains.iter().enumerate() {
-            if !domain.grows {
-                continue;
+    /// The domains that may grow, each with the elements that were declared in it or taken for it.
+    fn domains(&mut self, word: &str, naming: Naming<'_>) {
+        let declared = naming.program.symbols.atom_domains.iter();
+        let homes = declared.chain(naming.reserve.iter().map(|(domain, _)| domain));
+        let mut domains: BTreeMap<DomainId, Vec<Value>> = BTreeMap::new();
+        for (index, domain) in (0..).zip(homes) {
+            if naming.program.domains[domain.0 as usize].grows {
+                let atom = Value::Atom(Atom(index));
+                domains.entry(*domain).or_default().push(atom);
             }
-            let id = DomainId(index as u32);
-            let is_at_home = |element: &&Value| match element {
-                Value::Atom(atom) => state.domain_of(program, *atom) == Some(id),
-                _ => true,
-            };
-            let extent = state.extent(id).iter();
-            let elements: Vec<Value> = extent.filter(is_at_home).cloned().collect();
-            if !elements.is_empty() {
-                self.domain(word, machine, id, &elements);
-            }
+        }
+        for (domain, atoms) in domains {
+            self.domain(word, naming, domain, &atoms);
         }
     }
 
-    fn domain(&mut self, word: &str, machine: &Machine, domain: DomainId, elements: &[Value]) {
-        let name = &machine.program().symbols.domains[domain.0 as usize];
-        self.line(format_args!(
-            "{word} {name} = {}",
-            list(machine, elements, "{", "}", true)
-        ));
+    fn domain(&mut self, word: &str, naming: Naming<'_>, domain: DomainId, elements: &[Value]) {
+        let name = &naming.program.symbols.domains[domain.0 as usize];
+        let set = text::set(naming, elements);
+        self.line(format_args!("{word} {name} = {set}"));
     }
 }
 
@@ -227,87 +230,7 @@ fn kind(fault: &Fault) -> &'static str {
 
 fn location(machine: &Machine, slot: Slot) -> String {
     match machine.state().location(machine.program(), slot) {
-        Some((function, arguments)) => applied(machine, function, &arguments),
+        Some((function, arguments)) => text::applied(machine.naming(), function, &arguments),
         None => format!("location {slot}"),
     }
-}
-
-fn applied(machine: &Machine, function: FunctionId, arguments: &[Value]) -> String {
-    let name = &machine.program().symbols.functions[function.0 as usize];
-    match arguments {
-        [] => name.to_string(),
-        arguments => format!("{name}{}", list(machine, arguments, "(", ")", false)),
-    }
-}
-
-fn list(machine: &Machine, items: &[Value], open: &str, close: &str, sorted: bool) -> String {
-    let mut items: Vec<String> = items.iter().map(|item| text(machine, item)).collect();
-    if sorted {
-        items.sort();
-    }
-    format!("{open}{}{close}", items.join(","))
-}
-
-/// A value as a trace writes it.
-fn text(machine: &Machine, value: &Value) -> String {
-    match value {
-        Value::Tuple(items) => list(machine, items, "(", ")", false),
-        Value::Seq(items) => list(machine, items, "[", "]", false),
-        Value::Set(items) => {
-            let items: Vec<Value> = items.iter().cloned().collect();
-            list(machine, &items, "{", "}", true)
-        }
-        Value::Bag(items) => {
-            let each = items
-                .iter()
-                .flat_map(|(item, &count)| std::iter::repeat_n(item.clone(), count));
-            list(machine, &each.collect::<Vec<_>>(), "<", ">", true)
-        }
-        Value::Map(pairs) => {
-            let pairs = pairs
-                .iter()
-                .map(|(key, value)| format!("{}->{}", text(machine, key), text(machine, value)));
-            let mut pairs: Vec<String> = pairs.collect();
-            pairs.sort();
-            format!(
-                "{{{}}}",
-                if pairs.is_empty() {
-                    "->".to_owned()
-                } else {
-                    pairs.join(",")
-                }
-            )
-        }
-        Value::Rule(rule) => {
-            let symbols = &machine.program().symbols;
-            let index = rule.0 as usize;
-            match (symbols.rules.get(index), symbols.rule_domains.get(index)) {
-                (Some(name), Some(domains)) => format!("rule {name}({domains})"),
-                _ => format!("rule {index}"),
-            }
-        }
-        Value::Real(number) => real(number.get()),
-        Value::Undef
-        | Value::Bool(_)
-        | Value::Int(_)
-        | Value::Char(_)
-        | Value::Atom(_)
-        | Value::Text(_)
-        | Value::Complex(_) => value.show(&machine.naming()).to_string(),
-    }
-}
-
-/// A number with a point, also in front of an exponent, as other tools write it.
-fn real(number: f64) -> String {
-    if number.is_infinite() {
-        return if number > 0.0 {
-            "Infinity"
-        } else {
-            "-Infinity"
-        }
-        .to_owned();
-    }
-    let shown = format!("{number:?}");
-    let exponent = if shown.contains('.') { "E" } else { ".0E" };
-    shown.replace('e', exponent)
 }
