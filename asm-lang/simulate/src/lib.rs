@@ -13,7 +13,7 @@ mod trace;
 pub use clock::Clock;
 pub use environment::Script;
 pub use random::{Random, Seeded};
-pub use recording::{Choices, Inputs, Recorded, Recording};
+pub use recording::{Choices, Inputs, Recorded, Recording, Ticks};
 pub use show::{applied, location, updates};
 pub use simulation::{Causes, Simulation, Stopped};
 pub use trace::Trace;

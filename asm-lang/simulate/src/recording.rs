@@ -108,6 +108,7 @@ impl Recorded {
             values: BTreeMap::new(),
             program: machine.program().clone(),
             unread: self.unread,
+            ticks: Ticks::default(),
         };
         let mut unreadable = Vec::new();
         for (location, value) in &self.inputs {
@@ -141,6 +142,41 @@ pub struct Inputs {
     values: BTreeMap<(FunctionId, Vec<Value>), VecDeque<Value>>,
     program: Arc<Program>,
     unread: Unread,
+    ticks: Ticks,
+}
+
+/// The clock of the reference: it moves on by one unit in every step that reads it, the unit being
+/// that of the function read first.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Ticks {
+    passed_ns: i64,
+    has_ticked: bool,
+}
+
+impl Ticks {
+    /// The time in units of so many nanoseconds.
+    fn tell(&mut self, unit_ns: i64) -> i64 {
+        if !std::mem::replace(&mut self.has_ticked, true) {
+            self.passed_ns = self.passed_ns.saturating_add(unit_ns);
+        }
+        self.passed_ns / unit_ns.max(1)
+    }
+}
+
+impl Inputs {
+    /// The same, where another tool's clock stood after the step before.
+    pub fn after(mut self, ticks: Ticks) -> Self {
+        self.ticks = Ticks {
+            has_ticked: false,
+            ..ticks
+        };
+        self
+    }
+
+    /// Where another tool's clock stands now.
+    pub fn ticks(&self) -> Ticks {
+        self.ticks
+    }
 }
 
 impl Environment for Inputs {
@@ -154,12 +190,17 @@ impl Environment for Inputs {
             }
             answers.front().cloned()
         });
-        match (known, self.unread) {
-            (None, Unread::Astray) if is_owed => {
+        match (known, self.unread, declared.clock) {
+            (None, Unread::Silent | Unread::Undefined, Some(unit_ns)) => {
+                Ok(Some(Value::Int(self.ticks.tell(unit_ns))))
+            }
+            (None, Unread::Astray, _) if is_owed => {
                 Err("the recorded step did not read it".to_owned())
             }
-            (None, Unread::Silent) if is_owed => Err("the recorded run has no inputs".to_owned()),
-            (known, _) => Ok(known),
+            (None, Unread::Silent, _) if is_owed => {
+                Err("the recorded run has no inputs".to_owned())
+            }
+            (known, ..) => Ok(known),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! A machine that runs alone: what causes its steps, and what is written down about them.
 
+use crate::recording::Ticks;
 use crate::{Clock, Random, Recording, Script, Seeded, Trace};
 use machine::{Chooser, Environment, Fault, Machine};
 use std::fmt;
@@ -67,6 +68,7 @@ pub struct Simulation {
     causes: Causes,
     choices: Seeded,
     clock: Clock,
+    ticks: Ticks,
     trace: Option<Trace>,
 }
 
@@ -78,6 +80,7 @@ impl Simulation {
             causes,
             choices: Seeded::new(seed),
             clock: Clock::default(),
+            ticks: Ticks::default(),
             trace: None,
         }
     }
@@ -141,13 +144,14 @@ impl Simulation {
                     step: number + 1,
                     lines,
                 };
-                let mut inputs = recorded.inputs(machine).map_err(unreadable)?;
-                step(
-                    machine,
-                    &mut inputs,
-                    &mut recorded.choices(),
-                    recorded.now_ns,
-                )?;
+                let mut inputs = recorded
+                    .inputs(machine)
+                    .map_err(unreadable)?
+                    .after(self.ticks);
+                let mut choices = recorded.choices();
+                let done = step(machine, &mut inputs, &mut choices, recorded.now_ns);
+                self.ticks = inputs.ticks();
+                done?;
             }
         }
         Ok(())
