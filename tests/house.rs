@@ -12,6 +12,7 @@ const FLOORS: &[&[&str]] = &[
     &["asm-machine"],
     &["asm-simulate"],
     &["asm-lang"],
+    &["asm-properties"],
     // the engine
     &["engine-datum"],
     &["engine-bus"],

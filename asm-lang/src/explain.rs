@@ -94,6 +94,9 @@ impl Specification {
             FaultKind::TooDeep(limit) => Diagnostic::error("R010", format!("calls nest deeper than {limit}, {when}"))
                 .label(at, "called once more")
                 .help("check that the recursion ends for every argument"),
+            FaultKind::ManyCalls(limit) => Diagnostic::error("R021", format!("functions and rules were called {limit} times {when}"))
+                .label(at, "called once more")
+                .help("a recursion that calls itself twice doubles with every level: keep what it computes in a location"),
             FaultKind::Endless(limit) => Diagnostic::error("R011", format!("the loops ran {limit} times {when}"))
                 .label(at, "this loop did not end")
                 .help("check that its body makes the guard false"),

@@ -1,7 +1,7 @@
 //! Whatever the text: a report, no panic, no overflow of the stack, and in bounded time.
 
-use asm_lang::simulate::{Random, Seeded};
 use asm_lang::source::LoadError;
+use asm_lang::value::Value;
 use asm_lang::{Failure, Files, First, Loader, NoInputs, Style, render_all};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -121,6 +121,59 @@ fn survives_long_blocks() {
     assert_eq!(codes(&text), Vec::<&str>::new());
 }
 
+/// What a text of a hundred thousand parts is: answered, or refused with the limit by name.
+#[test]
+fn answers_large_texts() {
+    let numbers = (0..100_000).map(|number| number.to_string());
+    let list = numbers.collect::<Vec<_>>().join(", ");
+    let literals = (0..100_000).map(|number| format!("LITERAL_{number}"));
+    let literals = literals.collect::<Vec<_>>().join(" | ");
+    let runs = [
+        ("", format!("x := size({{{list}}})")),
+        ("", format!("x := length([{list}])")),
+        ("", "x := size({0 : 99999})".to_owned()),
+        ("", "x := size({$i in {0 : 99999} : $i * 2})".to_owned()),
+        (
+            "",
+            "x := size({$i in {0 : 999}, $j in {0 : 99} : ($i, $j)})".to_owned(),
+        ),
+        (
+            &*format!(" enum domain Many = {{{literals}}}\n"),
+            "x := size(Many)".to_owned(),
+        ),
+    ];
+    for (signature, rule) in runs {
+        let text = main_rule(&format!("{signature} controlled x: Integer"), &rule);
+        let begin = Instant::now();
+        let specification = super::opened("limits", &text);
+        let mut machine = specification.machine().unwrap();
+        let step = machine.step(&mut NoInputs, &mut First, 0).unwrap();
+        let value = &step.updates[0].value;
+        assert_eq!(value, &Value::Int(100_000), "{}", &rule[..20]);
+        assert!(begin.elapsed() < PATIENCE, "took {:?}", begin.elapsed());
+    }
+}
+
+#[test]
+fn refuses_what_is_larger_than_it_can_carry() {
+    let digits = "9".repeat(100_000);
+    let name = "n".repeat(1_000_000);
+    let refused = [
+        (format!("x := {digits}"), "L006"),
+        (format!("{name} := 1"), "A001"),
+        (format!("x := 1{}", " + 1".repeat(5_000)), "L039"),
+        (format!("x := {}1", "1 * (".repeat(5_000)), "L039"),
+        (format!("b := b{}", " and b".repeat(100_000)), "L039"),
+        (format!("b := b{}", " = b".repeat(100_000)), "L039"),
+    ];
+    for (rule, code) in refused {
+        let text = main_rule(" controlled x: Integer\n controlled b: Boolean", &rule);
+        assert!(codes(&text).contains(&code), "{}", &rule[..20]);
+    }
+    let real = format!("r := {digits}.5");
+    assert_eq!(codes(&main_rule(" controlled r: Real", &real)), [""; 0]);
+}
+
 /// What runs too deep, too long or too large stops with a fault.
 #[test]
 fn stops_runs_without_end() {
@@ -155,7 +208,14 @@ fn stops_runs_without_end() {
             "r_f[0]",
             "R010",
         ),
+        (
+            "static f: Integer -> Integer",
+            "function f($n in Integer) = if $n = 0 then 1 else f($n - 1) + f($n - 1) endif",
+            "x := f(100)",
+            "R021",
+        ),
         ("", "", "while true do while true do x := x + 1", "R011"),
+        ("", "", "x := size({1 : 100000000000})", "R012"),
         (
             "controlled s: Powerset(Integer)",
             "",
@@ -271,42 +331,6 @@ fn first(failure: &Failure) -> String {
     let mut report = failure.report.clone();
     report.diagnostics.truncate(1);
     render_all(&report, &failure.sources, Style::Plain)
-}
-
-/// Programs with words dropped, doubled and exchanged: most are wrong, all get an answer, and those
-/// that still open also run.
-#[test]
-fn survives_scrambled_programs() {
-    let programs = super::programs(&super::folder().join("semantics"));
-    let mut below = numbers();
-    for round in 0..2_000 {
-        let (name, text) = &programs[below(programs.len())];
-        let (_, other) = &programs[below(programs.len())];
-        let spare: Vec<&str> = other.split_inclusive([' ', '\n', '(', ')', ',']).collect();
-        let mut words: Vec<&str> = text.split_inclusive([' ', '\n', '(', ')', ',']).collect();
-        for _ in 0..=below(3) {
-            let at = below(words.len());
-            match below(3) {
-                0 => drop(words.remove(at)),
-                1 => words.insert(at, words[below(words.len())]),
-                _ => words[at] = spare[below(spare.len())],
-            }
-        }
-        let text = words.concat();
-        let Ok(specification) = super::open(name, &text) else {
-            continue;
-        };
-        let Ok(mut machine) = specification.machine() else {
-            continue;
-        };
-        let mut random = Random::new(specification.program.clone(), &machine, round);
-        let mut seeded = Seeded::new(round);
-        for now in 0..3 {
-            if let Err(fault) = machine.step(&mut random, &mut seeded, now).map(|_| ()) {
-                specification.explain_in(&fault, &machine);
-            }
-        }
-    }
 }
 
 /// Terms that are passed by name from macro to macro stay of a size that can be built and run.

@@ -86,11 +86,17 @@ fn merge<T: Copy + PartialEq>(
     }
 }
 
+/// A longer name is not compared with others: it was not mistyped.
+const MAX_SIMILAR: usize = 100;
+
 /// The known name that is most like `name`, if one is like it at all.
 pub(crate) fn similar<'a>(
     name: &str,
     known: impl Iterator<Item = &'a Arc<str>>,
 ) -> Option<Arc<str>> {
+    if name.len() > MAX_SIMILAR {
+        return None;
+    }
     known
         .map(|candidate| {
             (

@@ -61,6 +61,8 @@ pub enum FaultKind {
     NoProgram(Value),
     /// Calls nest too deeply.
     TooDeep(u32),
+    /// One step calls functions and rules too often.
+    ManyCalls(u32),
     /// A loop does not end.
     Endless(u32),
     /// An interval or extent has too many elements.

@@ -417,6 +417,7 @@ impl Machine {
             runs: 0,
             iterations: 0,
             bindings: 0,
+            calls: 0,
             step,
             round: self.rounds,
             now_ns,

@@ -15,6 +15,9 @@ use value::Value;
 /// Calls may nest this deep.
 const MAX_DEPTH: u32 = 20_000;
 
+/// A step that calls more often than this is not what anybody meant: a recursion that branches.
+const MAX_CALLS: u32 = if cfg!(fuzzing) { 50_000 } else { 10_000_000 };
+
 /// What one body may need at most: its terms nest at most so deep that this will do.
 const FRAME: usize = 512 * 1024;
 
@@ -102,6 +105,8 @@ pub(crate) struct Run<'a> {
     pub depth: u32,
     /// How many runs with local state are open.
     pub runs: i64,
+    /// How often bodies and routines were called in this step.
+    pub calls: u32,
     /// How often the loops of the step went round.
     pub iterations: u32,
     /// How often variables were bound in this step.
@@ -327,6 +332,11 @@ impl Run<'_> {
             self.fail(FaultKind::TooDeep(MAX_DEPTH), origin);
             return false;
         }
+        if self.calls >= MAX_CALLS {
+            self.fail(FaultKind::ManyCalls(MAX_CALLS), origin);
+            return false;
+        }
+        self.calls += 1;
         self.depth += 1;
         true
     }

@@ -48,8 +48,8 @@ impl Witness {
 impl Machine {
     /// What the step saw that failed just now.
     pub fn witness(&self, fault: &Fault) -> Option<Witness> {
-        if matches!(fault.kind, FaultKind::Endless(_)) {
-            // the loop would run that long once more, and more slowly
+        if matches!(fault.kind, FaultKind::Endless(_) | FaultKind::ManyCalls(_)) {
+            // it would take that long once more, and longer
             return None;
         }
         let last = self.last_step();

@@ -219,6 +219,7 @@ fn kind(fault: &Fault) -> &'static str {
         FaultKind::RuleArity { .. } => "EXC:RuleArity",
         FaultKind::NoProgram(_) => "EXC:NoProgram",
         FaultKind::TooDeep(_) => "EXC:TooDeep",
+        FaultKind::ManyCalls(_) => "EXC:ManyCalls",
         FaultKind::Endless(_) => "EXC:Endless",
         FaultKind::TooLarge(_) => "EXC:TooLarge",
         FaultKind::Unbound => "EXC:Unbound",

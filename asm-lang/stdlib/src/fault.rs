@@ -5,7 +5,7 @@ use value::Real;
 
 /// The most elements a function may put into one collection or text. A specification that doubles
 /// a sequence at every step meets this fault, not the end of the memory.
-pub const LIMIT: usize = 1 << 24;
+pub const LIMIT: usize = if cfg!(fuzzing) { 1 << 14 } else { 1 << 24 };
 
 /// What stops a function. The message shows the values; [`Fault::help`] a way out.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

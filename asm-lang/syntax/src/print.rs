@@ -3,8 +3,11 @@
 //! The tree says where lines may end; words, signs and comments come from the text itself, one after
 //! the other, so that nothing is lost and nothing is put elsewhere.
 
+mod comments;
 mod file;
 mod layout;
+mod list;
+mod operator;
 mod rule;
 mod term;
 mod trivia;

@@ -1,11 +1,17 @@
 //! Words that are nearly other words.
 
+/// A longer word is no slip of the finger.
+const MAX_LENGTH: usize = 100;
+
 /// The candidate that differs from `written` by a slip of the finger, in whatever case, or that
 /// `written` begins.
 pub(crate) fn nearest<'a>(
     written: &str,
     candidates: impl IntoIterator<Item = &'a str>,
 ) -> Option<&'a str> {
+    if written.len() > MAX_LENGTH {
+        return None;
+    }
     let written = written.to_lowercase();
     let slips = |word: &str| {
         let word = word.to_lowercase();

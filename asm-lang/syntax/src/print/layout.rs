@@ -1,14 +1,14 @@
 //! Puts tokens on lines: the tokens come from the text, in its order, with their comments; where a
 //! line may end is said by who walks the tree.
 
-use super::trivia::{Comment, Tokens, indentation};
+use super::trivia::Tokens;
 use super::{INDENT, WIDTH};
 use crate::lexer::{Keyword, Sign, Token};
 use pretty::{Arena, BuildDoc, Doc, DocAllocator, DocBuilder, RefDoc};
 use source::Span;
 use std::borrow::Cow;
 
-type Piece<'text> = DocBuilder<'text, Arena<'text>>;
+pub(super) type Piece<'text> = DocBuilder<'text, Arena<'text>>;
 
 /// What stands between two tokens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,14 +50,14 @@ impl Break {
 }
 
 /// A part of a group.
-enum Part<'text> {
+pub(super) enum Part<'text> {
     Piece(Piece<'text>),
     Break(Break),
 }
 
 /// What was printed last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Last {
+pub(super) enum Last {
     Nothing,
     Token,
     /// A comment with something behind it.
@@ -68,17 +68,17 @@ enum Last {
 
 /// Prints the tokens of a text one after the other.
 pub(super) struct Layout<'text> {
-    arena: &'text Arena<'text>,
-    tokens: Tokens<'text>,
+    pub(super) arena: &'text Arena<'text>,
+    pub(super) tokens: Tokens<'text>,
     /// The token to print next.
-    next: usize,
+    pub(super) next: usize,
     /// The groups that are open, from the outside in.
     open: Vec<Vec<Part<'text>>>,
     /// Where the break before the next piece stands: which group, which part of it.
-    pending: Option<(usize, usize)>,
-    last: Last,
+    pub(super) pending: Option<(usize, usize)>,
+    pub(super) last: Last,
     /// How far lines are indented here.
-    indentation: usize,
+    pub(super) indentation: usize,
 }
 
 impl<'text> Layout<'text> {
@@ -135,7 +135,7 @@ impl<'text> Layout<'text> {
     }
 
     /// Whether an opening bracket was printed last.
-    fn after_bracket(&self) -> bool {
+    pub(super) fn after_bracket(&self) -> bool {
         let last = self
             .next
             .checked_sub(1)
@@ -289,7 +289,7 @@ impl<'text> Layout<'text> {
         after.leading = before.leading;
     }
 
-    fn push(&mut self, part: Part<'text>) {
+    pub(super) fn push(&mut self, part: Part<'text>) {
         if let Some(parts) = self.open.last_mut() {
             parts.push(part);
         }
@@ -299,7 +299,11 @@ impl<'text> Layout<'text> {
         self.text_of_width(text, text.chars().count())
     }
 
-    fn text_of_width(&self, text: impl Into<Cow<'text, str>>, width: usize) -> Piece<'text> {
+    pub(super) fn text_of_width(
+        &self,
+        text: impl Into<Cow<'text, str>>,
+        width: usize,
+    ) -> Piece<'text> {
         let text: RefDoc<'text> = self.arena.alloc(match text.into() {
             Cow::Borrowed(text) => Doc::BorrowedText(text),
             Cow::Owned(text) => Doc::OwnedText(text.into()),
@@ -308,7 +312,7 @@ impl<'text> Layout<'text> {
     }
 
     /// Decides the break before a piece; on a line of its own where it must be.
-    fn place(&mut self, own_line: bool, blank: bool) {
+    pub(super) fn place(&mut self, own_line: bool, blank: bool) {
         let forced = own_line || self.last == Last::LineEnd;
         let pending = self.pending.take();
         if let Some((group, part)) = pending {
@@ -332,7 +336,7 @@ impl<'text> Layout<'text> {
     }
 
     /// Takes back the break before the next piece.
-    fn drop_break(&mut self) {
+    pub(super) fn drop_break(&mut self) {
         if let Some((group, part)) = self.pending.take()
             && let Some(part) = self
                 .open
@@ -340,99 +344,6 @@ impl<'text> Layout<'text> {
                 .and_then(|parts| parts.get_mut(part))
         {
             *part = Part::Piece(self.arena.nil());
-        }
-    }
-
-    // ── comments ──
-
-    /// The comments before the next token that stand further right than what follows them: they
-    /// belong to the block that ends here.
-    pub(super) fn comments_inside(&mut self) {
-        let next = self.next;
-        let outside = self.tokens.indentation(self.tokens.line_of(next));
-        while let Some(comment) = self.tokens.gap_mut(next).leading.pop_front() {
-            let further = self.tokens.indentation(comment.start) > outside;
-            if comment.own_line && !(further && comment.ends_line) {
-                self.tokens.gap_mut(next).leading.push_front(comment);
-                return;
-            }
-            if comment.own_line {
-                self.separate(Break::Item);
-            }
-            self.comment(&comment);
-        }
-    }
-
-    /// The comments between a break and the group that begins behind it: they are not indented with
-    /// its lines.
-    fn comments_outside(&mut self) {
-        if self.pending.is_some() && !self.tokens.gap(self.next).leading.is_empty() {
-            self.leading_comments();
-            self.new_line();
-        }
-    }
-
-    /// Goes on in a new line where a comment ended the last one.
-    pub(super) fn new_line(&mut self) {
-        if self.last == Last::LineEnd && self.pending.is_none() {
-            self.separate(Break::Item);
-        }
-    }
-
-    fn leading_comments(&mut self) {
-        let next = self.next;
-        while let Some(comment) = self.tokens.gap_mut(next).leading.pop_front() {
-            self.comment(&comment);
-        }
-    }
-
-    fn trailing_comments(&mut self) {
-        let next = self.next;
-        while let Some(comment) = self.tokens.gap_mut(next).trailing.pop_front() {
-            self.drop_break();
-            self.push(Part::Piece(self.text_of_width(" ", 0)));
-            self.comment_text(&comment);
-        }
-    }
-
-    fn comment(&mut self, comment: &Comment<'text>) {
-        let touches = self.pending.is_none() && self.last == Last::Token && !self.after_bracket();
-        if touches && !comment.own_line {
-            self.push(Part::Break(Break::Blank));
-        }
-        self.place(comment.own_line, comment.blank);
-        self.comment_text(comment);
-    }
-
-    /// A comment does not count for the width of its line: it may not tear apart what it speaks of.
-    fn comment_text(&mut self, comment: &Comment<'text>) {
-        let mut lines = comment.text.split('\n');
-        let first = lines.next().unwrap_or("").trim_end();
-        self.push(Part::Piece(self.text_of_width(first, 0)));
-        let column = self.tokens.indentation(comment.start);
-        for line in lines {
-            let line = self.further_line(line, comment.own_line.then_some(column));
-            self.push(Part::Piece(line));
-        }
-        self.last = if comment.ends_line {
-            Last::LineEnd
-        } else {
-            Last::Comment
-        };
-    }
-
-    /// A line of a comment of several: it moves with the first one where that begins its line.
-    fn further_line(&self, line: &'text str, column: Option<usize>) -> Piece<'text> {
-        let newline = self.arena.hardline();
-        match column {
-            Some(column) => {
-                let further = indentation(line).saturating_sub(column);
-                let text = " ".repeat(further) + line.trim();
-                newline.append(self.text_of_width(text, 0))
-            }
-            None => newline
-                .append(self.text_of_width(line.trim_end(), 0))
-                .nest(-self.indentation.cast_signed()),
         }
     }
 }

@@ -1,0 +1,91 @@
+//! Whether a formatted text says what the text says.
+
+#[allow(dead_code, reason = "other tests use other parts of it")]
+#[path = "tree.rs"]
+mod tree;
+
+use asm_syntax::{format, parse};
+use source::FileId;
+
+/// The text in canonical layout, which says what the text says; `None` where it has errors.
+pub fn formatted(text: &str) -> Result<Option<String>, String> {
+    let Ok(once) = format(FileId(0), text) else {
+        return Ok(None);
+    };
+    let before = tree::file(&parse(FileId(0), text).file);
+    let again = parse(FileId(0), &once);
+    if again.report.has_errors() {
+        return Err(format!(
+            "has errors: {:?}\n{once}",
+            again.report.diagnostics.first()
+        ));
+    }
+    let after = tree::file(&again.file);
+    if before != after {
+        return Err(format!(
+            "is another tree: {}",
+            first_difference(&before, &after)
+        ));
+    }
+    if comments(text) != comments(&once) {
+        let (before, after) = (comments(text).join("\n"), comments(&once).join("\n"));
+        return Err(format!(
+            "has other comments: {}",
+            first_difference(&before, &after)
+        ));
+    }
+    match format(FileId(0), &once) {
+        Ok(twice) if twice == once => Ok(Some(once)),
+        Ok(twice) => Err(format!(
+            "is not stable: {}",
+            first_difference(&once, &twice)
+        )),
+        Err(report) => Err(format!("is refused: {report:?}\n{once}")),
+    }
+}
+
+/// The first line that differs, with those before it.
+fn first_difference(left: &str, right: &str) -> String {
+    let (left, right): (Vec<&str>, Vec<&str>) = (left.lines().collect(), right.lines().collect());
+    let same = left.iter().zip(&right).take_while(|(a, b)| a == b).count();
+    let context = left[same.saturating_sub(3)..same].join("\n");
+    format!(
+        "line {}\n{context}\n- {:?}\n+ {:?}",
+        same + 1,
+        left.get(same),
+        right.get(same)
+    )
+}
+
+/// The comments of a text in order, blanks at the ends of their lines apart.
+fn comments(text: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut rest = text;
+    while let Some(first) = rest.chars().next() {
+        let length = if rest.starts_with("//") {
+            rest.find(['\n', '\r']).unwrap_or(rest.len())
+        } else if let Some(inside) = rest.strip_prefix("/*") {
+            inside.find("*/").map_or(rest.len(), |end| end + 4)
+        } else if first == '"' || first == '\'' {
+            quoted(rest, first)
+        } else {
+            first.len_utf8()
+        };
+        if length > 1 && rest.starts_with('/') {
+            let lines = rest[..length].lines().map(str::trim);
+            found.push(lines.collect::<Vec<_>>().join("\n"));
+        }
+        rest = &rest[length..];
+    }
+    found
+}
+
+pub fn quoted(text: &str, quote: char) -> usize {
+    let mut escaped = false;
+    let end = text[1..].find(|c| {
+        let ends = c == quote && !escaped;
+        escaped = c == '\\' && !escaped;
+        ends
+    });
+    end.map_or(1, |end| end + 2)
+}
