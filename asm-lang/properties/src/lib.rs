@@ -8,9 +8,6 @@ use asm_lang::simulate::{Causes, Random, Simulation, Stopped};
 use asm_lang::source::FileId;
 use asm_lang::{Files, Report, Specification, Style, render_all, syntax};
 
-/// A property and what it is called on the command line.
-pub const PROPERTIES: &[(&str, fn(&[u8]))] = &[("parse", parse), ("check", check), ("fmt", fmt)];
-
 /// So many steps are done with what opens.
 const STEPS: u64 = 3;
 
