@@ -1,6 +1,7 @@
 //! The properties on programs of the language with something changed in them: a bounded run of what
 //! the fuzzers do without end, the same every time.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![allow(clippy::disallowed_methods, reason = "the programs are on the disk")]
 
 use asm_properties::{check, fmt, parse};
