@@ -9,82 +9,82 @@ import StandardLibrary
 export *
 
 signature:
-    // ---- operators ----------------------------------------------------------------------
+	// ---- operators ----------------------------------------------------------------------
 
-    // on some run, in the next state
-    static ex: Boolean -> Boolean
-    // on every run, in the next state
-    static ax: Boolean -> Boolean
-    // on some run, in some state, this one included
-    static ef: Boolean -> Boolean
-    // on every run, in some state, this one included
-    static af: Boolean -> Boolean
-    // on some run, in every state, this one included
-    static eg: Boolean -> Boolean
-    // on every run, in every state, this one included
-    static ag: Boolean -> Boolean
-    // eu(p, q): on some run q comes about, and p holds until then
-    static eu: Prod(Boolean, Boolean) -> Boolean
-    // au(p, q): on every run q comes about, and p holds until then
-    static au: Prod(Boolean, Boolean) -> Boolean
-    // exN(p, n): on some run, n steps from here
-    static exN: Prod(Boolean, Natural) -> Boolean
-    // axN(p, n): on every run, n steps from here
-    static axN: Prod(Boolean, Natural) -> Boolean
+	// on some run, in the next state
+	static ex: Boolean -> Boolean
+	// on every run, in the next state
+	static ax: Boolean -> Boolean
+	// on some run, in some state, this one included
+	static ef: Boolean -> Boolean
+	// on every run, in some state, this one included
+	static af: Boolean -> Boolean
+	// on some run, in every state, this one included
+	static eg: Boolean -> Boolean
+	// on every run, in every state, this one included
+	static ag: Boolean -> Boolean
+	// eu(p, q): on some run q comes about, and p holds until then
+	static eu: Prod(Boolean, Boolean) -> Boolean
+	// au(p, q): on every run q comes about, and p holds until then
+	static au: Prod(Boolean, Boolean) -> Boolean
+	// exN(p, n): on some run, n steps from here
+	static exN: Prod(Boolean, Natural) -> Boolean
+	// axN(p, n): on every run, n steps from here
+	static axN: Prod(Boolean, Natural) -> Boolean
 
-    // ---- weak until ---------------------------------------------------------------------
+	// ---- weak until ---------------------------------------------------------------------
 
-    // ew(p, q): on some run p holds until q, or for ever
-    static ew: Prod(Boolean, Boolean) -> Boolean
-    // aw(p, q): on every run p holds until q, or for ever
-    static aw: Prod(Boolean, Boolean) -> Boolean
+	// ew(p, q): on some run p holds until q, or for ever
+	static ew: Prod(Boolean, Boolean) -> Boolean
+	// aw(p, q): on every run p holds until q, or for ever
+	static aw: Prod(Boolean, Boolean) -> Boolean
 
-    // ---- property patterns (Dwyer, Avrunin, Corbett) ------------------------------------
+	// ---- property patterns (Dwyer, Avrunin, Corbett) ------------------------------------
 
-    // p never holds
-    static absenceG: Boolean -> Boolean
-    // absenceBefore(p, r): p does not hold before the first r
-    static absenceBefore: Prod(Boolean, Boolean) -> Boolean
-    // absenceAfter(p, q): p does not hold once q did
-    static absenceAfter: Prod(Boolean, Boolean) -> Boolean
-    // absenceBetween(p, q, r): p does not hold between a q and the r that follows it
-    static absenceBetween: Prod(Boolean, Boolean, Boolean) -> Boolean
-    // absenceAfterUntil(p, q, r): p does not hold after a q until r, even if no r follows
-    static absenceAfterUntil: Prod(Boolean, Boolean, Boolean) -> Boolean
-    // ap(p, s): p is preceded by s
-    static ap: Prod(Boolean, Boolean) -> Boolean
-    // pb(p, s, r): before the first r, p is preceded by s
-    static pb: Prod(Boolean, Boolean, Boolean) -> Boolean
+	// p never holds
+	static absenceG: Boolean -> Boolean
+	// absenceBefore(p, r): p does not hold before the first r
+	static absenceBefore: Prod(Boolean, Boolean) -> Boolean
+	// absenceAfter(p, q): p does not hold once q did
+	static absenceAfter: Prod(Boolean, Boolean) -> Boolean
+	// absenceBetween(p, q, r): p does not hold between a q and the r that follows it
+	static absenceBetween: Prod(Boolean, Boolean, Boolean) -> Boolean
+	// absenceAfterUntil(p, q, r): p does not hold after a q until r, even if no r follows
+	static absenceAfterUntil: Prod(Boolean, Boolean, Boolean) -> Boolean
+	// ap(p, s): p is preceded by s
+	static ap: Prod(Boolean, Boolean) -> Boolean
+	// pb(p, s, r): before the first r, p is preceded by s
+	static pb: Prod(Boolean, Boolean, Boolean) -> Boolean
 
-    // ---- old specifications -------------------------------------------------------------
+	// ---- old specifications -------------------------------------------------------------
 
-    // marks an axiom as a CTL property, in `over ctl`
-    static ctl: Boolean
+	// marks an axiom as a CTL property, in `over ctl`
+	static ctl: Boolean
 
 definitions:
-    function ew($p in Boolean, $q in Boolean) =
-        eu($p, $q) or eg($p)
+	function ew($p in Boolean, $q in Boolean) =
+		eu($p, $q) or eg($p)
 
-    function aw($p in Boolean, $q in Boolean) =
-        not eu(not $q, not ($p or $q))
+	function aw($p in Boolean, $q in Boolean) =
+		not eu(not $q, not ($p or $q))
 
-    function absenceG($p in Boolean) =
-        ag(not $p)
+	function absenceG($p in Boolean) =
+		ag(not $p)
 
-    function absenceBefore($p in Boolean, $r in Boolean) =
-        aw(not $p or ag(not $r), $r)
+	function absenceBefore($p in Boolean, $r in Boolean) =
+		aw(not $p or ag(not $r), $r)
 
-    function absenceAfter($p in Boolean, $q in Boolean) =
-        ag($q implies ag(not $p))
+	function absenceAfter($p in Boolean, $q in Boolean) =
+		ag($q implies ag(not $p))
 
-    function absenceBetween($p in Boolean, $q in Boolean, $r in Boolean) =
-        ag($q and not $r implies aw(not $p or ag(not $r), $r))
+	function absenceBetween($p in Boolean, $q in Boolean, $r in Boolean) =
+		ag($q and not $r implies aw(not $p or ag(not $r), $r))
 
-    function absenceAfterUntil($p in Boolean, $q in Boolean, $r in Boolean) =
-        ag($q and not $r implies aw(not $p, $r))
+	function absenceAfterUntil($p in Boolean, $q in Boolean, $r in Boolean) =
+		ag($q and not $r implies aw(not $p, $r))
 
-    function ap($p in Boolean, $s in Boolean) =
-        aw(not $p, $s)
+	function ap($p in Boolean, $s in Boolean) =
+		aw(not $p, $s)
 
-    function pb($p in Boolean, $s in Boolean, $r in Boolean) =
-        aw(not $p or ag(not $r), $s or $r)
+	function pb($p in Boolean, $s in Boolean, $r in Boolean) =
+		aw(not $p or ag(not $r), $s or $r)

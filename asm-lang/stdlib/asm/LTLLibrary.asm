@@ -10,37 +10,37 @@ import StandardLibrary
 export *
 
 signature:
-    // ---- future -------------------------------------------------------------------------
+	// ---- future -------------------------------------------------------------------------
 
-    // next: in the next state
-    static x: Boolean -> Boolean
-    // globally: in this state and every later one
-    static g: Boolean -> Boolean
-    // finally: in this state or some later one
-    static f: Boolean -> Boolean
-    // until: u(p, q), q comes about, and p holds until then
-    static u: Prod(Boolean, Boolean) -> Boolean
-    // releases: v(p, q), q holds up to and including the first state with p, or for ever
-    static v: Prod(Boolean, Boolean) -> Boolean
+	// next: in the next state
+	static x: Boolean -> Boolean
+	// globally: in this state and every later one
+	static g: Boolean -> Boolean
+	// finally: in this state or some later one
+	static f: Boolean -> Boolean
+	// until: u(p, q), q comes about, and p holds until then
+	static u: Prod(Boolean, Boolean) -> Boolean
+	// releases: v(p, q), q holds up to and including the first state with p, or for ever
+	static v: Prod(Boolean, Boolean) -> Boolean
 
-    // ---- past ---------------------------------------------------------------------------
+	// ---- past ---------------------------------------------------------------------------
 
-    // yesterday: there is a state before this one, and it holds there
-    static y: Boolean -> Boolean
-    // weak yesterday: this is the first state, or it holds in the one before
-    static z: Boolean -> Boolean
-    // historically: in this state and every earlier one
-    static h: Boolean -> Boolean
-    // once: in this state or some earlier one
-    static o: Boolean -> Boolean
-    // since: s(p, q), q held once, and p holds since then
-    static s: Prod(Boolean, Boolean) -> Boolean
-    // triggered: t(p, q), q holds since and including the last state with p, or always did
-    static t: Prod(Boolean, Boolean) -> Boolean
+	// yesterday: there is a state before this one, and it holds there
+	static y: Boolean -> Boolean
+	// weak yesterday: this is the first state, or it holds in the one before
+	static z: Boolean -> Boolean
+	// historically: in this state and every earlier one
+	static h: Boolean -> Boolean
+	// once: in this state or some earlier one
+	static o: Boolean -> Boolean
+	// since: s(p, q), q held once, and p holds since then
+	static s: Prod(Boolean, Boolean) -> Boolean
+	// triggered: t(p, q), q holds since and including the last state with p, or always did
+	static t: Prod(Boolean, Boolean) -> Boolean
 
-    // ---- old specifications -------------------------------------------------------------
+	// ---- old specifications -------------------------------------------------------------
 
-    // marks an axiom as an LTL property, in `over ltl`
-    static ltl: Boolean
+	// marks an axiom as an LTL property, in `over ltl`
+	static ltl: Boolean
 
 definitions:
