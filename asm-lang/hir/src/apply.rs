@@ -1,7 +1,7 @@
 //! Names applied to arguments: which of several functions or rules is meant.
 
 use crate::error::HirError;
-use crate::model::{FunctionId, Meaning, Term, TermKind};
+use crate::model::{DomainKind, FunctionId, Meaning, Term, TermKind};
 use crate::resolver::Resolver;
 use crate::types::{Bindings, Type, TypeId};
 use source::Span;
@@ -115,6 +115,7 @@ impl Resolver<'_> {
         let Some((_, function, bindings)) = fitting.min_by_key(|(fit, ..)| *fit) else {
             return self.no_overload(shown, candidates, &arguments, span);
         };
+        self.lint_width(function, &arguments);
         let codomain = self.declared.functions[function.0 as usize].codomain;
         let ty = self
             .declared
@@ -142,6 +143,53 @@ impl Resolver<'_> {
             ty,
             span,
         }
+    }
+
+    /// Says where an argument may be no element of the subset of an abstract domain that a function is
+    /// declared for. What mentions `self` is what the author knows better.
+    fn lint_width(&mut self, function: FunctionId, arguments: &[Term]) {
+        let declared = &self.declared.functions[function.0 as usize];
+        if declared.library || declared.parameters.len() != arguments.len() {
+            return;
+        }
+        let (name, span) = (declared.name.clone(), declared.span);
+        let pairs: Vec<(TypeId, TypeId, Span)> = declared
+            .parameters
+            .iter()
+            .zip(arguments)
+            .filter(|(_, argument)| !self.is_self(argument))
+            .map(|(&wanted, argument)| (wanted, argument.ty, argument.span))
+            .collect();
+        for (wanted, actual, at) in pairs {
+            if self.is_wider(actual, wanted) {
+                let (wanted, actual) = (self.show(wanted), self.show(actual));
+                self.error(HirError::TooWide {
+                    name: name.clone(),
+                    wanted,
+                    actual,
+                    at,
+                    declared: span,
+                });
+            }
+        }
+    }
+
+    fn is_self(&self, term: &Term) -> bool {
+        matches!(&*term.kind, TermKind::Apply(function, _)
+            if &*self.declared.functions[function.0 as usize].name == "self")
+    }
+
+    /// Whether one domain is abstract, and the other a subset of it.
+    fn is_wider(&self, wide: TypeId, narrow: TypeId) -> bool {
+        let (types, domains) = (&self.declared.types, &self.declared.domains);
+        let is_abstract = match types.get(types.root(wide, domains)) {
+            Type::Domain(root) => domains[root.0 as usize].kind == DomainKind::Abstract,
+            _ => false,
+        };
+        is_abstract
+            && wide != narrow
+            && matches!(types.get(narrow), Type::Domain(_))
+            && types.reach(narrow, domains).any(|part| part == wide)
     }
 
     /// How well a function fits the arguments, and what its type variables become.

@@ -192,6 +192,11 @@ impl Declared {
             .collect();
         let mut undefined = Vec::new();
         for function in &unit.tree.functions {
+            if function.kind == FunctionKind::Local {
+                let (name, at) = (function.name.text.clone(), function.name.span);
+                self.report
+                    .push(HirError::LocalInSignature { name, at }.diagnostic());
+            }
             let codomain = self.resolve_type(index, &function.codomain);
             let parameters = match &function.domain {
                 None => Vec::new(),
@@ -230,7 +235,10 @@ impl Declared {
             }
             self.functions.push(Function {
                 name: name.text.clone(),
-                kind: function.kind,
+                kind: match function.kind {
+                    FunctionKind::Local => FunctionKind::Controlled,
+                    kind => kind,
+                },
                 parameters,
                 codomain,
                 meaning,

@@ -135,6 +135,24 @@ pub(crate) enum HirError {
     DefinesItself { name: Name, at: Span },
     #[error("`{function}` is set by the machine, so no rule may update it")]
     WritesReserved { function: Name, at: Span },
+    #[error("a Natural is wanted, this is an Integer")]
+    IntegerForNatural { number: String, at: Span },
+    #[error("`{name}` is local, but no rule declares it")]
+    LocalInSignature { name: Name, at: Span },
+    #[error("`{domain}` is extended, but not declared dynamic")]
+    ExtendsStatic {
+        domain: Name,
+        at: Span,
+        declared: Span,
+    },
+    #[error("`{name}` is declared for {wanted}, this is any {actual}")]
+    TooWide {
+        name: Name,
+        wanted: String,
+        actual: String,
+        at: Span,
+        declared: Span,
+    },
     #[error("`{name}` does not say what it returns")]
     ResultUndeclared {
         name: Name,
@@ -382,6 +400,20 @@ impl HirError {
             Self::WritesReserved { at, function } => error("A034")
                 .label(*at, "updated here")
                 .help(format!("`{function}` is the agent whose program runs: run it with `program(agent)`")),
+            Self::IntegerForNatural { at, number } => warning("W025")
+                .label(*at, "taken for the Natural of this size")
+                .fix("a Natural is written so", *at, number.clone()),
+            Self::LocalInSignature { at, .. } => warning("W026")
+                .label(*at, "taken for a controlled function")
+                .help("declare it `controlled`, or in front of the body of a turbo rule, as in `local f: Integer [f := 0]`"),
+            Self::ExtendsStatic { at, declared, .. } => warning("W027")
+                .label(*at, "extended here")
+                .label(*declared, "declared here")
+                .help("write `dynamic` in front of the declaration: the reference tools insist on it"),
+            Self::TooWide { at, declared, wanted, .. } => warning("W028")
+                .label(*at, format!("may be no element of {wanted}"))
+                .label(*declared, "declared here")
+                .help("range over the smaller domain, or declare the function for the larger one"),
             Self::ResultUndeclared { at, declared, .. } => warning("W022")
                 .label(*at, "its result is wanted here")
                 .label(*declared, "declared without `in Domain`")

@@ -131,6 +131,11 @@ impl<'a> Resolver<'a> {
             return;
         }
         let number = self.written_as(term, wanted);
+        if let (Some(number), true) = (&number, self.is_natural(term, wanted)) {
+            let number = number.clone();
+            let at = term.span;
+            return self.error(HirError::IntegerForNatural { number, at });
+        }
         let (wanted, actual) = (self.show(wanted), self.show(term.ty));
         self.error(HirError::Mismatch {
             what: what.to_owned(),
@@ -140,6 +145,14 @@ impl<'a> Resolver<'a> {
             because,
             number,
         });
+    }
+
+    /// Whether a term is a number that a Natural may be, and a Natural is wanted: older models do not
+    /// tell them apart.
+    fn is_natural(&self, term: &Term, wanted: TypeId) -> bool {
+        let root = self.declared.types.root(wanted, &self.declared.domains);
+        *self.declared.types.get(root) == Type::Natural
+            && matches!(*term.kind, TermKind::Value(Value::Int(0..)))
     }
 
     /// How a number is written in another domain of numbers.

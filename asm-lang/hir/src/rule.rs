@@ -357,6 +357,15 @@ impl Resolver<'_> {
                 declared,
             });
         }
+        let extended = &self.declared.domains[id.0 as usize];
+        if extensible && !extended.dynamic {
+            let declared = extended.span;
+            self.error(HirError::ExtendsStatic {
+                domain: domain.text.clone(),
+                at: domain.span,
+                declared,
+            });
+        }
         RuleKind::Extend(id, body.0, body.1)
     }
 

@@ -75,7 +75,12 @@ type Index = BTreeMap<(&'static str, &'static str), &'static Builtin>;
 
 static INDEX: LazyLock<Index> = LazyLock::new(|| index(builtins()));
 static COMPATIBLE: LazyLock<Index> = LazyLock::new(|| {
-    let topics = [set::COMPATIBLE, integer::COMPATIBLE, any::COMPATIBLE];
+    let topics = [
+        set::COMPATIBLE,
+        integer::COMPATIBLE,
+        real::COMPATIBLE,
+        any::COMPATIBLE,
+    ];
     index(topics.into_iter().flatten())
 });
 

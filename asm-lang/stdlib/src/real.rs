@@ -206,6 +206,17 @@ pub(crate) const TABLE: &[Builtin] = &[
     strict("rton", "Real", |arguments, _| unary(arguments, to_natural)),
 ];
 
+/// What the reference tool computes instead: what is too large is the largest integer, and what is no
+/// number is 0.
+pub(crate) const COMPATIBLE: &[Builtin] = &[
+    strict("rtoi", "Real", |arguments, _| {
+        unary(arguments, |number: f64| number as i64)
+    }),
+    strict("rton", "Real", |arguments, _| {
+        unary(arguments, |number: f64| number as i64)
+    }),
+];
+
 #[cfg(test)]
 mod tests {
     use super::*;
