@@ -2,6 +2,7 @@
 //! brings the pipeline down.
 
 mod conformance;
+mod differences;
 mod limits;
 mod messages;
 mod replay;

@@ -82,7 +82,7 @@ fn steps(
 }
 
 /// The update set of a trace of one step, as the comments write it.
-fn updates(trace: &str) -> Vec<String> {
+pub(super) fn updates(trace: &str) -> Vec<String> {
     let updates = trace.lines().filter_map(|line| {
         let (word, fact) = line.split_once(' ')?;
         match word {
