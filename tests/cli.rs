@@ -172,6 +172,23 @@ fn a_file_that_cannot_be_rewritten_is_left_as_it_is() {
 }
 
 #[test]
+fn check_explains_its_codes() {
+    let (code, out, _) = run(&["check", "--explain", "r001"]);
+    assert_eq!(code, 0);
+    assert!(
+        out.starts_with("# R001: ") && out.contains("Mended:"),
+        "{out}"
+    );
+    let (code, out, _) = run(&["check", "--explain"]);
+    assert_eq!(code, 0);
+    assert!(out.contains("\nC001  the file is not TOML"), "{out}");
+    assert!(out.lines().count() > 150, "{out}");
+    let (code, _, err) = run(&["check", "--explain", "A1"]);
+    assert_eq!(code, 2);
+    assert!(err.contains("did you mean `A001`?"), "{err}");
+}
+
+#[test]
 fn sim_takes_its_inputs_by_name() {
     let script = "[default]\nestop = false\ncancelArrived = false\ngoalArrived = false\nevent = \"NOTHING\"\n\
                   [[step]]\ngoalArrived = true\n[[step]]\nevent = \"MAP_OK\"\n[[step]]\nevent = \"PATH_OK\"\n";

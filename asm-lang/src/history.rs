@@ -317,7 +317,7 @@ impl History {
             FunctionKind::Fixed | FunctionKind::Local => {
                 let name = &program.symbols.functions[function.0 as usize];
                 let finding =
-                    Diagnostic::error("R017", format!("`{name}` is computed, so it cannot be set"))
+                    Diagnostic::error("R018", format!("`{name}` is computed, so it cannot be set"))
                         .help("set what its definition reads");
                 let mut report = Report::new();
                 report.push(finding);

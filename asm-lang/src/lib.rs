@@ -17,6 +17,7 @@
 //! # Ok::<(), String>(())
 //! ```
 
+pub mod codes;
 mod explain;
 mod files;
 mod history;

@@ -1,5 +1,6 @@
 //! `asmotion check`: what is wrong, before anything runs.
 
+mod explain;
 mod json;
 mod mend;
 
@@ -17,8 +18,12 @@ use serde_json::{Value, json};
 #[derive(Args)]
 pub struct Check {
     /// Specifications (`.asm`) and composites (`.toml`).
-    #[arg(required = true)]
+    #[arg(required_unless_present = "explain")]
     files: Vec<String>,
+
+    /// What a code means, with an example and the same one mended; without a code, all of them.
+    #[arg(long, value_name = "CODE", num_args = 0..=1, conflicts_with_all = ["files", "fix"])]
+    explain: Option<Option<String>>,
 
     /// How findings are written.
     #[arg(long, value_enum, default_value_t = Format::Full)]
@@ -68,6 +73,9 @@ struct Seen {
 impl Check {
     /// Checks all files.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
+        if let Some(code) = &self.explain {
+            return explain::explain(code.as_deref(), terminal);
+        }
         let mut seen = Seen::default();
         for path in &self.files {
             if self.format() == Format::Full {

@@ -71,7 +71,7 @@ fn has_an_example_of_every_code() {
 }
 
 /// The codes found with their lines, and what a reader sees.
-fn said(name: &str, text: &str) -> (Vec<(usize, &'static str)>, String) {
+pub(super) fn said(name: &str, text: &str) -> (Vec<(usize, &'static str)>, String) {
     match super::open(name, text) {
         Err(failure) => (
             lines(&failure.report, &failure.sources),

@@ -1,0 +1,62 @@
+//! `asmotion check --explain`: what a code means.
+
+use crate::exit::Exit;
+use crate::terminal::{NAME, Terminal};
+use asm_lang::codes;
+use assembly::CODES;
+
+/// The page of a code, or all codes with one line each.
+pub fn explain(name: Option<&str>, terminal: &mut Terminal) -> Exit {
+    let Some(name) = name else {
+        for (name, meaning) in all() {
+            terminal.result(format_args!("{NAME}{name}{NAME:#}  {meaning}"));
+        }
+        return Exit::Ok;
+    };
+    if let Some(code) = codes::code(name) {
+        terminal.result(code.page.trim_end());
+        return Exit::Ok;
+    }
+    let known = CODES
+        .iter()
+        .find(|(code, _)| code.eq_ignore_ascii_case(name));
+    if let Some((code, meaning)) = known {
+        terminal.result(format_args!("# {code}: {meaning}"));
+        return Exit::Ok;
+    }
+    terminal.error(format_args!("there is no code `{name}`"));
+    match nearest(name) {
+        Some(near) => terminal.say(format_args!("did you mean `{near}`?")),
+        None => terminal.say("`asmotion check --explain` lists all codes"),
+    }
+    Exit::Usage
+}
+
+/// Every code and its meaning, by family.
+fn all() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let language = codes::CODES.iter().map(|code| (code.name, code.meaning()));
+    language.chain(CODES.iter().copied())
+}
+
+/// The first code that differs in one letter, or in how many zeros it has.
+fn nearest(name: &str) -> Option<&'static str> {
+    let family = name.chars().next()?.to_ascii_uppercase();
+    let number: Option<u32> = name.get(1..).and_then(|digits| digits.parse().ok());
+    let same_number = |code: &&str| {
+        code.starts_with(family) && code.get(1..).and_then(|it| it.parse().ok()) == number
+    };
+    let slips = |code: &str| {
+        let letters = code.chars().zip(name.chars());
+        letters
+            .filter(|(one, other)| !one.eq_ignore_ascii_case(other))
+            .count()
+    };
+    let mut names = all().map(|(code, _)| code);
+    if number.is_some()
+        && let Some(code) = names.find(same_number)
+    {
+        return Some(code);
+    }
+    let mut names = all().map(|(code, _)| code);
+    names.find(|code| code.len() == name.len() && slips(code) == 1)
+}

@@ -1,0 +1,227 @@
+//! The pages of the codes: every code has one, its wrong example earns the code, the mended one does
+//! not, and some snapshot shows the finding as a reader sees it.
+
+use super::messages::said;
+use asm_lang::codes::{CODES, Code};
+use asm_lang::simulate::Script;
+use asm_lang::simulate::scenario::{Compat, Options};
+use asm_lang::{Failure, Files, Report, Sources, Style, render_all};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// Codes that no example earns by itself: they are about files, limits and what stands outside of
+/// specifications.
+const WITHOUT_EXAMPLE: &[&str] = &[
+    "A012", "A013", "L063", "R018", "S000", "V010", "V017", "V018", "V019", "V022", "V023",
+];
+
+#[test]
+fn have_a_page_each() {
+    let pages: BTreeSet<&str> = CODES.iter().map(|code| code.name).collect();
+    let found = constructed(&["asm-lang", "src"]);
+    let found: BTreeSet<&str> = found.iter().map(String::as_str).collect();
+    assert_eq!(
+        found.symmetric_difference(&pages).collect::<Vec<_>>(),
+        Vec::<&&str>::new(),
+        "with a page and not made, or the other way round"
+    );
+    let files = std::fs::read_dir(root().join("asm-lang/codes")).unwrap();
+    assert_eq!(files.count(), CODES.len());
+    for code in CODES {
+        let heading = format!("# {}: {}\n\n", code.name, code.meaning());
+        assert!(code.page.starts_with(&heading), "{}", code.name);
+        assert!(code.meaning().len() < 80, "{}", code.name);
+    }
+}
+
+#[test]
+fn have_examples_that_are_true() {
+    let mut wrong = String::new();
+    for code in CODES {
+        let examples = (example(code, "wrong"), example(code, "mended"));
+        let (Some(before), Some(after)) = examples else {
+            let excused = WITHOUT_EXAMPLE.contains(&code.name);
+            assert!(excused, "{} has no example", code.name);
+            continue;
+        };
+        if !before.contains(code.name) {
+            wrong.push_str(&format!(
+                "{}: the wrong example earns {before:?}\n",
+                code.name
+            ));
+        }
+        // a module that is well formed has nothing to run
+        let is_wrong = |code: &String| !code.starts_with('W') && code != "R015";
+        if after.contains(code.name) || after.iter().any(is_wrong) {
+            wrong.push_str(&format!(
+                "{}: the mended example earns {after:?}\n",
+                code.name
+            ));
+        }
+    }
+    assert!(wrong.is_empty(), "\n{wrong}");
+}
+
+/// The codes an example earns. What stands outside of specifications has no snapshots elsewhere.
+fn example(code: &Code, which: &str) -> Option<BTreeSet<String>> {
+    let (found, rendered) = if let Some(text) = code.example(&format!("asm {which}")) {
+        let (found, _) = said("example", text);
+        return Some(found.iter().map(|(_, code)| (*code).to_owned()).collect());
+    } else if let Some(script) = code.example(&format!("toml {which}")) {
+        of_script(code.example("asm")?, script)
+    } else {
+        let scenario = code.example(&format!("avalla {which}"))?;
+        of_scenario(code.example("asm")?, scenario)
+    };
+    if which == "wrong" {
+        snapshot(code.name, &rendered);
+    }
+    Some(found)
+}
+
+fn of_script(specification: &str, script: &str) -> (BTreeSet<String>, String) {
+    let mut specification = super::opened("example", specification);
+    let file = specification.sources.add("inputs.toml", script);
+    let report = match Script::read(file, script, &specification.program) {
+        Ok(_) => Report::new(),
+        Err(report) => report,
+    };
+    shown(&report, &specification.sources)
+}
+
+fn of_scenario(specification: &str, scenario: &str) -> (BTreeSet<String>, String) {
+    let mut files = Files::new();
+    files.add("example.asm", specification);
+    files.add("example.avalla", scenario);
+    let tested = asm_lang::scenario::test(
+        "example.avalla",
+        &files,
+        Compat::default(),
+        &Options {
+            max_steps: 100,
+            ..Options::default()
+        },
+    );
+    match tested {
+        Ok(tested) => shown(&tested.report, &tested.specification.sources),
+        Err(failure) => shown(&failure.report, &failure.sources),
+    }
+}
+
+fn shown(report: &Report, sources: &Sources) -> (BTreeSet<String>, String) {
+    let findings = &report.diagnostics;
+    let codes = findings.iter().map(|finding| finding.code.to_owned());
+    (codes.collect(), render_all(report, sources, Style::Plain))
+}
+
+/// What takes too much text for a page, or no text at all.
+#[test]
+fn are_rendered_for_limits_and_missing_files() {
+    let block = |index: usize, inside: &str| format!("begin b{index}\n{inside}end\n");
+    let nested = (0..100).fold("step\n".to_owned(), |inside, index| block(index, &inside));
+    let chain = |calls: usize| -> String {
+        let call = |index: usize| format!("execblock b{};\n", index + 1).repeat(calls);
+        let blocks = (0..100).map(|index| block(index, &call(index)));
+        blocks.collect::<String>() + &block(100, "step\n") + "execblock b0;\n"
+    };
+    let until = "step until false;\n".to_owned();
+    for (code, commands) in [
+        ("V010", nested),
+        ("V017", chain(2)),
+        ("V019", chain(1)),
+        ("V022", until),
+    ] {
+        let specification = "asm example\nsignature:\ndefinitions:\n  main rule r_Main = skip\n";
+        let scenario = format!("scenario example\nload example.asm\n{commands}");
+        let (found, rendered) = of_scenario(specification, &scenario);
+        assert!(found.contains(code), "{code}: {rendered}");
+        snapshot(code, &rendered);
+    }
+    let (found, rendered) = failed(asm_lang::open("nowhere.asm", &Files::new()));
+    assert!(found.contains("A013"), "{rendered}");
+    snapshot("A013", &rendered);
+    let mut files = Files::new();
+    for index in 0..100 {
+        let next = index + 1;
+        let text = format!("module m{index}\nimport m{next}\nexport *\nsignature:\ndefinitions:\n");
+        files.add(&format!("m{index}.asm"), text);
+    }
+    let (found, rendered) = failed(asm_lang::open("m0.asm", &files));
+    assert!(found.contains("A012"), "{rendered}");
+    snapshot("A012", &rendered);
+}
+
+fn failed<T>(opened: Result<T, Failure>) -> (BTreeSet<String>, String) {
+    match opened {
+        Ok(_) => (BTreeSet::new(), String::new()),
+        Err(failure) => shown(&failure.report, &failure.sources),
+    }
+}
+
+fn snapshot(code: &str, rendered: &str) {
+    insta::with_settings!({
+        snapshot_path => "codes",
+        prepend_module_to_snapshot => false,
+        omit_expression => true,
+    }, { insta::assert_snapshot!(code, rendered); });
+}
+
+/// Every code of the sources is rendered in a snapshot.
+#[test]
+fn are_seen_in_a_snapshot_each() {
+    let mut shown = String::new();
+    let folders = ["tests", "asm-lang", "engine"];
+    for folder in folders {
+        each_file(&root().join(folder), &mut |path| {
+            if path.extension().is_some_and(|end| end == "snap") {
+                shown.push_str(&std::fs::read_to_string(path).unwrap());
+            }
+        });
+    }
+    let unseen: Vec<String> = constructed(&["asm-lang", "engine", "src"])
+        .into_iter()
+        .filter(|code| !shown.contains(code.as_str()))
+        .collect();
+    assert_eq!(unseen, Vec::<String>::new());
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).to_owned()
+}
+
+/// The codes that stand as texts of their own in the sources of these folders, tests left out.
+fn constructed(folders: &[&str]) -> BTreeSet<String> {
+    let mut codes = BTreeSet::new();
+    for folder in folders {
+        each_file(&root().join(folder), &mut |path| {
+            let is_source = path.extension().is_some_and(|end| end == "rs");
+            if is_source
+                && !path
+                    .iter()
+                    .any(|part| part == "tests" || part == "codes.rs")
+            {
+                let text = std::fs::read_to_string(path).unwrap();
+                let text = text.split("#[cfg(test)]").next().unwrap();
+                let words = text.split('"').filter(|word| is_code(word));
+                codes.extend(words.map(str::to_owned));
+            }
+        });
+    }
+    codes
+}
+
+fn is_code(word: &str) -> bool {
+    word.len() == 4
+        && word.starts_with(['A', 'C', 'L', 'R', 'S', 'V', 'W'])
+        && word[1..].bytes().all(|digit| digit.is_ascii_digit())
+}
+
+fn each_file(folder: &Path, see: &mut dyn FnMut(&Path)) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        match path.is_dir() {
+            true => each_file(&path, see),
+            false => see(&path),
+        }
+    }
+}
