@@ -172,6 +172,16 @@ fn a_file_that_cannot_be_rewritten_is_left_as_it_is() {
 }
 
 #[test]
+fn a_script_that_is_missing_is_named() {
+    let (code, _, err) = run(&["sim", "specs/patrol/patrol.asm", "--env", "nowhere.toml"]);
+    assert_eq!(code, 2);
+    assert!(
+        err.contains("error[S000]") && err.contains("nowhere.toml"),
+        "{err}"
+    );
+}
+
+#[test]
 fn check_explains_its_codes() {
     let (code, out, _) = run(&["check", "--explain", "r001"]);
     assert_eq!(code, 0);

@@ -118,17 +118,18 @@ fn shown(report: &Report, sources: &Sources) -> (BTreeSet<String>, String) {
 #[test]
 fn are_rendered_for_limits_and_missing_files() {
     let block = |index: usize, inside: &str| format!("begin b{index}\n{inside}end\n");
-    let nested = (0..100).fold("step\n".to_owned(), |inside, index| block(index, &inside));
-    let chain = |calls: usize| -> String {
+    let nested = (0..65).fold("step\n".to_owned(), |inside, index| block(index, &inside));
+    let chain = |length: usize, calls: usize| -> String {
         let call = |index: usize| format!("execblock b{};\n", index + 1).repeat(calls);
-        let blocks = (0..100).map(|index| block(index, &call(index)));
-        blocks.collect::<String>() + &block(100, "step\n") + "execblock b0;\n"
+        let blocks = (0..length).map(|index| block(index, &call(index)));
+        let last = block(length, "step\n");
+        blocks.collect::<String>() + &last + "execblock b0;\n"
     };
     let until = "step until false;\n".to_owned();
     for (code, commands) in [
         ("V010", nested),
-        ("V017", chain(2)),
-        ("V019", chain(1)),
+        ("V017", chain(20, 2)),
+        ("V019", chain(100, 1)),
         ("V022", until),
     ] {
         let specification = "asm example\nsignature:\ndefinitions:\n  main rule r_Main = skip\n";
@@ -178,9 +179,11 @@ fn are_seen_in_a_snapshot_each() {
             }
         });
     }
+    // limits of composites, see `engine/assembly/tests/hostile.rs`; the rest needs the command line
+    let elsewhere = ["C081", "C082", "C116", "R018", "S000", "V023"];
     let unseen: Vec<String> = constructed(&["asm-lang", "engine", "src"])
         .into_iter()
-        .filter(|code| !shown.contains(code.as_str()))
+        .filter(|code| !shown.contains(code.as_str()) && !elsewhere.contains(&code.as_str()))
         .collect();
     assert_eq!(unseen, Vec::<String>::new());
 }

@@ -94,6 +94,7 @@ impl Plan {
             plan: Self::default(),
             report: Report::new(),
             open: Vec::new(),
+            written: 0,
         };
         if let (None, Some(load)) = (planning.model.main, &scenario.load) {
             let name = planning.model.name.to_string();
@@ -149,11 +150,23 @@ struct Planning<'a> {
     report: Report,
     /// The blocks that are being written out.
     open: Vec<Arc<str>>,
+    /// How many commands were written out, those of blocks each time they run.
+    written: usize,
 }
 
 impl Planning<'_> {
     fn error(&mut self, error: PlanError) {
-        self.report.push(error.diagnostic());
+        let finding = error.diagnostic();
+        let is_limit = matches!(error, PlanError::TooLong { .. } | PlanError::TooDeep { .. });
+        // a block that runs often has its mistakes once, and a limit is met once
+        let is_known = self
+            .report
+            .diagnostics
+            .iter()
+            .any(|known| *known == finding || is_limit && known.code == finding.code);
+        if !is_known {
+            self.report.push(finding);
+        }
     }
 
     fn heard<T>(&mut self, added: Result<T, Report>) -> Option<T> {
@@ -168,11 +181,12 @@ impl Planning<'_> {
 
     fn commands(&mut self, scenario: &Scenario, commands: &[Command]) {
         for command in commands {
-            if self.plan.actions.len() >= MAX_ACTIONS {
+            if self.written >= MAX_ACTIONS {
                 return;
             }
+            self.written += 1;
             self.command(scenario, command);
-            if self.plan.actions.len() == MAX_ACTIONS {
+            if self.written == MAX_ACTIONS {
                 self.error(PlanError::TooLong {
                     at: command.span,
                     limit: MAX_ACTIONS,
