@@ -15,11 +15,13 @@ const STEPS: u64 = 3;
 pub fn parse(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     lies_within(&text, &syntax::parse(FileId(0), &text).report);
-    for report in [
+    lies_within(&text, &syntax::parse_scenario(FileId(0), &text).1);
+    let fragments = [
         syntax::parse_term(FileId(0), &text).err(),
         syntax::parse_rule(FileId(0), &text).err(),
-    ] {
-        lies_within(&text, &report.unwrap_or_default());
+    ];
+    for report in fragments.iter().flatten() {
+        lies_within(&text, report);
     }
 }
 

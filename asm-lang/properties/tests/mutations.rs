@@ -15,6 +15,7 @@ const SEEDS: &[&str] = &[
     "tests/language/messages",
     "asm-lang/syntax/tests/errors",
     "asm-lang/syntax/tests/layout",
+    "asm-lang/syntax/tests/scenarios",
     "specs/navigation",
     "specs/allocation",
 ];
@@ -43,7 +44,10 @@ fn seeds() -> Vec<Vec<u8>> {
         .iter()
         .flat_map(|folder| std::fs::read_dir(root.join(folder)).unwrap())
         .map(|entry| entry.unwrap().path())
-        .filter(|path| path.extension().is_some_and(|extension| extension == "asm"))
+        .filter(|path| {
+            let extension = path.extension().unwrap_or_default();
+            extension == "asm" || extension == "avalla"
+        })
         .collect();
     paths.sort();
     paths
