@@ -164,6 +164,7 @@ impl Model {
             atoms: std::mem::take(&mut self.atoms),
             scopes: vec![std::mem::take(&mut self.scope)],
             report: Report::new(),
+            chooses: false,
             compatible: self.compatible,
         };
         let result = work(Resolver::new(&mut declared, 0));

@@ -47,6 +47,7 @@ pub fn analyse_with(
     let last = loaded.units.len() - 1;
     analysis.initial_state(last, &main.tree);
     let main_rule = analysis.main_rule(main);
+    analysis.lint_schedule(&main.tree);
     analysis.undefined_domains();
     let report = std::mem::take(&mut analysis.declared.report);
     if report.has_errors() || loaded.report.has_errors() {
@@ -418,6 +419,16 @@ impl Analysis<'_> {
             rule,
             arguments,
         })
+    }
+
+    /// `asyncr` promises that agents run at any pace; only a choice lets them.
+    fn lint_schedule(&mut self, tree: &ast::File) {
+        if let (true, Some(main), false) = (tree.asyncr, &tree.main, self.declared.chooses) {
+            let at = main.name.span;
+            self.declared
+                .report
+                .push(HirError::NothingChosen { at }.diagnostic());
+        }
     }
 
     fn main_rule(&mut self, main: &crate::load::Unit) -> Option<RuleId> {

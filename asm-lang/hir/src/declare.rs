@@ -24,6 +24,8 @@ pub(crate) struct Declared {
     /// By unit.
     pub scopes: Vec<Scope>,
     pub report: Report,
+    /// Whether some rule chooses.
+    pub chooses: bool,
     /// Whether library functions compute what the reference computes.
     pub compatible: bool,
 }
@@ -38,6 +40,7 @@ pub(crate) fn declare(units: &[Unit], compatible: bool) -> Declared {
         atoms: Vec::new(),
         scopes: Vec::new(),
         report: Report::new(),
+        chooses: false,
         compatible,
     };
     let mut functions = Vec::new();

@@ -153,6 +153,8 @@ pub(crate) enum HirError {
         at: Span,
         declared: Span,
     },
+    #[error("the specification is `asyncr`, but nothing chooses who runs")]
+    NothingChosen { at: Span },
     #[error("`{name}` does not say what it returns")]
     ResultUndeclared {
         name: Name,
@@ -414,6 +416,10 @@ impl HirError {
                 .label(*at, format!("may be no element of {wanted}"))
                 .label(*declared, "declared here")
                 .help("range over the smaller domain, or declare the function for the larger one"),
+            Self::NothingChosen { at } => warning("W029")
+                .label(*at, "all that this runs, runs in every step")
+                .note("there is no scheduler but the main rule")
+                .help("choose the agents that run, as in `choose $a in Agent do program($a)`"),
             Self::ResultUndeclared { at, declared, .. } => warning("W022")
                 .label(*at, "its result is wanted here")
                 .label(*declared, "declared without `in Domain`")

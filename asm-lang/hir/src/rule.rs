@@ -54,6 +54,7 @@ impl Resolver<'_> {
                 body,
                 ifnone,
             } => {
+                self.declared.chooses = true;
                 let chosen = self.scoped(|this| {
                     let binders = this.binders(binders);
                     let guard = guard.as_ref().map(|guard| this.boolean(guard, "a guard"));
