@@ -26,7 +26,7 @@ impl Layout<'_> {
             if self.at_section() {
                 self.section(&mut items);
             } else if self.at_heading() {
-                self.words_before_name();
+                self.heading();
             } else if let Some(item) = items.next() {
                 self.separate(Break::Item);
                 self.item(&item);
@@ -37,7 +37,7 @@ impl Layout<'_> {
     }
 
     /// `asyncr asm x`.
-    fn words_before_name(&mut self) {
+    fn heading(&mut self) {
         self.separate(Break::Item);
         while self.at_heading() {
             self.token();
@@ -108,7 +108,7 @@ impl Layout<'_> {
             Item::Property(property) => it.property(property),
             Item::Agent(agent) => {
                 it.words_before(agent.domain.span);
-                it.tokens(2);
+                it.joined(2);
                 it.separate(Break::Blank);
                 it.token();
                 it.arguments(&agent.arguments);
@@ -162,7 +162,7 @@ impl Layout<'_> {
     /// `controlled f: D -> E`.
     pub(super) fn function(&mut self, function: &Function) {
         self.words_before(function.name.span);
-        self.tokens(2);
+        self.joined(2);
         self.indent(|of| {
             of.separate(Break::Blank);
             if let Some(domain) = &function.domain {
@@ -244,7 +244,7 @@ impl Layout<'_> {
                 self.token();
                 if property.name.is_some() {
                     self.separate(Break::Blank);
-                    self.tokens(2);
+                    self.joined(2);
                 }
                 self.stated(body);
             }
@@ -290,7 +290,7 @@ impl Layout<'_> {
         if self.at(Sign::Open) {
             match &over.domain {
                 Some(domain) => self.types(&[domain]),
-                None => self.tokens(2),
+                None => self.joined(2),
             }
         }
     }

@@ -261,8 +261,8 @@ impl<'text> Layout<'text> {
         self.trailing_comments();
     }
 
-    /// So many tokens with nothing between.
-    pub(super) fn tokens(&mut self, count: usize) {
+    /// The next tokens, so many, with nothing between.
+    pub(super) fn joined(&mut self, count: usize) {
         for _ in 0..count {
             self.token();
         }

@@ -144,7 +144,7 @@ impl Layout<'_> {
     /// `{k -> v, …}`, `{->}`.
     pub(super) fn map(&mut self, entries: &[(Term, Term)]) {
         if entries.is_empty() {
-            return self.tokens(3);
+            return self.joined(3);
         }
         self.rows(entries, Break::Line, |list, (key, value)| {
             list.group(|it| {

@@ -104,7 +104,7 @@ impl Layout<'_> {
                 value,
             } => self.comprehension(comprehension, element(Collection::Set), Some(value)),
             TermKind::RuleRef { domains, .. } => {
-                self.tokens(2);
+                self.joined(2);
                 self.types(&domains.iter().collect::<Vec<_>>());
                 self.token();
             }
@@ -116,7 +116,7 @@ impl Layout<'_> {
 
     /// `f`, `f(t…)`, `a.f(t…)`.
     pub(super) fn applied(&mut self, dotted: bool, arguments: &[Term]) {
-        self.tokens(if dotted { 3 } else { 1 });
+        self.joined(if dotted { 3 } else { 1 });
         if !arguments.is_empty() {
             self.arguments(arguments);
         } else if self.at(Sign::Open) {
@@ -195,7 +195,7 @@ impl Layout<'_> {
 
     /// `(forall $x in D with g)`.
     fn quantified(&mut self, binders: &[Binder], guard: Option<&Term>) {
-        self.tokens(2);
+        self.joined(2);
         if self.peek() == Some(Token::Keyword(Keyword::Unique)) {
             self.separate(Break::Blank);
             self.token();
