@@ -14,3 +14,4 @@ mod language;
 mod missions;
 mod pictures;
 mod repl;
+mod scenario;

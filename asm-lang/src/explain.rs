@@ -129,7 +129,7 @@ impl Specification {
                     .help(help)
             }
             FaultKind::NoCandidate(picked) => {
-                let values: Vec<String> = picked.iter().flatten().map(show).collect();
+                let values: Vec<String> = picked.iter().map(show).collect();
                 Diagnostic::error("R020", format!("{} was picked, and is no candidate, {when}", values.join(", ")))
                     .label(at, "chosen here")
                     .help("pick a value in the range for which the guard holds")

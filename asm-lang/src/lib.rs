@@ -18,6 +18,7 @@
 //! ```
 
 pub mod codes;
+pub mod coverage;
 mod explain;
 mod files;
 mod history;
@@ -146,6 +147,16 @@ impl Specification {
     pub fn lower(&mut self) -> Result<(), Report> {
         let lowered = ir::lower(&self.model)?;
         (self.program, self.origins) = (Arc::new(lowered.program), lowered.origins);
+        Ok(())
+    }
+
+    /// Lowers the model anew, to a program that counts what of it runs: see [`coverage::Coverage`].
+    ///
+    /// # Errors
+    /// As [`Specification::lower`].
+    pub fn lower_covered(&mut self) -> Result<(), Report> {
+        let lowered = ir::lower(&self.model)?;
+        (self.program, self.origins) = (Arc::new(lowered.program.covered()), lowered.origins);
         Ok(())
     }
 

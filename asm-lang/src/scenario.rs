@@ -1,5 +1,6 @@
 //! A scenario from its path to its verdict.
 
+use crate::coverage::Coverage;
 use crate::{Failure, Specification, open_in};
 use machine::{Fault, Machine};
 use simulate::scenario::{self, Compat, Failed, Options, Outcome, Plan};
@@ -19,18 +20,26 @@ pub struct Tested {
     pub report: Report,
     /// The specification it is about.
     pub specification: Specification,
+    /// What of it ran, if that was asked for.
+    pub coverage: Option<Coverage>,
+}
+
+/// How a scenario is to be run.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Settings {
+    /// Whose reading counts.
+    pub compat: Compat,
+    /// The limits and the seed.
+    pub options: Options,
+    /// Whether it is counted what runs.
+    pub covers: bool,
 }
 
 /// Runs the scenario at a path.
 ///
 /// # Errors
 /// It cannot be read, or it or its specification makes no sense.
-pub fn test(
-    path: &str,
-    loader: &dyn Loader,
-    compat: Compat,
-    options: &Options,
-) -> Result<Tested, Failure> {
+pub fn test(path: &str, loader: &dyn Loader, settings: &Settings) -> Result<Tested, Failure> {
     let mut sources = Sources::new();
     let (tree, mut report) = match read(path, loader, &mut sources) {
         Ok(read) => read,
@@ -44,17 +53,17 @@ pub fn test(
         return Err(Failure { sources, report });
     }
     let reading = hir::Options {
-        compatible: compat == Compat::Asmeta,
+        compatible: settings.compat == Compat::Asmeta,
         initial: None,
     };
     let mut specification = open_in(&specification, loader, sources, &reading)?;
-    match plan(path, &tree, &mut specification, loader, compat) {
+    match plan(path, &tree, &mut specification, loader, settings) {
         Ok(plan) => {
             let warnings = report.diagnostics.drain(..);
             report = warnings
                 .filter(|finding| finding.severity == Severity::Warning)
                 .collect();
-            Ok(carry_out(&tree, &plan, specification, report, options))
+            Ok(carry_out(&tree, &plan, specification, report, settings))
         }
         Err(found) => {
             report.extend(found);
@@ -98,7 +107,7 @@ fn plan(
     tree: &Scenario,
     specification: &mut Specification,
     loader: &dyn Loader,
-    compat: Compat,
+    settings: &Settings,
 ) -> Result<Plan, Report> {
     let mut others: BTreeMap<String, Option<Arc<Scenario>>> = BTreeMap::new();
     let mut found = Report::new();
@@ -112,13 +121,16 @@ fn plan(
         });
         known.clone()
     };
-    let plan = Plan::of(tree, model, &mut other, compat);
+    let plan = Plan::of(tree, model, &mut other, settings.compat);
     if found.has_errors() {
         found.extend(plan.err().unwrap_or_default());
         return Err(found);
     }
     let plan = plan?;
-    specification.lower()?;
+    match settings.covers {
+        true => specification.lower_covered()?,
+        false => specification.lower()?,
+    }
     Ok(plan)
 }
 
@@ -127,12 +139,21 @@ fn carry_out(
     plan: &Plan,
     specification: Specification,
     mut report: Report,
-    options: &Options,
+    settings: &Settings,
 ) -> Tested {
+    let mut coverage = None;
     let outcome = match specification.machine() {
         Ok(mut machine) => {
-            let outcome = scenario::run(plan, &mut machine, &specification.origins, options);
+            let outcome = scenario::run(
+                plan,
+                &mut machine,
+                &specification.origins,
+                &settings.options,
+            );
             report.extend(explained(&outcome, &specification, Some(&machine)));
+            coverage = settings
+                .covers
+                .then(|| Coverage::of(&specification, &machine.counts()));
             outcome
         }
         Err(fault) => {
@@ -154,6 +175,7 @@ fn carry_out(
         outcome,
         report,
         specification,
+        coverage,
     }
 }
 

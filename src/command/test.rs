@@ -1,13 +1,17 @@
 //! `asmotion test`: scenarios, and what came of them.
 
+mod coverage;
 mod find;
 mod junit;
 mod report;
+mod review;
+mod snapshot;
 
 use crate::exit::Exit;
 use crate::files::Disk;
 use crate::terminal::Terminal;
-use asm_lang::scenario::Tested;
+use asm_lang::coverage::Coverage;
+use asm_lang::scenario::{Settings, Tested};
 use asm_lang::simulate::scenario::{Compat, Options, Verdict};
 use asm_lang::{Failure, Report, Sources};
 use clap::{Args, ValueEnum};
@@ -15,10 +19,12 @@ use rayon::prelude::*;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// Runs scenarios: `.avalla` files, one by one or all of a folder.
+/// Runs scenarios: files, or all of a folder.
 ///
-/// A folder is searched through. Each scenario loads its specification, and passes if all its checks
-/// and invariants hold. The exit code is 0 if all pass, 1 if some fail, and 2 if some cannot be run.
+/// An `.avalla` scenario loads its specification, and passes if all its checks and invariants hold. A
+/// snapshot scenario is an input script `spec.name.env.toml` beside `spec.asm`: it passes if the run
+/// writes what was accepted before, in `spec.name.snap`. The exit code is 0 if all pass, 1 if some
+/// fail, and 2 if some cannot be run.
 #[derive(Args)]
 pub struct Test {
     /// Scenarios and folders.
@@ -45,6 +51,22 @@ pub struct Test {
     #[arg(long)]
     json: bool,
 
+    /// Accepts what snapshot scenarios write.
+    #[arg(long, conflicts_with = "review")]
+    accept: bool,
+
+    /// Asks for every snapshot scenario that differs whether to accept it.
+    #[arg(long)]
+    review: bool,
+
+    /// Shows what of the specifications ran: a table, or the sources with counts in the margin.
+    #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "table")]
+    coverage: Option<coverage::Shown>,
+
+    /// Writes what of the specifications ran, as LCOV.
+    #[arg(long, value_name = "FILE")]
+    coverage_out: Option<PathBuf>,
+
     /// Writes what came of them for a build server.
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
@@ -70,6 +92,28 @@ struct Ended {
     /// What there is to say, and the texts it is about.
     report: Report,
     sources: Sources,
+    /// What of the specification ran, if that was asked for.
+    coverage: Option<Coverage>,
+    /// What a snapshot scenario wrote, if it is not what was accepted.
+    difference: Option<snapshot::Difference>,
+}
+
+impl Ended {
+    /// It cannot be run, as far as is known.
+    fn unusable(path: PathBuf) -> Self {
+        Self {
+            path,
+            name: String::new(),
+            end: End::Unusable,
+            steps: 0,
+            checks: 0,
+            took: Duration::ZERO,
+            report: Report::new(),
+            sources: Sources::new(),
+            coverage: None,
+            difference: None,
+        }
+    }
 }
 
 /// How a test ended.
@@ -116,17 +160,47 @@ impl Test {
             terminal.error("there is no scenario here");
             return Exit::Usage;
         }
+        if review::is_automatic() && (self.accept || self.review) {
+            terminal.error("nothing is accepted where `CI` is set");
+            return Exit::Usage;
+        }
         let begun = Instant::now();
-        let ended: Vec<Ended> = wanted.into_par_iter().map(|path| self.one(path)).collect();
+        let mut ended: Vec<Ended> = wanted.into_par_iter().map(|path| self.one(path)).collect();
+        let took = begun.elapsed();
+        let mut exit = match (self.accept, self.review) {
+            (true, _) => review::accept(&mut ended, terminal),
+            (_, true) => review::review(&mut ended, terminal),
+            (false, false) => Exit::Ok,
+        };
         for one in &ended {
             report::tell(one, self.json, terminal);
         }
-        report::sum_up(&ended, begun.elapsed(), terminal);
-        let exit = ended.iter().map(|one| one.end.exit()).max();
-        let exit = exit.unwrap_or(Exit::Ok);
-        match &self.junit {
-            Some(file) => exit.max(junit::write(file, &ended, terminal)),
-            None => exit,
+        report::sum_up(&ended, took, terminal);
+        exit = ended.iter().map(|one| one.end.exit()).fold(exit, Exit::max);
+        if let Some(file) = &self.junit {
+            exit = exit.max(junit::write(file, &ended, terminal));
+        }
+        exit.max(self.covered(&mut ended, terminal))
+    }
+
+    /// Shows and writes what ran, where that is asked for.
+    fn covered(&self, ended: &mut [Ended], terminal: &mut Terminal) -> Exit {
+        let mut all = Coverage::default();
+        for one in ended {
+            all.add(one.coverage.take().unwrap_or_default());
+        }
+        if let Some(shown) = self.coverage {
+            coverage::tell(&all, shown, terminal);
+        }
+        let Some(file) = &self.coverage_out else {
+            return Exit::Ok;
+        };
+        match std::fs::write(file, coverage::lcov(&all)) {
+            Ok(()) => Exit::Ok,
+            Err(error) => {
+                terminal.error(format_args!("cannot write `{}`: {error}", file.display()));
+                Exit::Usage
+            }
         }
     }
 
@@ -135,44 +209,49 @@ impl Test {
     }
 
     fn one(&self, path: PathBuf) -> Ended {
+        if snapshot::is_script(&path) {
+            snapshot::run(path, self.seed)
+        } else {
+            self.scenario(path)
+        }
+    }
+
+    fn scenario(&self, path: PathBuf) -> Ended {
         let begun = Instant::now();
-        let compat = match self.compat {
-            Some(Tool::Asmeta) => Compat::Asmeta,
-            None => Compat::Textbook,
-        };
-        let options = Options {
-            seed: self.seed,
-            max_steps: self.max_steps,
-            ..Options::default()
-        };
-        let tested = asm_lang::scenario::test(&path.to_string_lossy(), &Disk, compat, &options);
-        let took = begun.elapsed();
+        let tested = asm_lang::scenario::test(&path.to_string_lossy(), &Disk, &self.settings());
+        let mut ended = Ended::unusable(path);
         match tested {
             Ok(Tested {
                 name,
                 outcome,
                 report,
                 specification,
-            }) => Ended {
-                path,
-                name,
-                end: End::Ran(outcome.verdict),
-                steps: outcome.steps,
-                checks: outcome.checks,
-                took,
-                report,
-                sources: specification.sources,
+                coverage,
+            }) => {
+                ended.name = name;
+                ended.end = End::Ran(outcome.verdict);
+                (ended.steps, ended.checks) = (outcome.steps, outcome.checks);
+                (ended.report, ended.sources) = (report, specification.sources);
+                ended.coverage = coverage;
+            }
+            Err(Failure { sources, report }) => (ended.report, ended.sources) = (report, sources),
+        }
+        ended.took = begun.elapsed();
+        ended
+    }
+
+    fn settings(&self) -> Settings {
+        Settings {
+            compat: match self.compat {
+                Some(Tool::Asmeta) => Compat::Asmeta,
+                None => Compat::Textbook,
             },
-            Err(Failure { sources, report }) => Ended {
-                name: String::new(),
-                path,
-                end: End::Unusable,
-                steps: 0,
-                checks: 0,
-                took,
-                report,
-                sources,
+            options: Options {
+                seed: self.seed,
+                max_steps: self.max_steps,
+                ..Options::default()
             },
+            covers: self.coverage.is_some() || self.coverage_out.is_some(),
         }
     }
 }

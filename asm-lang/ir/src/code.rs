@@ -1,5 +1,6 @@
 //! Terms and rules as a machine executes them.
 
+use crate::cover::Counter;
 use crate::program::{BodyId, DomainId, FunctionId, Local, Origin, RoutineId, Shape, Slot};
 use value::Value;
 
@@ -263,5 +264,7 @@ pub enum RuleNode {
         body: Rule,
     },
     /// A number of a domain without end for each variable, then the body.
-    Draw(Vec<(Local, Endless)>, Rule),
+    Draw(Vec<(Local, Endless, Origin)>, Rule),
+    /// A rule that is counted.
+    Counted(Counter, Rule),
 }

@@ -6,10 +6,12 @@
 //! name, so that a machine only knows calls by value. This is what a back end compiles.
 
 mod code;
+mod cover;
 mod lower;
 mod program;
 mod visit;
 
 pub use code::*;
+pub use cover::{Counted, Counter, Part};
 pub use lower::{Lowered, lower, lower_with, visit_rules, visit_terms};
 pub use program::*;

@@ -135,6 +135,7 @@ impl<'a> Lowering<'a> {
             added_terms: Vec::new(),
             added_rules: Vec::new(),
             compatible: model.compatible,
+            counted: Vec::new(),
             caches: 0,
             result: 0,
             variables: function_id(model.reserved.variables),

@@ -1,6 +1,7 @@
 //! Programs as plain data.
 
 use crate::code::{Body, Rule, Term};
+use crate::cover::Counted;
 use std::sync::Arc;
 use value::{Atom, RuleId, Value};
 
@@ -68,6 +69,8 @@ pub struct Program {
     pub added_rules: Vec<RoutineId>,
     /// Whether it runs as the reference tools run it, where these observably differ.
     pub compatible: bool,
+    /// What is counted; nothing, unless the program is [`Program::covered`].
+    pub counted: Vec<Counted>,
     /// How many values of closed static terms can be kept.
     pub caches: u32,
     /// The location of `result`, where turbo rules leave theirs.

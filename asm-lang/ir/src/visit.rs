@@ -66,7 +66,8 @@ impl RuleNode {
             | Self::Extend(..)
             | Self::Local { .. }
             | Self::Draw(..)
-            | Self::Watched(_) => Vec::new(),
+            | Self::Watched(_)
+            | Self::Counted(..) => Vec::new(),
             Self::Update(place, value) => place.terms_mut().chain([value]).collect(),
             Self::Assign(place, _, arguments) => place
                 .iter_mut()
@@ -113,6 +114,7 @@ impl RuleNode {
             | Self::Extend(_, _, body)
             | Self::While { body, .. }
             | Self::Draw(_, body)
+            | Self::Counted(_, body)
             | Self::Watched(body) => vec![body],
         }
     }

@@ -1,7 +1,6 @@
 //! Who decides where a rule leaves a choice.
 
 use ir::Origin;
-use std::sync::Arc;
 use value::Value;
 
 /// Decides for `choose` and `chooseone`. The same decisions give the same run.
@@ -15,9 +14,9 @@ pub trait Chooser {
         false
     }
 
-    /// The values that the variables of a `choose` must take, in their order; `None` where any will
-    /// do. They must be candidates. Without an answer, every candidate is one.
-    fn picked(&self, _choose: Origin) -> Option<Arc<[Option<Value>]>> {
+    /// The value that the variable of a `choose` must take whose range stands here. It must be a
+    /// candidate. Without an answer, every candidate is one.
+    fn picked(&self, _range: Origin) -> Option<Value> {
         None
     }
 }

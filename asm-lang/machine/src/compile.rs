@@ -4,6 +4,7 @@
 //! routines that collect updates, both over a [`Run`].
 
 mod collection;
+mod counted;
 mod location;
 mod number;
 mod pick;

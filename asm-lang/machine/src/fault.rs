@@ -1,7 +1,6 @@
 //! Why a step has no next state.
 
 use ir::{DomainId, Origin, Slot};
-use std::sync::Arc;
 use value::Value;
 
 /// A step failed. The state is as it was before, but for a violated invariant.
@@ -85,9 +84,8 @@ pub enum FaultKind {
         /// Its value: false or undef.
         value: Value,
     },
-    /// The values picked for a `choose` from outside are no candidate: by variable, `None` where any
-    /// would have done.
-    NoCandidate(Arc<[Option<Value>]>),
+    /// The values picked for a `choose` from outside are no candidate.
+    NoCandidate(Vec<Value>),
     /// There is no main rule.
     NoMain,
 }

@@ -237,6 +237,13 @@ impl Machine {
         }
     }
 
+    /// How often what [`ir::Program::counted`] lists ran; steps that failed count, too.
+    pub fn counts(&self) -> Vec<u64> {
+        let record = &self.scratch.record;
+        let counters = 0..self.program.counted.len() as u32;
+        counters.map(|counter| record.counted(counter)).collect()
+    }
+
     /// Applies the update set to the state.
     fn fire_updates(&mut self) {
         let Scratch {

@@ -83,6 +83,8 @@ pub(crate) struct Record {
     pub choices: Vec<Choice>,
     pub printed: Vec<String>,
     pub now_ns: i64,
+    /// How often what is counted ran, in all steps.
+    pub counts: Vec<u64>,
 }
 
 /// A step under way.
@@ -123,6 +125,20 @@ pub(crate) struct Run<'a> {
 }
 
 impl Record {
+    /// Counts once more.
+    pub fn count(&mut self, counter: u32) {
+        let index = counter as usize;
+        if self.counts.len() <= index {
+            self.counts.resize(index + 1, 0);
+        }
+        self.counts[index] += 1;
+    }
+
+    /// How often it was counted.
+    pub fn counted(&self, counter: u32) -> u64 {
+        self.counts.get(counter as usize).copied().unwrap_or(0)
+    }
+
     pub fn begin(&mut self, now_ns: i64) {
         self.inputs.clear();
         self.choices.clear();

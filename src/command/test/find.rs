@@ -9,7 +9,10 @@ pub fn scenarios(paths: &[PathBuf]) -> Result<Vec<PathBuf>, String> {
     for path in paths {
         let failed = |error: io::Error| format!("cannot read `{}`: {error}", path.display());
         if std::fs::metadata(path).map_err(failed)?.is_dir() {
-            folder(path, &mut found).map_err(failed)?;
+            let mut inside = Vec::new();
+            folder(path, &mut inside).map_err(failed)?;
+            let short = |path: PathBuf| path.strip_prefix(".").map_or(path.clone(), Path::to_owned);
+            found.extend(inside.into_iter().map(short));
         } else {
             found.push(path.clone());
         }
@@ -34,6 +37,8 @@ fn folder(path: &Path, found: &mut Vec<PathBuf>) -> io::Result<()> {
 }
 
 fn is_test(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|extension| extension == "avalla")
+    let is_scenario = path
+        .extension()
+        .is_some_and(|extension| extension == "avalla");
+    is_scenario || super::snapshot::is_script(path)
 }

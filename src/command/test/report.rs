@@ -25,6 +25,9 @@ pub fn tell(one: &Ended, as_json: bool, terminal: &mut Terminal) {
         one.path.display()
     ));
     terminal.report(&one.report, &one.sources);
+    if let Some(difference) = &one.difference {
+        terminal.say(difference.diff());
+    }
 }
 
 fn json(one: &Ended) -> serde_json::Value {

@@ -142,9 +142,13 @@ impl Lowering<'_> {
             .iter()
             .cloned()
             .partition(|binder| is_open && self.endless(binder).is_some());
-        let drawn: Vec<(Local, Endless)> = endless
+        let drawn: Vec<(Local, Endless, Origin)> = endless
             .iter()
-            .filter_map(|binder| Some((frame.bind(binder.variable), self.endless(binder)?)))
+            .filter_map(|binder| {
+                let endless = self.endless(binder)?;
+                let range = self.origin(binder.range.span);
+                Some((frame.bind(binder.variable), endless, range))
+            })
             .collect();
         let bound = self.binders(&finite, frame);
         let guard = self.guard(guard, frame);

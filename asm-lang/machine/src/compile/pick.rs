@@ -9,15 +9,29 @@ use value::{Atom, Value};
 
 /// The candidates that agree with what was picked.
 pub(super) struct Candidates<'a> {
-    pub ranges: &'a Ranges,
-    /// By variable.
-    pub picked: Option<&'a [Option<Value>]>,
+    ranges: &'a Ranges,
+    /// By variable, if something was picked.
+    picked: Option<Vec<Option<Value>>>,
 }
 
-impl Candidates<'_> {
+impl<'a> Candidates<'a> {
+    pub fn of(ranges: &'a Ranges, run: &Run<'_>) -> Self {
+        let picked = |(_, _, range): &(_, _, Origin)| run.chooser.picked(*range);
+        let is_picked = ranges.binders.iter().any(|binder| picked(binder).is_some());
+        Self {
+            ranges,
+            picked: is_picked.then(|| ranges.binders.iter().map(picked).collect()),
+        }
+    }
+
+    /// What was picked, if anything was.
+    pub fn into_picked(self) -> Option<Vec<Value>> {
+        Some(self.picked?.into_iter().flatten().collect())
+    }
+
     /// Calls `visit` for each, in ascending order, until it breaks.
     pub fn each(&self, run: &mut Run<'_>, visit: &mut dyn FnMut(&mut Run<'_>) -> ControlFlow<()>) {
-        match self.picked {
+        match &self.picked {
             None => self.ranges.each(run, visit),
             Some(picked) => {
                 // a break only says that `visit` broke, or that a fault was noted

@@ -92,6 +92,7 @@ impl Compiler<'_> {
                 })
             }
             RuleNode::Watched(rule) => self.watched_rule(rule),
+            RuleNode::Counted(counter, rule) => self.counted_rule(*counter, rule),
             RuleNode::While {
                 guard,
                 body,
@@ -300,11 +301,19 @@ impl Compiler<'_> {
     }
 
     /// Draws the numbers, each with the same probability.
-    fn draw(&self, numbers: &[(Local, Endless)], body: &Rule, origin: Origin) -> RuleCode {
+    fn draw(&self, numbers: &[(Local, Endless, Origin)], body: &Rule, origin: Origin) -> RuleCode {
         let numbers = numbers.to_vec();
         let body = self.rule(body);
         Box::new(move |run| {
-            for (local, endless) in &numbers {
+            for (local, endless, range) in &numbers {
+                if let Some(picked) = run.chooser.picked(*range) {
+                    if !is_number(*endless, &picked) {
+                        let picked = vec![picked];
+                        return Err(run.stop(FaultKind::NoCandidate(picked), origin));
+                    }
+                    run.set_local(*local, picked);
+                    continue;
+                }
                 let count = count(*endless);
                 let index = run.chooser.choose(count).min(count - 1);
                 run.record.choices.push(Choice {
@@ -323,11 +332,7 @@ impl Compiler<'_> {
         let body = self.rule(body);
         let ifnone = self.rule(ifnone);
         Box::new(move |run| {
-            let picked = run.chooser.picked(origin);
-            let ranges = Candidates {
-                ranges: &ranges,
-                picked: picked.as_deref(),
-            };
+            let ranges = Candidates::of(&ranges, run);
             let mut wanted = 0;
             if !run.chooser.takes_first() {
                 let mut count = 0usize;
@@ -358,12 +363,21 @@ impl Compiler<'_> {
                 ControlFlow::Break(())
             });
             run.checked()?;
-            match (found, picked) {
-                (true, _) => Ok(()),
-                (false, None) => ifnone(run),
-                (false, Some(picked)) => Err(run.stop(FaultKind::NoCandidate(picked), origin)),
+            match ranges.into_picked() {
+                _ if found => Ok(()),
+                None => ifnone(run),
+                Some(picked) => Err(run.stop(FaultKind::NoCandidate(picked), origin)),
             }
         })
+    }
+}
+
+/// Whether a value is one of the numbers.
+fn is_number(endless: Endless, value: &Value) -> bool {
+    match endless {
+        Endless::Integer => matches!(value, Value::Int(_)),
+        Endless::Natural => matches!(value, Value::Int(0..)),
+        Endless::Real => matches!(value, Value::Real(_)),
     }
 }
 

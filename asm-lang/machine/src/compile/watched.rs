@@ -44,7 +44,8 @@ impl Compiler<'_> {
             | RuleNode::While { .. }
             | RuleNode::Local { .. }
             | RuleNode::Draw(..)
-            | RuleNode::Watched(_) => false,
+            | RuleNode::Watched(_)
+            | RuleNode::Counted(..) => false,
         };
         Box::new(move |run| {
             if let Some(notes) = run.notes {

@@ -4,14 +4,14 @@ use crate::Seeded;
 use ir::Origin;
 use machine::Chooser;
 use std::collections::BTreeMap;
-use std::sync::Arc;
 use value::Value;
 
 /// Takes what was picked, and leaves the rest to the seed.
 #[derive(Clone, Debug)]
 pub(super) struct Choices {
     seeded: Seeded,
-    picked: BTreeMap<Origin, Arc<[Option<Value>]>>,
+    /// By the place of the variable's range.
+    picked: BTreeMap<Origin, Value>,
 }
 
 impl Choices {
@@ -22,14 +22,9 @@ impl Choices {
         }
     }
 
-    /// Picks a value for one of the variables of a `choose`; a later pick overrides an earlier one.
-    pub fn pick(&mut self, choose: Origin, variables: usize, variable: usize, value: Value) {
-        let known = self.picked.remove(&choose);
-        let mut values = known.map_or_else(|| vec![None; variables], |known| known.to_vec());
-        if let Some(place) = values.get_mut(variable) {
-            *place = Some(value);
-        }
-        self.picked.insert(choose, values.into());
+    /// Picks a value for the variable with this range; a later pick overrides an earlier one.
+    pub fn pick(&mut self, range: Origin, value: Value) {
+        self.picked.insert(range, value);
     }
 
     /// Forgets what was picked: a pick counts for one step.
@@ -43,7 +38,7 @@ impl Chooser for Choices {
         self.seeded.choose(count)
     }
 
-    fn picked(&self, choose: Origin) -> Option<Arc<[Option<Value>]>> {
-        self.picked.get(&choose).cloned()
+    fn picked(&self, range: Origin) -> Option<Value> {
+        self.picked.get(&range).cloned()
     }
 }

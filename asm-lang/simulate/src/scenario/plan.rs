@@ -59,20 +59,10 @@ pub(super) enum ActionKind {
     StepUntil(Condition),
     Exec(AddedRule),
     Pick {
-        choices: Vec<Picked>,
+        /// Where the ranges of the picked variables stand.
+        ranges: Vec<Span>,
         value: AddedTerm,
     },
-}
-
-/// A variable of a `choose`.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Picked {
-    /// Where the `choose` stands.
-    pub choose: Span,
-    /// How many variables it has.
-    pub variables: usize,
-    /// Which of them.
-    pub variable: usize,
 }
 
 impl Plan {
@@ -299,7 +289,7 @@ impl Planning<'_> {
     }
 
     fn pick(&mut self, pick: &Pick) -> Option<ActionKind> {
-        let choices = self.choices(pick)?;
+        let ranges = self.ranges(pick)?;
         let added = self.model.add_term(&pick.value);
         let value = self.heard(added)?;
         let root = &self.model.added.terms[value.0 as usize].root;
@@ -309,11 +299,11 @@ impl Planning<'_> {
             });
             return None;
         }
-        Some(ActionKind::Pick { choices, value })
+        Some(ActionKind::Pick { ranges, value })
     }
 
-    /// The `choose` rules with the picked variable.
-    fn choices(&mut self, pick: &Pick) -> Option<Vec<Picked>> {
+    /// Where the ranges of the picked variable stand, in all `choose` rules that are meant.
+    fn ranges(&mut self, pick: &Pick) -> Option<Vec<Span>> {
         let model = &*self.model;
         let rules: Vec<&hir::Rule> = match &pick.rule {
             None => model.rules.iter().collect(),
@@ -325,15 +315,12 @@ impl Planning<'_> {
                 let RuleKind::Choose(binders, ..) = &*rule.kind else {
                     return;
                 };
-                let is_it = |binder: &hir::Binder| {
+                let is_it = |binder: &&hir::Binder| {
                     let variable = &body.variables[binder.variable.0 as usize];
                     variable.name == pick.variable.text
                 };
-                found.extend(binders.iter().position(is_it).map(|variable| Picked {
-                    choose: rule.span,
-                    variables: binders.len(),
-                    variable,
-                }));
+                let picked = binders.iter().filter(is_it);
+                found.extend(picked.map(|binder| binder.range.span));
             });
         }
         if let (Some(wanted), true) = (&pick.rule, rules.is_empty()) {

@@ -2,13 +2,13 @@
 
 use super::choices::Choices;
 use super::inputs::Held;
-use super::plan::{Action, ActionKind, Condition, Picked, Plan};
+use super::plan::{Action, ActionKind, Condition, Plan};
 use super::verdict::{Failed, Failure, Outcome, Seen, Verdict};
 use hir::{AddedRule, AddedTerm, Assignment};
 use ir::{FunctionKind, Origin};
 use machine::{Fault, Machine};
 use source::Span;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use value::Value;
 
 /// How a scenario is run.
@@ -38,7 +38,7 @@ pub fn run(plan: &Plan, machine: &mut Machine, origins: &[Span], options: &Optio
     let mut running = Running {
         plan,
         machine,
-        chooses: chooses(plan, origins),
+        ranges: ranges(plan, origins),
         inputs: Held::new(),
         choices: Choices::new(options.seed),
         options,
@@ -61,24 +61,19 @@ pub fn run(plan: &Plan, machine: &mut Machine, origins: &[Span], options: &Optio
     }
 }
 
-/// The origins of the `choose` rules that something is picked for.
-fn chooses(plan: &Plan, origins: &[Span]) -> BTreeMap<Span, Origin> {
-    let mut wanted = BTreeMap::new();
+/// The origins of the ranges that something is picked from.
+fn ranges(plan: &Plan, origins: &[Span]) -> BTreeMap<Span, Origin> {
+    let mut wanted: BTreeSet<Span> = BTreeSet::new();
     for action in &plan.actions {
-        if let ActionKind::Pick { choices, .. } = &action.kind {
-            wanted.extend(choices.iter().map(|picked| (picked.choose, None)));
+        if let ActionKind::Pick { ranges, .. } = &action.kind {
+            wanted.extend(ranges);
         }
     }
-    for (index, span) in origins.iter().enumerate() {
-        if let Some(origin) = wanted.get_mut(span) {
-            *origin = Some(Origin(index as u32));
-        }
-    }
-    // a `choose` that is never run has no origin
-    let known = wanted
-        .into_iter()
-        .filter_map(|(span, origin)| Some((span, origin?)));
-    known.collect()
+    let known = origins.iter().enumerate();
+    known
+        .filter(|(_, span)| wanted.contains(span))
+        .map(|(index, span)| (*span, Origin(index as u32)))
+        .collect()
 }
 
 /// The scenario goes no further.
@@ -87,7 +82,8 @@ struct Ended;
 struct Running<'a> {
     plan: &'a Plan,
     machine: &'a mut Machine,
-    chooses: BTreeMap<Span, Origin>,
+    /// Those that something is picked from; a `choose` that is never run has no origin.
+    ranges: BTreeMap<Span, Origin>,
     inputs: Held,
     choices: Choices,
     options: &'a Options,
@@ -117,7 +113,7 @@ impl Running<'_> {
                 Ok(())
             }
             ActionKind::Exec(rule) => self.exec(*rule, at),
-            ActionKind::Pick { choices, value } => self.pick(choices, *value, at),
+            ActionKind::Pick { ranges, value } => self.pick(ranges, *value, at),
         }
     }
 
@@ -219,13 +215,11 @@ impl Running<'_> {
         }
     }
 
-    fn pick(&mut self, choices: &[Picked], value: AddedTerm, at: Span) -> Result<(), Ended> {
+    fn pick(&mut self, ranges: &[Span], value: AddedTerm, at: Span) -> Result<(), Ended> {
         let value = self.value(value, at)?;
-        for picked in choices {
-            if let Some(&choose) = self.chooses.get(&picked.choose) {
-                let (variables, variable) = (picked.variables, picked.variable);
-                self.choices
-                    .pick(choose, variables, variable, value.clone());
+        for range in ranges {
+            if let Some(&origin) = self.ranges.get(range) {
+                self.choices.pick(origin, value.clone());
             }
         }
         Ok(())

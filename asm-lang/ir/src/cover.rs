@@ -1,0 +1,165 @@
+//! Programs that count what of them runs.
+//!
+//! A program has no counters, so that its steps are fast. [`Program::covered`] puts them in: around
+//! rules, branches, updates and the bodies of `forall`.
+
+use crate::code::{Rule, RuleNode};
+use crate::program::{Origin, Program};
+use std::collections::BTreeMap;
+
+/// Something that runs or does not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Counted {
+    /// Where it stands.
+    pub origin: Origin,
+    /// What it is.
+    pub part: Part,
+}
+
+/// What is counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Part {
+    /// A declared rule; its origin is its name.
+    Rule,
+    /// An update.
+    Update,
+    /// `then`
+    Then,
+    /// `else`, be it written or not.
+    Else,
+    /// The case of this number, from 0.
+    Case(u32),
+    /// `otherwise`, be it written or not.
+    Otherwise,
+    /// A `choose` that has a candidate.
+    Found,
+    /// A `choose` that has none.
+    NotFound,
+    /// One time round a `forall`.
+    Round,
+    /// A `forall` that goes round not at all.
+    None,
+    /// … once.
+    One,
+    /// … several times.
+    Many,
+}
+
+/// Which counters a rule moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Counter {
+    /// One.
+    Count(u32),
+    /// One of three, by how often the first moved meanwhile.
+    Rounds {
+        /// The counter of rounds.
+        round: u32,
+        /// For none; those for one and many follow.
+        none: u32,
+    },
+}
+
+impl Program {
+    /// The program with counters, which are listed in `counted`.
+    #[must_use]
+    pub fn covered(mut self) -> Self {
+        let mut routines = std::mem::take(&mut self.routines);
+        let mut covering = Covering {
+            counted: Vec::new(),
+            known: BTreeMap::new(),
+        };
+        for routine in &mut routines {
+            covering.rule(&mut routine.code);
+            covering.count(&mut routine.code, routine.origin, Part::Rule);
+        }
+        self.routines = routines;
+        self.counted = covering.counted;
+        self
+    }
+}
+
+struct Covering {
+    counted: Vec<Counted>,
+    /// A macro may have several routines; they count together.
+    known: BTreeMap<Counted, u32>,
+}
+
+impl Covering {
+    fn counter(&mut self, origin: Origin, part: Part) -> u32 {
+        let counted = Counted { origin, part };
+        let all = &mut self.counted;
+        *self.known.entry(counted).or_insert_with(|| {
+            all.push(counted);
+            all.len() as u32 - 1
+        })
+    }
+
+    /// Puts a counter around a rule.
+    fn count(&mut self, rule: &mut Rule, origin: Origin, part: Part) {
+        let counter = Counter::Count(self.counter(origin, part));
+        wrap(rule, counter);
+    }
+
+    fn rule(&mut self, rule: &mut Rule) {
+        stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
+            for inner in rule.node.rules_mut() {
+                self.rule(inner);
+            }
+            self.parts(rule);
+        });
+    }
+
+    fn parts(&mut self, rule: &mut Rule) {
+        let origin = rule.origin;
+        match &mut *rule.node {
+            RuleNode::Update(..) | RuleNode::Assign(Some(_), ..) => {
+                self.count(rule, origin, Part::Update);
+            }
+            RuleNode::If(_, then, otherwise) => {
+                self.count(then, origin, Part::Then);
+                self.count(otherwise, origin, Part::Else);
+            }
+            RuleNode::Switch(_, cases, otherwise) => {
+                for (index, (_, case)) in cases.iter_mut().enumerate() {
+                    self.count(case, origin, Part::Case(index as u32));
+                }
+                self.count(otherwise, origin, Part::Otherwise);
+            }
+            RuleNode::Choose(_, _, body, ifnone) => {
+                self.count(body, origin, Part::Found);
+                self.count(ifnone, origin, Part::NotFound);
+            }
+            RuleNode::Draw(_, body) => self.count(body, origin, Part::Found),
+            RuleNode::Forall(_, _, body) => {
+                self.count(body, origin, Part::Round);
+                let round = self.counter(origin, Part::Round);
+                let none = self.counter(origin, Part::None);
+                self.counter(origin, Part::One);
+                self.counter(origin, Part::Many);
+                wrap(rule, Counter::Rounds { round, none });
+            }
+            RuleNode::Skip
+            | RuleNode::Assign(None, ..)
+            | RuleNode::Call(..)
+            | RuleNode::Run(..)
+            | RuleNode::RunAgent(..)
+            | RuleNode::Par(_)
+            | RuleNode::Seq(_)
+            | RuleNode::Let(..)
+            | RuleNode::Extend(..)
+            | RuleNode::While { .. }
+            | RuleNode::Local { .. }
+            | RuleNode::Watched(_)
+            | RuleNode::Counted(..) => {}
+        }
+    }
+}
+
+fn wrap(rule: &mut Rule, counter: Counter) {
+    let origin = rule.origin;
+    let inner = Rule {
+        node: std::mem::replace(&mut rule.node, Box::new(RuleNode::Skip)),
+        origin,
+    };
+    rule.node = Box::new(RuleNode::Counted(counter, inner));
+}

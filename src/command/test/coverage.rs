@@ -1,0 +1,161 @@
+//! What ran: a table of the rules, the sources with counts in the margin, and LCOV for tools.
+
+use crate::terminal::{BAD, FAINT, GOOD, NAME, Terminal};
+use asm_lang::coverage::{Coverage, Covered, CoveredRule};
+use asm_lang::ir::Part;
+use clap::ValueEnum;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// How much of it is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Shown {
+    /// A line a rule.
+    Table,
+    /// The sources, too, with counts in the margin.
+    Lines,
+}
+
+/// Shows what ran.
+pub fn tell(coverage: &Coverage, shown: Shown, terminal: &mut Terminal) {
+    for (path, file) in &coverage.files {
+        terminal.result(format_args!("\n{NAME}{path}{NAME:#}"));
+        table(file, terminal);
+        if shown == Shown::Lines {
+            terminal.result("");
+            lines(file, terminal);
+        }
+    }
+}
+
+fn table(file: &Covered, terminal: &mut Terminal) {
+    let widest = file.rules.values().map(|rule| rule.name.len()).max();
+    let width = widest.unwrap_or(0).max("rule".len());
+    terminal.result(format_args!(
+        "  {FAINT}{:width$}  {:>7}  {:>9}  {:>9}  {:>14}{FAINT:#}",
+        "rule", "calls", "branches", "updates", "forall 0/1/many"
+    ));
+    for rule in file.rules.values() {
+        let colour = if is_covered(rule) { GOOD } else { BAD };
+        terminal.result(format_args!(
+            "  {colour}{:width$}{colour:#}  {:>7}  {:>9}  {:>9}  {:>14}",
+            rule.name,
+            rule.calls,
+            share(rule.branches()),
+            share(rule.updates()),
+            rounds(rule),
+        ));
+    }
+}
+
+/// Whether everything in a rule ran.
+fn is_covered(rule: &CoveredRule) -> bool {
+    let all = |(ran, all): (usize, usize)| ran == all;
+    rule.calls > 0 && all(rule.branches()) && all(rule.updates())
+}
+
+fn share((ran, all): (usize, usize)) -> String {
+    match all {
+        0 => "-".to_owned(),
+        all => format!("{ran}/{all}"),
+    }
+}
+
+fn rounds(rule: &CoveredRule) -> String {
+    let ([none, one, many], all) = rule.rounds();
+    match all {
+        0 => "-".to_owned(),
+        all => format!("{none} {one} {many} of {all}"),
+    }
+}
+
+/// The sources, each line with how often what begins in it ran: a number for rules and updates, `T`
+/// and `F` for the branches of `if`, `0`, `1` and `*` for the rounds of `forall`; `!` marks what
+/// did not run at all.
+fn lines(file: &Covered, terminal: &mut Terminal) {
+    let margins = margins(file);
+    for (index, text) in file.text.lines().enumerate() {
+        let (margin, is_missed) = margins.get(&(index + 1)).cloned().unwrap_or_default();
+        let colour = if is_missed { BAD } else { FAINT };
+        let mark = if is_missed { '!' } else { ' ' };
+        terminal.result(format_args!(
+            "{FAINT}{:>5}{FAINT:#} {colour}{mark}{margin:>14}{colour:#} {FAINT}|{FAINT:#} {text}",
+            index + 1
+        ));
+    }
+}
+
+/// By line: what the margin says, and whether something in it did not run.
+fn margins(file: &Covered) -> BTreeMap<usize, (String, bool)> {
+    let mut margins: BTreeMap<usize, (String, bool)> = BTreeMap::new();
+    let mut note = |line: usize, text: String, is_missed: bool| {
+        let margin = margins.entry(line).or_default();
+        if !margin.0.is_empty() {
+            margin.0.push(' ');
+        }
+        margin.0.push_str(&text);
+        margin.1 |= is_missed;
+    };
+    for rule in file.rules.values() {
+        note(rule.line, rule.calls.to_string(), rule.calls == 0);
+        for ((_, part), covered) in &rule.parts {
+            let count = covered.count;
+            let text = match part {
+                Part::Rule | Part::Round => continue,
+                Part::Update => count.to_string(),
+                Part::Then | Part::Found => format!("T{count}"),
+                Part::Else | Part::NotFound => format!("F{count}"),
+                Part::Case(_) => format!("C{count}"),
+                Part::Otherwise => format!("O{count}"),
+                Part::None => format!("0:{count}"),
+                Part::One => format!("1:{count}"),
+                Part::Many => format!("*:{count}"),
+            };
+            let is_round = matches!(part, Part::None | Part::One | Part::Many);
+            note(covered.line, text, count == 0 && !is_round);
+        }
+    }
+    margins
+}
+
+/// What ran, as LCOV.
+pub fn lcov(coverage: &Coverage) -> String {
+    let mut text = String::new();
+    // writing to a string cannot fail
+    for (path, file) in &coverage.files {
+        let _ = writeln!(text, "TN:\nSF:{path}");
+        for rule in file.rules.values() {
+            let _ = writeln!(text, "FN:{},{}", rule.line, rule.name);
+            let _ = writeln!(text, "FNDA:{},{}", rule.calls, rule.name);
+        }
+        let mut lines: BTreeMap<usize, u64> = BTreeMap::new();
+        for rule in file.rules.values() {
+            lines.insert(rule.line, rule.calls);
+            for (branch, ((place, part), covered)) in rule.parts.iter().enumerate() {
+                if *part == Part::Update {
+                    *lines.entry(covered.line).or_default() += covered.count;
+                } else if is_branch(*part) {
+                    let (line, count) = (covered.line, covered.count);
+                    let _ = writeln!(text, "BRDA:{line},{place},{branch},{count}");
+                }
+            }
+        }
+        for (line, count) in lines {
+            let _ = writeln!(text, "DA:{line},{count}");
+        }
+        text.push_str("end_of_record\n");
+    }
+    text
+}
+
+fn is_branch(part: Part) -> bool {
+    match part {
+        Part::Then
+        | Part::Else
+        | Part::Case(_)
+        | Part::Otherwise
+        | Part::Found
+        | Part::NotFound => true,
+        Part::Rule | Part::Update | Part::Round | Part::None | Part::One | Part::Many => false,
+    }
+}

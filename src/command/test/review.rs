@@ -1,0 +1,67 @@
+//! Differences accepted: all at once, or one by one.
+
+use super::Ended;
+use crate::exit::Exit;
+use crate::terminal::Terminal;
+use asm_lang::Report;
+use asm_lang::simulate::scenario::Verdict;
+use std::io::BufRead;
+
+/// Whether this is a build server, where nothing is accepted.
+pub fn is_automatic() -> bool {
+    std::env::var_os("CI").is_some_and(|value| !value.is_empty())
+}
+
+/// Accepts every difference.
+pub fn accept(ended: &mut [Ended], terminal: &mut Terminal) -> Exit {
+    let mut exit = Exit::Ok;
+    for one in ended {
+        exit = exit.max(take(one, terminal));
+    }
+    exit
+}
+
+/// Shows every difference, and asks what is to become of it.
+pub fn review(ended: &mut [Ended], terminal: &mut Terminal) -> Exit {
+    let mut exit = Exit::Ok;
+    let mut answers = std::io::stdin().lock().lines();
+    for one in ended {
+        let Some(difference) = &one.difference else {
+            continue;
+        };
+        terminal.say(difference.diff());
+        terminal.say(format_args!(
+            "accept `{}`? [y]es, [n]o, [s]kip the rest",
+            difference.path.display()
+        ));
+        // who says nothing more does not accept
+        let answer = answers.next().and_then(Result::ok).unwrap_or_default();
+        match answer.trim() {
+            "y" | "yes" => exit = exit.max(take(one, terminal)),
+            "s" | "skip" => break,
+            _ => {}
+        }
+    }
+    exit
+}
+
+fn take(one: &mut Ended, terminal: &mut Terminal) -> Exit {
+    let Some(difference) = one.difference.take() else {
+        return Exit::Ok;
+    };
+    match difference.accept() {
+        Ok(()) => {
+            terminal.status("Accepted", difference.path.display());
+            one.end = super::End::Ran(Verdict::Pass);
+            one.report = Report::new();
+            Exit::Ok
+        }
+        Err(error) => {
+            terminal.error(format_args!(
+                "cannot write `{}`: {error}",
+                difference.path.display()
+            ));
+            Exit::Usage
+        }
+    }
+}

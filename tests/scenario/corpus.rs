@@ -1,0 +1,95 @@
+//! Against the reference implementation: its verdicts on the scenarios of its whole corpus.
+//!
+//! The verdicts lie in `../shared/conformance`, the corpus (a checkout of asmeta/asmeta) where the
+//! environment variable `ASMETA_CORPUS` says. Where they are missing, the test says so and passes.
+
+use asm_lang::scenario::{Settings, test};
+use asm_lang::simulate::scenario::Verdict;
+use asmotion::Disk;
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+
+/// Scenarios on which the verdict differs, by the end of their paths, and why that is right.
+const DIFFERENT: &[(&str, &str)] = &[
+    ("tutorial_FM26/S3_InvariantViolation", CHANCE),
+    ("tutorial_FM26/S8_RandomScenario", CHANCE),
+    ("nfm25/scenario_ground_flaky", CHANCE),
+    ("coffee_vending_machine/scenario_pickchooseone2", CHANCE),
+    ("lift/lift1", ENDLESS),
+    ("validation/scenario1_fromT0stepUntil", ENDLESS),
+    (
+        "example/block_w4",
+        "it runs a block of a scenario that does not exist",
+    ),
+    ("example/block_w5", "it runs a block that does not exist"),
+    (
+        "scenariosfortest/emptyScenario",
+        "its specification does not exist",
+    ),
+    (
+        "choose_integer/scenario_out_of_domain",
+        "what is picked outside the range is no candidate, and no fault",
+    ),
+];
+
+const CHANCE: &str = "what is not picked is drawn otherwise";
+const ENDLESS: &str = "its `step until` never ends";
+
+/// The verdicts that agree, of the 219 on scenarios that the reference runs.
+const AGREED: usize = 209;
+
+#[test]
+fn agrees_on_the_corpus() {
+    let table = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/conformance/avalla.tsv");
+    let corpus = std::env::var_os("ASMETA_CORPUS").map(PathBuf::from);
+    let (Some(corpus), Ok(table)) = (corpus, std::fs::read_to_string(table)) else {
+        eprintln!("skipped: there is no corpus here");
+        return;
+    };
+    let mut rows = table.lines().map(|row| row.split('\t').collect::<Vec<_>>());
+    let head = rows.next().unwrap();
+    let column = |name: &str| head.iter().position(|known| *known == name).unwrap();
+    let (path, verdict) = (column("path"), column("verdict"));
+    let reference: Vec<(String, String)> = rows
+        .map(|row| (row[path].to_owned(), row[verdict].to_owned()))
+        .collect();
+    let compared: Vec<(String, bool)> = reference
+        .into_par_iter()
+        .filter_map(|(path, verdict)| {
+            let wanted = wanted(&verdict)?;
+            let ours = test(
+                &corpus.join(&path).to_string_lossy(),
+                &Disk,
+                &Settings::default(),
+            );
+            let agreed = ours.is_ok_and(|ours| ours.outcome.verdict == wanted);
+            Some((path, agreed))
+        })
+        .collect();
+    let agreed = compared.iter().filter(|(_, agreed)| *agreed).count();
+    println!("{} scenarios, {agreed} verdicts agree", compared.len());
+    let unexplained: Vec<&String> = compared
+        .iter()
+        .filter(|(path, agreed)| !agreed && !is_explained(path))
+        .map(|(path, _)| path)
+        .collect();
+    assert_eq!(unexplained, Vec::<&String>::new());
+    assert!(agreed >= AGREED, "{agreed}");
+}
+
+/// The verdict that the reference comes to, if it does.
+fn wanted(verdict: &str) -> Option<Verdict> {
+    match verdict.split(':').next()? {
+        "PASS" => Some(Verdict::Pass),
+        "FAIL" => Some(Verdict::Fail),
+        "FAIL_INV" => Some(Verdict::Invariant),
+        "EXC" => Some(Verdict::Fault),
+        // it cannot be loaded, translated or parsed after that
+        _ => None,
+    }
+}
+
+fn is_explained(path: &str) -> bool {
+    let path = path.strip_suffix(".avalla").unwrap_or(path);
+    DIFFERENT.iter().any(|(end, _)| path.ends_with(end))
+}
