@@ -3,7 +3,7 @@
 use crate::coverage::Coverage;
 use crate::{Failure, Specification, open_in};
 use machine::{Fault, Machine};
-use simulate::scenario::{self, Compat, Failed, Options, Outcome, Plan};
+use simulate::scenario::{self, Failed, Options, Outcome, Plan};
 use source::{Diagnostic, Loader, Report, Severity, Sources, Span};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -25,10 +25,10 @@ pub struct Tested {
 }
 
 /// How a scenario is to be run.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Settings {
-    /// Whose reading counts.
-    pub compat: Compat,
+    /// How the specification is read, and the scenario with it.
+    pub reading: hir::Options,
     /// The limits and the seed.
     pub options: Options,
     /// Whether it is counted what runs.
@@ -52,11 +52,7 @@ pub fn test(path: &str, loader: &dyn Loader, settings: &Settings) -> Result<Test
     if report.has_errors() {
         return Err(Failure { sources, report });
     }
-    let reading = hir::Options {
-        compatible: settings.compat == Compat::Asmeta,
-        initial: None,
-    };
-    let mut specification = open_in(&specification, loader, sources, &reading)?;
+    let mut specification = open_in(&specification, loader, sources, &settings.reading)?;
     match plan(path, &tree, &mut specification, loader, settings) {
         Ok(plan) => {
             let warnings = report.diagnostics.drain(..);
@@ -121,7 +117,7 @@ fn plan(
         });
         known.clone()
     };
-    let plan = Plan::of(tree, model, &mut other, settings.compat);
+    let plan = Plan::of(tree, model, &mut other);
     if found.has_errors() {
         found.extend(plan.err().unwrap_or_default());
         return Err(found);

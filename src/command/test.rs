@@ -12,8 +12,8 @@ use crate::files::Disk;
 use crate::terminal::Terminal;
 use asm_lang::coverage::Coverage;
 use asm_lang::scenario::{Settings, Tested};
-use asm_lang::simulate::scenario::{Compat, Options, Verdict};
-use asm_lang::{Failure, Report, Sources};
+use asm_lang::simulate::scenario::{Options, Verdict};
+use asm_lang::{Failure, Report, Sources, hir};
 use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -242,9 +242,9 @@ impl Test {
 
     fn settings(&self) -> Settings {
         Settings {
-            compat: match self.compat {
-                Some(Tool::Asmeta) => Compat::Asmeta,
-                None => Compat::Textbook,
+            reading: hir::Options {
+                compatible: self.compat.is_some(),
+                initial: None,
             },
             options: Options {
                 seed: self.seed,

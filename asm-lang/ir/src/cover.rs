@@ -161,5 +161,5 @@ fn wrap(rule: &mut Rule, counter: Counter) {
         node: std::mem::replace(&mut rule.node, Box::new(RuleNode::Skip)),
         origin,
     };
-    rule.node = Box::new(RuleNode::Counted(counter, inner));
+    *rule.node = RuleNode::Counted(counter, inner);
 }

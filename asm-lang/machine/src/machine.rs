@@ -166,7 +166,7 @@ impl Machine {
         now_ns: i64,
     ) -> Result<Step<'_>, Box<Fault>> {
         let number = self.steps + 1;
-        self.attempt(environment, chooser, now_ns, |run| {
+        self.attempt(true, environment, chooser, now_ns, |run| {
             match run.program.main {
                 Some(main) => run.call_routine(main, 0)?,
                 None => return Err(run.stop(FaultKind::NoMain, Origin::default())),
@@ -178,9 +178,11 @@ impl Machine {
         Ok(self.last_step())
     }
 
-    /// Evaluates rules in the current state, and applies their updates.
+    /// Evaluates rules in the current state, and applies their updates. The first step checks the
+    /// initial state, which its inputs complete.
     pub(crate) fn attempt(
         &mut self,
+        is_step: bool,
         environment: &mut dyn Environment,
         chooser: &mut dyn Chooser,
         now_ns: i64,
@@ -194,6 +196,9 @@ impl Machine {
         let reserve = self.state.reserve.len();
         if !self.is_complete {
             self.initialise_with_inputs(environment, now_ns)?;
+        }
+        if is_step && self.steps == 0 && !self.program.initial_inputs.is_empty() {
+            self.check_initial(environment, now_ns)?;
         }
         let number = self.steps + 1;
         let evaluated = self.run(environment, chooser, number, now_ns, |run| {
@@ -288,7 +293,7 @@ impl Machine {
         }
         self.begin_here(now_ns);
         self.is_complete = true;
-        self.check_initial(environment, now_ns)
+        Ok(())
     }
 
     /// Says that this is the initial state: what is met later begins as it would have begun here.

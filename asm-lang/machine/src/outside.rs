@@ -27,7 +27,7 @@ impl Machine {
         chooser: &mut dyn Chooser,
         now_ns: i64,
     ) -> Result<Step<'_>, Box<Fault>> {
-        self.attempt(environment, chooser, now_ns, |run| {
+        self.attempt(false, environment, chooser, now_ns, |run| {
             match run.program.added_rules.get(rule.0 as usize) {
                 Some(&routine) => run.call_routine(routine, 0),
                 None => Ok(()),

@@ -24,6 +24,6 @@ mod run;
 mod verdict;
 
 pub use inputs::Held;
-pub use plan::{Compat, Plan};
+pub use plan::Plan;
 pub use run::{Options, run};
 pub use verdict::{Failed, Failure, Outcome, Verdict};

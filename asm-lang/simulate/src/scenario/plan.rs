@@ -14,16 +14,6 @@ const MAX_ACTIONS: usize = 100_000;
 /// Blocks run each other this deep at most.
 const MAX_DEPTH: usize = 64;
 
-/// Whose reading of a scenario counts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Compat {
-    /// A check is evaluated where it stands.
-    #[default]
-    Textbook,
-    /// As AsmetaV does it: checks and `exec` between two steps come after all `set`s there.
-    Asmeta,
-}
-
 /// What a scenario does, in order.
 #[derive(Clone, Debug, Default)]
 pub struct Plan {
@@ -67,7 +57,8 @@ pub(super) enum ActionKind {
 
 impl Plan {
     /// Reads a scenario against its specification, to which its terms and rules are added. `other`
-    /// finds the scenario of a name whose blocks this one runs.
+    /// finds the scenario of a name whose blocks this one runs. Of a model that is read as AsmetaV
+    /// reads it, checks and `exec` between two steps come after all `set`s there.
     ///
     /// # Errors
     /// A term does not fit the specification, a block or choice is unknown; all such places are
@@ -76,7 +67,6 @@ impl Plan {
         scenario: &Scenario,
         model: &mut Model,
         other: &mut dyn FnMut(&str) -> Option<Arc<Scenario>>,
-        compat: Compat,
     ) -> Result<Self, Report> {
         let mut planning = Planning {
             model,
@@ -107,7 +97,7 @@ impl Plan {
             return Err(planning.report.finish());
         }
         let mut plan = planning.plan;
-        if compat == Compat::Asmeta {
+        if model.compatible {
             plan.settings_first();
         }
         Ok(plan)
