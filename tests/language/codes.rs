@@ -3,8 +3,9 @@
 
 use super::messages::said;
 use asm_lang::codes::{CODES, Code};
+use asm_lang::scenario::Settings;
 use asm_lang::simulate::Script;
-use asm_lang::simulate::scenario::{Compat, Options};
+use asm_lang::simulate::scenario::Options;
 use asm_lang::{Failure, Files, Report, Sources, Style, render_all};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -12,7 +13,8 @@ use std::path::{Path, PathBuf};
 /// Codes that no example earns by itself: they are about files, limits and what stands outside of
 /// specifications.
 const WITHOUT_EXAMPLE: &[&str] = &[
-    "A012", "A013", "L063", "R018", "S000", "V010", "V017", "V018", "V019", "V022", "V023",
+    "A012", "A013", "L063", "R018", "S000", "V010", "V017", "V018", "V019", "V022", "V023", "V030",
+    "V031",
 ];
 
 #[test]
@@ -93,15 +95,15 @@ fn of_scenario(specification: &str, scenario: &str) -> (BTreeSet<String>, String
     let mut files = Files::new();
     files.add("example.asm", specification);
     files.add("example.avalla", scenario);
-    let tested = asm_lang::scenario::test(
-        "example.avalla",
-        &files,
-        Compat::default(),
-        &Options {
-            max_steps: 100,
-            ..Options::default()
-        },
-    );
+    let options = Options {
+        max_steps: 100,
+        ..Options::default()
+    };
+    let settings = Settings {
+        options,
+        ..Settings::default()
+    };
+    let tested = asm_lang::scenario::test("example.avalla", &files, &settings);
     match tested {
         Ok(tested) => shown(&tested.report, &tested.specification.sources),
         Err(failure) => shown(&failure.report, &failure.sources),
