@@ -1,6 +1,7 @@
 //! What came of the tests, for people and programs.
 
 use super::{End, Ended};
+use crate::exit::Exit;
 use crate::terminal::{BAD, FAINT, GOOD, NOTE, Terminal};
 use asm_lang::Severity;
 use asm_lang::simulate::scenario::Verdict;
@@ -58,7 +59,6 @@ fn json(one: &Ended) -> serde_json::Value {
 /// How many ended how.
 pub fn sum_up(ended: &[Ended], took: Duration, terminal: &mut Terminal) {
     let count = |exit| ended.iter().filter(|one| one.end.exit() == exit).count() as u64;
-    use crate::exit::Exit;
     let mut parts = vec![format!("{} passed", count(Exit::Ok))];
     for (exit, word) in [(Exit::Findings, "failed"), (Exit::Usage, "cannot be run")] {
         if count(exit) > 0 {
