@@ -1,6 +1,7 @@
 //! Programs of the language: what they do, what is said about their mistakes, and that nothing
 //! brings the pipeline down.
 
+mod back_ends;
 mod codes;
 mod conformance;
 mod differences;

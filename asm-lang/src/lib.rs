@@ -29,7 +29,9 @@ mod session;
 pub use files::Files;
 pub use hir::{FunctionKind, Model, Options};
 pub use history::{Event, History, Written};
-pub use machine::{Chooser, Environment, Fault, FaultKind, First, Machine, NoInputs, Step, Update};
+pub use machine::{
+    BackEnd, Chooser, Environment, Fault, FaultKind, First, Machine, NoInputs, Step, Update,
+};
 pub use render::{Style, concise, render, render_all};
 pub use session::Session;
 pub use source::{Diagnostic, Loader, Report, Severity, Sources, Span};

@@ -10,7 +10,7 @@
 //! ```
 
 use asm_lang::simulate::{Recording, Trace};
-use asm_lang::{Machine, Specification, ir};
+use asm_lang::{BackEnd, Machine, Specification, ir};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -53,6 +53,23 @@ fn does_the_same_wherever_locations_are_kept() {
         assert_eq!(
             steps(&specification, interned, &text),
             dense,
+            "in {name}.asm"
+        );
+    }
+}
+
+#[test]
+fn does_the_same_as_native_code() {
+    for (name, text) in super::programs(&super::folder().join("semantics")) {
+        let specification = super::opened(&name, &text);
+        let Ok(closures) = specification.machine() else {
+            continue;
+        };
+        let mut native = closures.clone();
+        native.set_back_end(BackEnd::Native);
+        assert_eq!(
+            steps(&specification, native, &text),
+            steps(&specification, closures, &text),
             "in {name}.asm"
         );
     }

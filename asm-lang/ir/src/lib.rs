@@ -7,11 +7,13 @@
 
 mod code;
 mod cover;
+mod interval;
 mod lower;
 mod program;
 mod visit;
 
 pub use code::*;
 pub use cover::{Counted, Counter, Part};
+pub use interval::Interval;
 pub use lower::{Lowered, lower, lower_with, visit_rules, visit_terms};
 pub use program::*;

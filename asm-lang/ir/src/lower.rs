@@ -8,6 +8,7 @@ mod layout;
 mod lint;
 mod needs;
 mod order;
+mod reach;
 mod rule;
 mod term;
 
@@ -62,6 +63,7 @@ pub fn lower_with(model: &Model, dense: u32) -> Result<Lowered, Report> {
     let main = model.main.map(|rule| lowering.routine_by_value(rule));
     lowering.rule_values();
     lowering.program.main = main;
+    lowering.lazy_layout();
     lowering.added();
     if lowering.report.has_errors() {
         return Err(lowering.report.finish());
@@ -122,6 +124,7 @@ impl<'a> Lowering<'a> {
             symbols,
             domains: Vec::new(),
             functions: Vec::new(),
+            eager: 0,
             slots: 0,
             dense: Vec::new(),
             initial_order: Vec::new(),

@@ -42,6 +42,8 @@ pub struct Program {
     pub domains: Vec<Domain>,
     /// The functions; those without locations have no storage.
     pub functions: Vec<Function>,
+    /// How many slots have a value from the beginning; they come first.
+    pub eager: Slot,
     /// How many slots are fixed; interned locations get the numbers from here on.
     pub slots: Slot,
     /// The functions with fixed slots, in the order of their slots.
@@ -231,9 +233,19 @@ pub enum Storage {
         count: u32,
         /// One axis an argument.
         axes: Vec<Axis>,
+        /// Whether a location gets its value when it is first met: the axes are those of arguments the
+        /// program uses, the domains have no end.
+        lazy: bool,
     },
     /// Every location is interned.
     Interned,
+}
+
+impl Storage {
+    /// Whether its fixed slots get their values when they are first met.
+    pub fn is_lazy(&self) -> bool {
+        matches!(self, Self::Dense { lazy: true, .. })
+    }
 }
 
 /// How an argument becomes an index.

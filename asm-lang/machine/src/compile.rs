@@ -15,11 +15,15 @@ mod truth;
 mod watched;
 
 pub(crate) use location::MAX_AXES;
+pub(crate) use range::MAX_BINDINGS;
+pub(crate) use rule::MAX_ITERATIONS;
 
+use crate::native::Native;
 use crate::run::{Run, Stopped, Truth};
 use crate::witness::{watched_rule, watched_term};
 use ir::{Axis, DomainId, Local, Origin, Program, Rule, Term};
 use std::borrow::Cow;
+use std::sync::OnceLock;
 use value::Value;
 
 /// Gives a value.
@@ -44,6 +48,8 @@ pub(crate) struct Code {
     pub routines: Vec<Compiled<RuleCode>>,
     /// For each domain the domains its elements belong to, beginning with itself.
     pub supers: Vec<Vec<DomainId>>,
+    /// The main rule as native code, once it was compiled; `None` within where that cannot be.
+    pub native: OnceLock<Option<Native>>,
 }
 
 impl Code {
@@ -69,10 +75,7 @@ impl Code {
         term: impl Fn(&Term) -> Cow<'_, Term>,
         rule: impl Fn(&Rule) -> Cow<'_, Rule>,
     ) -> Self {
-        let compiler = Compiler {
-            program,
-            windows: crate::near::windows(program),
-        };
+        let compiler = Compiler::of(program);
         let bodies = program.bodies.iter().map(|body| Compiled {
             locals: body.locals,
             arguments: body.arguments,
@@ -104,6 +107,7 @@ impl Code {
             bodies: bodies.collect(),
             routines: routines.collect(),
             supers: supers.collect(),
+            native: OnceLock::new(),
         }
     }
 }
@@ -145,13 +149,20 @@ impl Bindings {
     }
 }
 
-struct Compiler<'a> {
+pub(crate) struct Compiler<'a> {
     program: &'a Program,
     /// By function: its window, if it has one.
     windows: Vec<Option<(usize, Vec<Axis>)>>,
 }
 
-impl Compiler<'_> {
+impl<'a> Compiler<'a> {
+    pub fn of(program: &'a Program) -> Self {
+        Self {
+            program,
+            windows: crate::near::windows(program),
+        }
+    }
+
     fn terms(&self, terms: &[Term]) -> Vec<TermCode> {
         terms.iter().map(|term| self.term(term)).collect()
     }

@@ -5,6 +5,7 @@ use crate::choose::First;
 use crate::compile::Code;
 use crate::environment::{Environment, NoInputs};
 use crate::fault::{Fault, FaultKind};
+use crate::native::Native;
 use crate::run::{Record, Run, Stopped, Truth};
 use crate::state::{Naming, State};
 use crate::updates::{Update, Updates};
@@ -54,6 +55,24 @@ pub struct Step<'a> {
     pub now_ns: i64,
 }
 
+/// What does the steps of a machine. A step is the same, whichever does it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BackEnd {
+    /// Closures at first, native code once the machine has done some steps.
+    #[default]
+    Auto,
+    /// Closures: every construct on every processor.
+    Closures,
+    /// Native code as far as there is any, from the first step on.
+    Native,
+}
+
+/// When a machine has done so much, compiling its main rule to native code is worth while.
+const WARM: u64 = 10_000;
+
+/// What a step counts; a variable bound within counts one.
+const STEP: u64 = 20;
+
 /// A program, compiled, and its state. Cloning shares the code and copies the state.
 #[derive(Clone)]
 pub struct Machine {
@@ -66,6 +85,9 @@ pub struct Machine {
     pub(crate) rounds: u64,
     /// Whether the initial state holds the values that depend on inputs.
     pub(crate) is_complete: bool,
+    back_end: BackEnd,
+    /// How much its steps had to do.
+    work: u64,
 }
 
 /// What a step needs and the next one can use again.
@@ -110,13 +132,16 @@ impl Machine {
             steps: 0,
             rounds: 0,
             is_complete: false,
+            back_end: BackEnd::default(),
+            work: 0,
         }
     }
 
-    /// A machine in the same state with other code.
+    /// A machine in the same state with other closures.
     pub(crate) fn recompiled(&self, code: Code) -> Self {
         Self {
             code: Arc::new(code),
+            back_end: BackEnd::Closures,
             ..self.clone()
         }
     }
@@ -129,6 +154,28 @@ impl Machine {
     /// What was noted.
     pub(crate) fn notes(&mut self) -> Option<Notes> {
         self.scratch.notes.take()
+    }
+
+    /// Says what does the steps from now on.
+    pub fn set_back_end(&mut self, back_end: BackEnd) {
+        self.back_end = back_end;
+    }
+
+    /// What does the next step; native code is compiled now if it is needed.
+    pub fn back_end(&self) -> BackEnd {
+        let is_native = match self.back_end {
+            BackEnd::Auto => self.work >= WARM,
+            BackEnd::Closures => false,
+            BackEnd::Native => true,
+        };
+        if !is_native {
+            return BackEnd::Closures;
+        }
+        let native = &self.code.native;
+        match native.get_or_init(|| Native::of(&self.program)) {
+            Some(_) => BackEnd::Native,
+            None => BackEnd::Closures,
+        }
     }
 
     /// The program.
@@ -166,9 +213,10 @@ impl Machine {
         now_ns: i64,
     ) -> Result<Step<'_>, Box<Fault>> {
         let number = self.steps + 1;
+        let back_end = self.back_end();
         self.attempt(true, environment, chooser, now_ns, |run| {
             match run.program.main {
-                Some(main) => run.call_routine(main, 0)?,
+                Some(main) => run.call_main(main, back_end)?,
                 None => return Err(run.stop(FaultKind::NoMain, Origin::default())),
             }
             run.check_invariants(true)
@@ -190,7 +238,9 @@ impl Machine {
     ) -> Result<(), Box<Fault>> {
         self.rounds += 1;
         self.scratch.record.begin(now_ns);
-        self.scratch.before.clear();
+        while let Some(value) = self.scratch.before.pop() {
+            value.discard();
+        }
         self.scratch.updates.begin(self.state.len());
         self.state.forget_uncommitted();
         let reserve = self.state.reserve.len();
@@ -205,10 +255,14 @@ impl Machine {
             if rules(run).is_err() || run.fault.is_some() {
                 run.abandon();
             }
+            u64::from(run.bindings)
         });
-        if let Err(fault) = evaluated {
-            self.state.reserve.truncate(reserve);
-            return Err(fault);
+        match evaluated {
+            Ok(bindings) => self.work += STEP + bindings,
+            Err(fault) => {
+                self.state.reserve.truncate(reserve);
+                return Err(fault);
+            }
         }
         self.fire_updates();
         self.state.commit();
@@ -222,6 +276,9 @@ impl Machine {
         chooser: &mut dyn Chooser,
         now_ns: i64,
     ) -> Result<(), Box<Fault>> {
+        if self.program.invariants.is_empty() {
+            return Ok(());
+        }
         self.run(environment, chooser, self.steps, now_ns, |run| {
             // a violation is reported as the fault of the run
             let _ = run.check_invariants(false);
@@ -254,10 +311,11 @@ impl Machine {
         let Scratch {
             updates, before, ..
         } = &mut self.scratch;
-        for update in &updates.list {
-            let slot = &mut self.state.slots[update.slot as usize];
-            before.push(std::mem::replace(slot, update.value.clone()));
-        }
+        let slots = &mut self.state.slots;
+        before.extend(updates.list.iter().map(|update| {
+            let slot = &mut slots[update.slot as usize];
+            std::mem::replace(slot, update.value.clone())
+        }));
         for &(domain, atom) in &updates.extended {
             for &domain in &self.code.supers[domain.0 as usize] {
                 Arc::make_mut(&mut self.state.extents[domain.0 as usize]).push(Value::Atom(atom));
@@ -362,8 +420,15 @@ impl Machine {
         now_ns: i64,
     ) -> Result<(), Box<Fault>> {
         let declared = &program.functions[function.0 as usize];
-        let (Some(body), Storage::Dense { base, count, .. }) =
-            (declared.initial, &declared.storage)
+        let (
+            Some(body),
+            Storage::Dense {
+                base,
+                count,
+                lazy: false,
+                ..
+            },
+        ) = (declared.initial, &declared.storage)
         else {
             return Ok(());
         };
@@ -447,7 +512,15 @@ impl Machine {
 
 impl Run<'_> {
     /// Checks the invariants that speak of inputs, or all others.
+    #[inline]
     pub(crate) fn check_invariants(&mut self, assumptions: bool) -> Result<(), Stopped> {
+        match self.program.invariants.is_empty() {
+            true => Ok(()),
+            false => self.check_each_invariant(assumptions),
+        }
+    }
+
+    fn check_each_invariant(&mut self, assumptions: bool) -> Result<(), Stopped> {
         let program = self.program;
         for (index, invariant) in program.invariants.iter().enumerate() {
             if invariant.assumes != assumptions {

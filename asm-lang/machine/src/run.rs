@@ -5,24 +5,24 @@ use crate::compile::Code;
 use crate::environment::Environment;
 use crate::extent::is_bounded;
 use crate::fault::{Fault, FaultKind};
-use crate::machine::{Choice, Input};
+use crate::machine::{BackEnd, Choice, Input};
 use crate::state::{State, dense};
 use crate::updates::{Layer, Updates, Written};
 use crate::witness::Notes;
-use ir::{BodyId, DomainId, FunctionId, FunctionKind, Local, Origin, Program, Slot};
+use ir::{BodyId, DomainId, FunctionId, FunctionKind, Local, Origin, Program, RoutineId, Slot};
 use value::Value;
 
 /// Calls may nest this deep.
 const MAX_DEPTH: u32 = 20_000;
 
 /// A step that calls more often than this is not what anybody meant: a recursion that branches.
-const MAX_CALLS: u32 = if cfg!(fuzzing) { 50_000 } else { 10_000_000 };
+pub(crate) const MAX_CALLS: u32 = if cfg!(fuzzing) { 50_000 } else { 10_000_000 };
 
 /// What one body may need at most: its terms nest at most so deep that this will do.
 const FRAME: usize = 512 * 1024;
 
 /// Does some work, on a new piece of stack if the old one is used up.
-fn on_enough_stack<T>(work: impl FnOnce() -> T) -> T {
+pub(crate) fn on_enough_stack<T>(work: impl FnOnce() -> T) -> T {
     stacker::maybe_grow(FRAME, 4 * FRAME, work)
 }
 
@@ -202,6 +202,8 @@ impl Run<'_> {
         let answer = self.environment.read(function, &self.stack[from..]);
         self.stack.truncate(from);
         let declared = &self.program.functions[function.0 as usize];
+        // one question a round, whatever comes of it
+        self.asked(slot);
         let value = match (answer, declared.clock) {
             (Ok(Some(value)), _) => Some(value),
             (Ok(None), Some(unit)) => Some(Value::Int(self.now_ns.div_euclid(unit))),
@@ -212,7 +214,6 @@ impl Run<'_> {
             }
             (Err(reason), _) => return self.fail(FaultKind::Input { slot, reason }, origin),
         };
-        self.asked(slot);
         let Some(value) = value else {
             return self.state.slots[index].clone();
         };
@@ -239,19 +240,28 @@ impl Run<'_> {
     /// The slot of a location whose arguments are on the stack from `arguments` on.
     pub fn slot(&mut self, function: FunctionId, arguments: usize) -> Slot {
         if let Some(slot) = dense(self.program, function, &self.stack[arguments..]) {
+            if !self.state.is_met(slot) {
+                let value = self.first_value(function, arguments);
+                self.state.meet(slot, value);
+            }
             return slot;
         }
         if let Some(slot) = self.state.find(function, &self.stack[arguments..]) {
             return slot;
         }
-        let value = match self.program.functions[function.0 as usize].initial {
-            Some(body) => self.initial_value(body, arguments),
-            None => Value::Undef,
-        };
+        let value = self.first_value(function, arguments);
         let arguments: Vec<Value> = self.stack[arguments..].to_vec();
         let slot = self.state.intern(function, &arguments, value);
         self.updates.grow(self.state.slots.len());
         slot
+    }
+
+    /// The value in the initial state of a location that is met for the first time.
+    fn first_value(&mut self, function: FunctionId, arguments: usize) -> Value {
+        match self.program.functions[function.0 as usize].initial {
+            Some(body) => self.initial_value(body, arguments),
+            None => Value::Undef,
+        }
     }
 
     /// The value of an initial-value body in the initial state, for arguments on the stack.
@@ -317,8 +327,27 @@ impl Run<'_> {
         }
     }
 
+    /// Runs the main rule.
+    pub fn call_main(&mut self, main: RoutineId, back_end: BackEnd) -> Result<(), Stopped> {
+        let code = self.code;
+        let Some(Some(native)) = code.native.get() else {
+            return self.call_routine(main, 0);
+        };
+        match back_end {
+            BackEnd::Closures => return self.call_routine(main, 0),
+            BackEnd::Auto | BackEnd::Native => {}
+        }
+        if !self.enter(code.routines[main.0 as usize].origin) {
+            return Err(Stopped);
+        }
+        let done = on_enough_stack(|| native.run(self));
+        self.locals.clear();
+        self.depth -= 1;
+        done
+    }
+
     /// Runs a routine whose arguments are the locals from `from` on.
-    pub fn call_routine(&mut self, routine: ir::RoutineId, from: usize) -> Result<(), Stopped> {
+    pub fn call_routine(&mut self, routine: RoutineId, from: usize) -> Result<(), Stopped> {
         let code = self.code;
         let routine = &code.routines[routine.0 as usize];
         if !self.enter(routine.origin) {
@@ -417,6 +446,12 @@ impl Run<'_> {
     pub fn apply(&mut self, layer: Layer) {
         let (updates, mut written) = self.written();
         updates.close_applying(layer, &mut written);
+    }
+
+    /// Writes a location within a sequence, and the state at once.
+    pub fn write_through(&mut self, slot: Slot, value: Value, origin: Origin) {
+        let (updates, mut written) = self.written();
+        updates.write_through(slot, value, origin, &mut written);
     }
 
     pub fn restore(&mut self, layer: Layer) -> Result<(), Stopped> {

@@ -37,6 +37,12 @@ pub struct State {
     interned: HashTable<Slot>,
     /// The locations of the slots beyond the fixed ones.
     pub(crate) locations: Locations,
+    /// How many of the fixed slots have a value from the beginning.
+    eager: Slot,
+    /// Which of the other fixed slots were met.
+    met: Vec<bool>,
+    /// Those of them that were met since the last step that was done.
+    uncommitted: Vec<Slot>,
 }
 
 /// The locations of interned slots, in the order they were met.
@@ -91,6 +97,9 @@ impl State {
                 fixed: program.slots,
                 met: Vec::new(),
             },
+            eager: program.eager,
+            met: vec![false; (program.slots - program.eager) as usize],
+            uncommitted: Vec::new(),
         }
     }
 
@@ -103,6 +112,22 @@ impl State {
         self.interned
             .find(hash(function, arguments), is_it)
             .copied()
+    }
+
+    /// Whether a slot holds what its location holds: a lazy one does after it was met.
+    #[inline]
+    pub(crate) fn is_met(&self, slot: Slot) -> bool {
+        slot < self.eager || self.met.get((slot - self.eager) as usize) != Some(&false)
+    }
+
+    /// A lazy slot holds this value now and in the initial state.
+    pub(crate) fn meet(&mut self, slot: Slot, value: Value) {
+        self.slots[slot as usize] = value.clone();
+        self.initial[slot as usize] = value;
+        if let Some(met) = self.met.get_mut((slot - self.eager) as usize) {
+            *met = true;
+            self.uncommitted.push(slot);
+        }
     }
 
     /// A new slot for a location, holding this value now and in the initial state.
@@ -129,10 +154,16 @@ impl State {
     /// Keeps the locations that were met.
     pub(crate) fn commit(&mut self) {
         self.committed = self.slots.len();
+        self.uncommitted.clear();
     }
 
     /// Forgets the locations that only a failed step met.
     pub(crate) fn forget_uncommitted(&mut self) {
+        while let Some(slot) = self.uncommitted.pop() {
+            self.slots[slot as usize] = Value::Undef;
+            self.initial[slot as usize] = Value::Undef;
+            self.met[(slot - self.eager) as usize] = false;
+        }
         while self.slots.len() > self.committed {
             self.slots.pop();
             self.initial.pop();
@@ -206,7 +237,10 @@ impl State {
         function: FunctionId,
         arguments: &[Value],
     ) -> Option<Slot> {
-        dense(program, function, arguments).or_else(|| self.find(function, arguments))
+        match dense(program, function, arguments) {
+            Some(slot) => self.is_met(slot).then_some(slot),
+            None => self.find(function, arguments),
+        }
     }
 
     /// The function one of whose locations a slot is.
@@ -245,6 +279,7 @@ impl State {
     /// All locations and what they hold, by function and arguments; those of the specification only.
     pub fn locations(&self, program: &Program) -> Vec<(FunctionId, Vec<Value>, Slot)> {
         let mut all: Vec<(FunctionId, Vec<Value>, Slot)> = (0..self.committed as Slot)
+            .filter(|&slot| self.is_met(slot))
             .filter_map(|slot| {
                 let (function, arguments) = self.location(program, slot)?;
                 program.functions[function.0 as usize]

@@ -35,9 +35,9 @@ impl Update {
 
 /// Which update is a slot's, in the set of which epoch.
 #[derive(Clone, Copy, Debug, Default)]
-struct Mark {
-    epoch: u32,
-    index: u32,
+pub(crate) struct Mark {
+    pub epoch: u32,
+    pub index: u32,
 }
 
 /// What taking back an intermediate state must restore.
@@ -65,6 +65,8 @@ pub(crate) struct Updates {
     covered: Vec<(Slot, Mark)>,
     undo: Vec<Undo>,
     depth: u32,
+    /// The layers that native code has open.
+    pub layers: Vec<Layer>,
 }
 
 /// What a layer has to give back.
@@ -92,10 +94,13 @@ pub(crate) struct Written<'a> {
 impl Updates {
     /// Begins the update set of a step.
     pub fn begin(&mut self, slots: usize) {
-        self.list.clear();
+        while let Some(update) = self.list.pop() {
+            update.value.discard();
+        }
         self.extended.clear();
         self.covered.clear();
         self.undo.clear();
+        self.layers.clear();
         self.depth = 0;
         if self.last_epoch > u32::MAX / 2 {
             // no mark of an earlier step counts any more
@@ -159,6 +164,16 @@ impl Updates {
         };
     }
 
+    /// The marks, by slot.
+    pub fn marks_mut(&mut self) -> &mut [Mark] {
+        &mut self.marks
+    }
+
+    /// The epoch of the innermost set.
+    pub fn epoch(&self) -> u32 {
+        self.epoch
+    }
+
     /// Begins a set within the current one.
     pub fn open(&mut self) -> Layer {
         let layer = Layer {
@@ -208,6 +223,32 @@ impl Updates {
         });
     }
 
+    /// An update of a rule of a sequence that is applied at once, as if it were a set of its own.
+    pub fn write_through(
+        &mut self,
+        slot: Slot,
+        value: Value,
+        origin: Origin,
+        written: &mut Written<'_>,
+    ) {
+        let before = std::mem::replace(&mut written.slots[slot as usize], value.clone());
+        let mark = self.marks[slot as usize];
+        if mark.epoch == self.epoch {
+            // what the sequence found there is known already
+            let known = &mut self.list[mark.index as usize];
+            std::mem::replace(&mut known.value, value).discard();
+            known.origin = origin;
+            return before.discard();
+        }
+        self.undo.push(Undo::Slot(slot, before));
+        self.mark(slot, self.list.len());
+        self.list.push(Update {
+            slot,
+            value,
+            origin,
+        });
+    }
+
     /// Ends a sequence: the state is as before it, its net updates join the set around it, but for
     /// those of slots that are local to the sequence.
     pub fn close_restoring(
@@ -221,7 +262,9 @@ impl Updates {
         let mut kept = layer.start;
         for index in layer.start..self.list.len() {
             if !is_local(self.list[index].slot) {
-                self.list.swap(kept, index);
+                if kept < index {
+                    self.list.swap(kept, index);
+                }
                 kept += 1;
             }
         }
@@ -263,7 +306,9 @@ impl Updates {
     fn take_back(&mut self, to: usize, written: &mut Written<'_>) {
         for undo in self.undo.drain(to..).rev() {
             match undo {
-                Undo::Slot(slot, value) => written.slots[slot as usize] = value,
+                Undo::Slot(slot, value) => {
+                    std::mem::replace(&mut written.slots[slot as usize], value).discard();
+                }
                 Undo::Asked(slot, before) => written.asked[slot as usize] = before,
                 Undo::Joined(domain) => {
                     Arc::make_mut(&mut written.extents[domain.0 as usize]).pop();

@@ -43,6 +43,13 @@ impl fmt::Debug for Builtin {
     }
 }
 
+impl Builtin {
+    /// Whether it writes a line: then evaluating it twice is not as good as once.
+    pub fn prints(&self) -> bool {
+        self.name == "print"
+    }
+}
+
 /// Functions that the standard library declares and the machine itself answers: no bodies here.
 pub const RESERVED: &[&str] = &["self", "program", "id", "getAgent", "result"];
 

@@ -7,7 +7,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+mod clone;
 mod display;
+pub mod layout;
 mod real;
 
 pub use display::{Names, Shown};
@@ -23,7 +25,10 @@ pub struct Atom(pub u32);
 pub struct RuleId(pub u32);
 
 /// What a location holds and a term denotes.
-#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+///
+/// The representation is fixed, see [`layout`]: generated code reads and writes scalars in place.
+#[derive(Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[repr(C, u8)]
 pub enum Value {
     /// No value.
     #[default]

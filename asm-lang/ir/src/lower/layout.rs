@@ -1,6 +1,6 @@
 //! Which slots the locations of the functions are.
 
-use super::{Lowering, domain, order};
+use super::{Lowering, domain, order, reach};
 use crate::program::{Axis, AxisRange, Elements, Function, FunctionId, FunctionKind, Storage};
 use hir::{Meaning, Type, TypeId};
 
@@ -46,13 +46,15 @@ impl Lowering<'_> {
     }
 
     fn storage(&mut self, parameters: &[TypeId]) -> Storage {
-        let Some(ranges) = parameters
-            .iter()
-            .map(|&ty| self.axis(ty))
-            .collect::<Option<Vec<_>>>()
-        else {
-            return Storage::Interned;
-        };
+        let ranges = parameters.iter().map(|&ty| self.axis(ty)).collect();
+        match ranges {
+            Some(ranges) => self.dense(ranges),
+            None => Storage::Interned,
+        }
+    }
+
+    /// Slots for all locations of such arguments, if they are not too many.
+    fn dense(&mut self, ranges: Vec<AxisRange>) -> Storage {
         let count = ranges.iter().try_fold(1u64, |product, range| {
             product
                 .checked_mul(u64::from(range.count()))
@@ -78,6 +80,41 @@ impl Lowering<'_> {
             base,
             count: count as u32,
             axes,
+            lazy: false,
+        }
+    }
+
+    /// Gives functions over domains without end slots for the arguments that the program gives them,
+    /// as far as those are known. Their locations are met like those of other such functions.
+    pub(super) fn lazy_layout(&mut self) {
+        self.program.eager = self.program.slots;
+        if self.model.compatible {
+            // there the order in which locations are met counts
+            return;
+        }
+        let used = reach::arguments(&self.program);
+        for (id, used) in used {
+            let index = id.0 as usize;
+            let parameters = self.model.functions[index].parameters.clone();
+            let ranges = parameters.iter().zip(used).map(|(&ty, used)| match used {
+                Some(used) => used.axis(),
+                None => self.axis(ty),
+            });
+            let Some(ranges) = ranges.collect() else {
+                continue;
+            };
+            if let Storage::Dense {
+                base, count, axes, ..
+            } = self.dense(ranges)
+            {
+                self.program.dense.push(id);
+                self.program.functions[index].storage = Storage::Dense {
+                    base,
+                    count,
+                    axes,
+                    lazy: true,
+                };
+            }
         }
     }
 

@@ -69,11 +69,24 @@ impl Compiler<'_> {
     pub(super) fn slot(&self, function: FunctionId, arguments: &[Term]) -> SlotCode {
         let storage = &self.program.functions[function.0 as usize].storage;
         match (storage, &self.windows[function.0 as usize]) {
-            (Storage::Dense { base, axes, .. }, _) if axes.len() <= MAX_AXES => {
-                let base = *base;
-                on_axes(function, self.indices(arguments, axes), move |_, index| {
-                    base + index
-                })
+            (
+                Storage::Dense {
+                    base, axes, lazy, ..
+                },
+                _,
+            ) if axes.len() <= MAX_AXES => {
+                let (base, lazy) = (*base, *lazy);
+                on_axes(
+                    function,
+                    self.indices(arguments, axes),
+                    move |run, index| {
+                        let slot = base + index;
+                        if lazy && !run.state.is_met(slot) {
+                            return meet_lazy(run, function, slot);
+                        }
+                        slot
+                    },
+                )
             }
             (_, Some((window, axes))) => {
                 let (window, known) = (*window, axes.clone());
@@ -171,6 +184,16 @@ fn on_axes(
         }
         found(run, together)
     })
+}
+
+/// Gives a lazy slot its value.
+#[cold]
+fn meet_lazy(run: &mut Run<'_>, function: FunctionId, slot: Slot) -> Slot {
+    let from = run.stack.len();
+    run.state.arguments(run.program, slot, run.stack);
+    let slot = run.slot(function, from);
+    run.stack.truncate(from);
+    slot
 }
 
 /// The slot of a location that is met for the first time within a window.

@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use value::{Atom, Value};
 
 /// A step that binds variables more often than this is not what anybody meant.
-const MAX_BINDINGS: u32 = if cfg!(fuzzing) { 50_000 } else { 10_000_000 };
+pub(crate) const MAX_BINDINGS: u32 = if cfg!(fuzzing) { 50_000 } else { 10_000_000 };
 
 /// Variables with their ranges, and a guard.
 pub(super) struct Ranges {

@@ -12,7 +12,7 @@ use std::ops::ControlFlow;
 use value::{RuleId, Value};
 
 /// Loops that run longer than this in one step, all together, do not end.
-const MAX_ITERATIONS: u32 = if cfg!(fuzzing) { 50_000 } else { 10_000_000 };
+pub(crate) const MAX_ITERATIONS: u32 = if cfg!(fuzzing) { 50_000 } else { 10_000_000 };
 
 /// Where a value goes.
 enum Target {
@@ -44,7 +44,7 @@ impl Target {
 }
 
 impl Compiler<'_> {
-    pub(super) fn rule(&self, rule: &Rule) -> RuleCode {
+    pub fn rule(&self, rule: &Rule) -> RuleCode {
         stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.rule_here(rule))
     }
 

@@ -14,7 +14,7 @@ use value::Value;
 
 impl Compiler<'_> {
     /// A term as code that gives a value.
-    pub(super) fn term(&self, term: &Term) -> TermCode {
+    pub fn term(&self, term: &Term) -> TermCode {
         stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.term_here(term))
     }
 

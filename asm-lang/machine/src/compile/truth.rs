@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 
 impl Compiler<'_> {
     /// A term as code that gives a truth value.
-    pub(super) fn truth(&self, term: &Term) -> TruthCode {
+    pub fn truth(&self, term: &Term) -> TruthCode {
         match &*term.node {
             Node::Logic(logic, left, right) => self.logic(*logic, left, right),
             Node::Not(operand) => {

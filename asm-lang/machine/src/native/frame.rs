@@ -1,0 +1,390 @@
+//! What native code sees of a run, and the ways back out of it.
+//!
+//! The only unsafe code of the language. Native code gets one pointer, to a [`Frame`]: there stand the
+//! raw parts of the vectors it reads and writes, and the run itself. Whatever it does not do itself, it
+//! asks one of the functions below for; before each the vectors learn what native code did to them, and
+//! after each the frame learns what became of the vectors.
+
+#![allow(
+    unsafe_code,
+    reason = "native code and the machine share memory by pointers"
+)]
+
+use super::Detour;
+use crate::fault::FaultKind;
+use crate::machine::Choice;
+use crate::run::{Run, Stopped, Truth, on_enough_stack};
+use crate::updates::{Mark, Update};
+use ir::Origin;
+use std::mem::offset_of;
+use value::{Atom, Value};
+
+/// What a native routine takes and gives: 0 when the rule is done, 1 when it stopped.
+pub(super) type Entry = unsafe extern "C" fn(*mut Frame) -> u8;
+
+/// What native code sees.
+#[repr(C)]
+pub(super) struct Frame {
+    slots: *mut Value,
+    marks: *mut Mark,
+    list: *mut Update,
+    /// How many updates there are.
+    length: usize,
+    /// For how many there is room.
+    room: usize,
+    locals: *mut Value,
+    /// What a term gave that was evaluated outside.
+    answer: Value,
+    epoch: u32,
+    /// How deep calls were nested when native code began.
+    depth: u32,
+    run: *mut Run<'static>,
+    detours: *const Detour,
+    /// How many locals closures expect.
+    needed: usize,
+}
+
+/// Where things are, for code that is generated.
+pub(super) mod at {
+    use super::{Frame, Mark, Run, Update, offset_of};
+
+    pub const SLOTS: i32 = offset_of!(Frame, slots) as i32;
+    pub const MARKS: i32 = offset_of!(Frame, marks) as i32;
+    pub const LIST: i32 = offset_of!(Frame, list) as i32;
+    pub const LENGTH: i32 = offset_of!(Frame, length) as i32;
+    pub const ROOM: i32 = offset_of!(Frame, room) as i32;
+    pub const LOCALS: i32 = offset_of!(Frame, locals) as i32;
+    pub const ANSWER: i32 = offset_of!(Frame, answer) as i32;
+    pub const EPOCH: i32 = offset_of!(Frame, epoch) as i32;
+    pub const RUN: i32 = offset_of!(Frame, run) as i32;
+
+    pub const AGENT: i32 = offset_of!(Run<'static>, agent) as i32;
+    pub const CALLS: i32 = offset_of!(Run<'static>, calls) as i32;
+    pub const BINDINGS: i32 = offset_of!(Run<'static>, bindings) as i32;
+    pub const ITERATIONS: i32 = offset_of!(Run<'static>, iterations) as i32;
+
+    pub const MARK_EPOCH: i32 = offset_of!(Mark, epoch) as i32;
+    pub const MARK_INDEX: i32 = offset_of!(Mark, index) as i32;
+    pub const MARK_SIZE: i64 = size_of::<Mark>() as i64;
+
+    pub const UPDATE_SLOT: i32 = offset_of!(Update, slot) as i32;
+    pub const UPDATE_VALUE: i32 = offset_of!(Update, value) as i32;
+    pub const UPDATE_ORIGIN: i32 = offset_of!(Update, origin) as i32;
+    pub const UPDATE_SIZE: i64 = size_of::<Update>() as i64;
+
+    pub const VALUE_SIZE: i64 = size_of::<value::Value>() as i64;
+    pub const PAYLOAD: i32 = value::layout::PAYLOAD as i32;
+}
+
+impl Frame {
+    /// Runs native code.
+    pub fn enter(
+        run: &mut Run<'_>,
+        entry: Entry,
+        detours: &[Detour],
+        needed: usize,
+    ) -> Result<(), Stopped> {
+        let mut frame = Self {
+            slots: std::ptr::null_mut(),
+            marks: std::ptr::null_mut(),
+            list: std::ptr::null_mut(),
+            length: 0,
+            room: 0,
+            locals: std::ptr::null_mut(),
+            answer: Value::Undef,
+            epoch: 0,
+            depth: run.depth,
+            run: std::ptr::from_mut(run).cast(),
+            detours: detours.as_ptr(),
+            needed,
+        };
+        frame.refresh();
+        // SAFETY: the entry was generated for the program of this run, for a frame of this layout, and
+        // its memory lives as long as the detours, which are borrowed here. It reads and writes slots
+        // and marks below the number of slots the program fixes, and updates below `room`; it keeps no
+        // pointer across a call of the functions below. `run` is not used here meanwhile.
+        let stopped = unsafe { entry(&raw mut frame) };
+        frame.settle();
+        if stopped == 0 { Ok(()) } else { Err(Stopped) }
+    }
+
+    fn run(&mut self) -> &mut Run<'static> {
+        // SAFETY: set from the exclusive borrow that `enter` holds and does not use meanwhile; the
+        // reference does not outlive the call out of native code, and native code does not run during it.
+        unsafe { &mut *self.run }
+    }
+
+    /// Tells the run what native code did.
+    fn settle(&mut self) {
+        let length = self.length;
+        // SAFETY: native code has filled the updates up to `length`, which is at most the room there was.
+        unsafe { self.run().updates.list.set_len(length) }
+    }
+
+    /// Finds out what became of the vectors.
+    fn refresh(&mut self) {
+        // SAFETY: as in `run`; the borrow of the field and that of the frame's other fields are apart.
+        let run = unsafe { &mut *self.run };
+        self.slots = run.state.slots.as_mut_ptr();
+        self.marks = run.updates.marks_mut().as_mut_ptr();
+        self.list = run.updates.list.as_mut_ptr();
+        self.length = run.updates.list.len();
+        self.room = run.updates.list.capacity();
+        self.locals = run.locals.as_mut_ptr();
+        self.epoch = run.updates.epoch();
+    }
+
+    /// Does some work outside native code, in the frame of locals of an inlined routine.
+    fn outside<T>(
+        &mut self,
+        place: u64,
+        work: impl FnOnce(&mut Run<'static>, &mut Value) -> T,
+    ) -> T {
+        self.settle();
+        let (base, depth) = (place as u32 as usize, (place >> 32) as u32 + self.depth);
+        // SAFETY: as in `run`; the borrow of the field and that of the frame's other fields are apart.
+        let run = unsafe { &mut *self.run };
+        let outer = (run.base, run.depth);
+        (run.base, run.depth) = (base, depth);
+        if run.locals.len() < self.needed {
+            run.locals.resize(self.needed, Value::Undef);
+        }
+        let result = on_enough_stack(|| work(run, &mut self.answer));
+        (run.base, run.depth) = outer;
+        self.refresh();
+        result
+    }
+}
+
+/// Where a call out of native code stands: the first local of its frame, and how deep it is.
+pub(super) fn place(base: u32, depth: u32) -> i64 {
+    i64::from(base) | i64::from(depth) << 32
+}
+
+/// The functions native code calls. Their names are those of [`super::emit`]'s table.
+///
+/// Each takes the frame first: it is the one `enter` made, so it lives, and nobody else borrows it.
+pub(super) mod out {
+    use super::{Atom, Choice, Detour, FaultKind, Frame, Origin, Run, Truth, Value};
+
+    fn detour(frame: &Frame, index: u32) -> &'static Detour {
+        // SAFETY: generated code knows only numbers of detours that were made with it; `enter` borrows
+        // them while it runs.
+        unsafe { &*frame.detours.add(index as usize) }
+    }
+
+    fn stopped(done: bool) -> u8 {
+        u8::from(!done)
+    }
+
+    /// A rule by its closure.
+    pub extern "C" fn rule(frame: &mut Frame, index: u32, place: u64) -> u8 {
+        let Detour::Rule(rule) = detour(frame, index) else {
+            return 1;
+        };
+        stopped(frame.outside(place, |run, _| rule(run).is_ok()))
+    }
+
+    /// A rule by its closure, in a set of its own that is applied: 2 if the set is empty.
+    pub extern "C" fn layered(frame: &mut Frame, index: u32, place: u64) -> u8 {
+        let Detour::Rule(rule) = detour(frame, index) else {
+            return 1;
+        };
+        frame.outside(place, |run, _| {
+            let layer = run.updates.open();
+            if rule(run).is_err() {
+                return 1;
+            }
+            let idle = run.updates.is_empty(&layer);
+            run.apply(layer);
+            if idle { 2 } else { 0 }
+        })
+    }
+
+    /// A guard by its closure: 0 false, 1 true, 2 stopped.
+    pub extern "C" fn guard(frame: &mut Frame, index: u32, place: u64, origin: u32) -> u8 {
+        let Detour::Truth(truth) = detour(frame, index) else {
+            return 2;
+        };
+        frame.outside(place, |run, _| {
+            let holds = truth(run);
+            match holds {
+                _ if run.fault.is_some() => 2,
+                Truth::False => 0,
+                Truth::True => 1,
+                Truth::Undef => {
+                    run.fail(FaultKind::UndefinedGuard, Origin(origin));
+                    2
+                }
+            }
+        })
+    }
+
+    /// A truth value by its closure: 2 for undef.
+    pub extern "C" fn truth(frame: &mut Frame, index: u32, place: u64) -> u8 {
+        let Detour::Truth(truth) = detour(frame, index) else {
+            return 2;
+        };
+        frame.outside(place, |run, _| {
+            let holds = truth(run);
+            match holds {
+                _ if is_left(run) => 2,
+                Truth::False => 0,
+                Truth::True => 1,
+                Truth::Undef => 2,
+            }
+        })
+    }
+
+    /// A value by its closure, left in the frame's answer.
+    pub extern "C" fn term(frame: &mut Frame, index: u32, place: u64) {
+        if let Detour::Term(term) = detour(frame, index) {
+            frame.outside(place, |run, answer| {
+                let value = term(run);
+                *answer = match is_left(run) {
+                    false => value,
+                    true => Value::Undef,
+                };
+            });
+        }
+    }
+
+    /// A value by its closure, left in a local: 1 if it failed.
+    pub extern "C" fn bind(frame: &mut Frame, index: u32, place: u64, local: u32) -> u8 {
+        let Detour::Term(term) = detour(frame, index) else {
+            return 1;
+        };
+        frame.outside(place, |run, _| {
+            let value = term(run);
+            run.locals[local as usize] = value;
+            u8::from(is_left(run))
+        })
+    }
+
+    /// Whether a part of a term failed. The fault is then left to the detour of the whole, which meets
+    /// it again; only what the environment did not answer it is not asked again.
+    fn is_left(run: &mut Run<'_>) -> bool {
+        let Some(fault) = run.fault.take() else {
+            return false;
+        };
+        if matches!(fault.kind, FaultKind::Input { .. }) {
+            run.fault = Some(fault);
+        }
+        true
+    }
+
+    /// A scalar put into a local, for closures to see.
+    pub extern "C" fn spill(frame: &mut Frame, local: u32, tag: u32, payload: i64) {
+        let needed = frame.needed;
+        let locals = &mut frame.run().locals;
+        if locals.len() < needed {
+            locals.resize(needed, Value::Undef);
+        }
+        locals[local as usize] = scalar(tag, payload);
+    }
+
+    /// How the value of a variable with this range is chosen: 0 by a number, 1 as the first one, 2 from
+    /// outside.
+    pub extern "C" fn way(frame: &mut Frame, range: u32) -> u8 {
+        let chooser = &frame.run().chooser;
+        match chooser.picked(Origin(range)) {
+            Some(_) => 2,
+            None => u8::from(chooser.takes_first()),
+        }
+    }
+
+    /// Which of so many candidates.
+    pub extern "C" fn choose(frame: &mut Frame, count: u64, origin: u32) -> u64 {
+        let count = count as usize;
+        let run = frame.run();
+        let index = run.chooser.choose(count).min(count - 1);
+        run.record.choices.push(Choice {
+            origin: Origin(origin),
+            index,
+            count,
+        });
+        index as u64
+    }
+
+    /// A loop went round too often.
+    pub extern "C" fn endless(frame: &mut Frame, most: u32, origin: u32, place: u64) {
+        frame.outside(place, |run, _| {
+            run.fail(FaultKind::Endless(most), Origin(origin));
+        });
+    }
+
+    /// Begins a set within the current one.
+    pub extern "C" fn open(frame: &mut Frame) {
+        frame.outside_here(|run| {
+            let layer = run.updates.open();
+            run.updates.layers.push(layer);
+        });
+    }
+
+    /// Ends a set and applies it: 1 if it was empty.
+    pub extern "C" fn apply(frame: &mut Frame) -> u8 {
+        frame.outside_here(|run| match run.updates.layers.pop() {
+            Some(layer) => {
+                let idle = run.updates.is_empty(&layer);
+                run.apply(layer);
+                u8::from(idle)
+            }
+            None => 1,
+        })
+    }
+
+    /// Ends a sequence.
+    pub extern "C" fn restore(frame: &mut Frame, place: u64) -> u8 {
+        stopped(
+            frame.outside(place, |run, _| match run.updates.layers.pop() {
+                Some(layer) => run.restore(layer).is_ok(),
+                None => false,
+            }),
+        )
+    }
+
+    /// Adds an update within a sequence; the slot has none yet.
+    pub extern "C" fn write(frame: &mut Frame, slot: u32, tag: u32, payload: i64, origin: u32) {
+        frame.outside_here(|run| {
+            // no conflict: generated code has looked at the mark
+            let _ = run
+                .updates
+                .write(slot, scalar(tag, payload), Origin(origin));
+        });
+    }
+
+    /// An update of a sequence that is applied at once.
+    pub extern "C" fn write_through(
+        frame: &mut Frame,
+        slot: u32,
+        tag: u32,
+        payload: i64,
+        origin: u32,
+    ) {
+        frame.settle();
+        let run = frame.run();
+        run.write_through(slot, scalar(tag, payload), Origin(origin));
+        let list = &mut run.updates.list;
+        let (pointer, length, room) = (list.as_mut_ptr(), list.len(), list.capacity());
+        (frame.list, frame.length, frame.room) = (pointer, length, room);
+    }
+
+    impl Frame {
+        /// Work that runs no code of the program.
+        fn outside_here<T>(&mut self, work: impl FnOnce(&mut Run<'static>) -> T) -> T {
+            self.settle();
+            let result = work(self.run());
+            self.refresh();
+            result
+        }
+    }
+
+    fn scalar(tag: u32, payload: i64) -> Value {
+        match tag as u8 {
+            value::layout::BOOL => Value::Bool(payload & 1 == 1),
+            value::layout::INT => Value::Int(payload),
+            value::layout::ATOM => Value::Atom(Atom(payload as u32)),
+            _ => Value::Undef,
+        }
+    }
+}

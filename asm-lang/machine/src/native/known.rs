@@ -1,0 +1,199 @@
+//! What is known about a program before it runs: what a term gives, and what it may do.
+
+use super::emit::{Emitter, Known};
+use ir::{
+    BodyId, DomainId, Elements, FunctionKind, Kind, Node, Program, Range, RoutineId, Rule,
+    RuleNode, Term,
+};
+use value::Value;
+
+/// What a variable ranges over without looking at the state.
+#[derive(Clone, Copy)]
+pub(super) enum Span {
+    Ints(i64, i64),
+    Atoms(u32, u32),
+    Bools,
+}
+
+impl Span {
+    pub fn count(self) -> u64 {
+        match self {
+            Self::Ints(low, high) if low > high => 0,
+            Self::Ints(low, high) => high.abs_diff(low).saturating_add(1),
+            Self::Atoms(_, count) => u64::from(count),
+            Self::Bools => 2,
+        }
+    }
+}
+
+impl Emitter<'_> {
+    /// What a term gives, if it is not undef.
+    pub fn kind(&self, term: &Term) -> Kind {
+        match &*term.node {
+            Node::Constant(Value::Bool(_)) => Kind::Bool,
+            Node::Constant(Value::Int(_)) => Kind::Int,
+            Node::Constant(Value::Atom(_)) => Kind::Atom,
+            Node::Constant(_) => Kind::Other,
+            Node::Local(local) => match self.scope.locals.get(*local as usize) {
+                Some(Known::Int(_)) => Kind::Int,
+                Some(Known::Bool(_)) => Kind::Bool,
+                Some(Known::Atom(_)) => Kind::Atom,
+                Some(Known::Memory(kind)) => *kind,
+                Some(Known::Nothing) | None => Kind::Other,
+            },
+            _ => term.kind,
+        }
+    }
+
+    /// Whether a term gives a scalar and may be evaluated twice.
+    pub fn is_native(&self, term: &Term) -> bool {
+        matches!(self.kind(term), Kind::Int | Kind::Bool | Kind::Atom)
+            && is_repeatable(self.program, term)
+    }
+
+    /// Whether the environment owns a function.
+    pub fn is_input(&self, function: ir::FunctionId) -> bool {
+        match self.program.functions[function.0 as usize].kind {
+            FunctionKind::Monitored | FunctionKind::Shared => true,
+            FunctionKind::Controlled
+            | FunctionKind::Out
+            | FunctionKind::Local
+            | FunctionKind::Fixed => false,
+        }
+    }
+
+    /// What a variable ranges over, if that never changes and need not be computed.
+    pub fn span(&self, range: &Range) -> Option<Span> {
+        match range {
+            Range::Ints(low, high) => Some(Span::Ints(*low, *high)),
+            Range::Atoms(first, count) => Some(Span::Atoms(*first, *count)),
+            Range::Bools => Some(Span::Bools),
+            Range::Domain(domain) => match self.program.domains[domain.0 as usize].elements {
+                Elements::Atoms { first, count } if !grows(self.program, *domain) => {
+                    Some(Span::Atoms(first.0, count))
+                }
+                Elements::Atoms { .. }
+                | Elements::Ints { .. }
+                | Elements::Computed(_)
+                | Elements::Undefined
+                | Elements::Open => None,
+            },
+            Range::Elements(_) => None,
+        }
+    }
+}
+
+/// Whether some rule extends a domain.
+fn grows(program: &Program, domain: DomainId) -> bool {
+    let reaches = |mut extended: DomainId| {
+        for _ in 0..=program.domains.len() {
+            if extended == domain {
+                return true;
+            }
+            match program.domains[extended.0 as usize].base {
+                Some(base) => extended = base,
+                None => return false,
+            }
+        }
+        true
+    };
+    program.routines.iter().any(|routine| {
+        any_rule(
+            &routine.code,
+            &mut |rule| matches!(&*rule.node, RuleNode::Extend(extended, ..) if reaches(*extended)),
+        )
+    })
+}
+
+/// Whether evaluating a term twice is as good as evaluating it once: nothing is printed.
+pub(super) fn is_repeatable(program: &Program, term: &Term) -> bool {
+    !reaches(program, term, &mut Vec::new(), &|node| match node {
+        Node::Builtin(builtin, _) => builtin.prints(),
+        Node::Watched(_) => true,
+        _ => false,
+    })
+}
+
+/// Whether evaluating a term may bind variables.
+pub(super) fn counts(program: &Program, term: &Term) -> bool {
+    reaches(program, term, &mut Vec::new(), &|node| {
+        matches!(
+            node,
+            Node::Quantified(..) | Node::Collect(..) | Node::CollectMap(..)
+        )
+    })
+}
+
+/// Whether running a rule may bind variables that range over something.
+pub(super) fn rule_counts(program: &Program, rule: &Rule) -> bool {
+    fn search(program: &Program, rule: &Rule, seen: &mut Vec<RoutineId>) -> bool {
+        any_rule(rule, &mut |rule| {
+            let mut terms = rule.node.clone();
+            if terms
+                .terms_mut()
+                .into_iter()
+                .any(|term| counts(program, term))
+            {
+                return true;
+            }
+            match &*rule.node {
+                RuleNode::Forall(..)
+                | RuleNode::Choose(..)
+                | RuleNode::Run(..)
+                | RuleNode::RunAgent(..) => true,
+                RuleNode::Call(routine, _) | RuleNode::Assign(_, routine, _) => {
+                    if seen.contains(routine) {
+                        return false;
+                    }
+                    seen.push(*routine);
+                    search(program, &program.routines[routine.0 as usize].code, seen)
+                }
+                _ => false,
+            }
+        })
+    }
+    search(program, rule, &mut Vec::new())
+}
+
+/// Whether a term, or a definition it applies, contains such a node.
+fn reaches(
+    program: &Program,
+    term: &Term,
+    seen: &mut Vec<BodyId>,
+    is_it: &dyn Fn(&Node) -> bool,
+) -> bool {
+    fn search(
+        program: &Program,
+        node: &mut Node,
+        seen: &mut Vec<BodyId>,
+        is_it: &dyn Fn(&Node) -> bool,
+    ) -> bool {
+        if is_it(node) {
+            return true;
+        }
+        if let Node::Call(body, _) = node
+            && !seen.contains(body)
+        {
+            seen.push(*body);
+            if reaches(program, &program.bodies[body.0 as usize].code, seen, is_it) {
+                return true;
+            }
+        }
+        let mut parts = node.terms_mut().into_iter();
+        parts.any(|part| search(program, &mut part.node, seen, is_it))
+    }
+    search(program, &mut term.node.clone(), seen, is_it)
+}
+
+/// Whether a rule contains such a rule, or is one.
+fn any_rule(rule: &Rule, is_it: &mut dyn FnMut(&Rule) -> bool) -> bool {
+    fn search(rule: &mut Rule, is_it: &mut dyn FnMut(&Rule) -> bool) -> bool {
+        is_it(rule)
+            || rule
+                .node
+                .rules_mut()
+                .into_iter()
+                .any(|inner| search(inner, is_it))
+    }
+    search(&mut rule.clone(), is_it)
+}

@@ -1,0 +1,342 @@
+//! Locations of known axes, read and written in place.
+
+use super::emit::{Emitter, Int, Known, Mode, Ssa};
+use super::frame::at;
+use super::known::is_repeatable;
+use cranelift_codegen::ir::condcodes::IntCC;
+use cranelift_codegen::ir::types::{I8, I32, I64};
+use cranelift_codegen::ir::{InstBuilder, Type};
+use ir::{
+    AxisRange, DomainId, Elements, FunctionId, Kind, Node, Origin, Place, Slot, Storage, Term,
+};
+use value::layout;
+
+/// A location in place.
+pub(super) struct Located {
+    /// Where the function's first slot is, in bytes from here.
+    pointer: Ssa,
+    offset: i32,
+    /// The number of the slot: computed, and a constant to add.
+    index: Option<Ssa>,
+    base: i64,
+    /// Whether its value may still have to be computed.
+    pub is_lazy: bool,
+}
+
+impl Emitter<'_> {
+    /// The location a term denotes, if native code finds it.
+    pub fn place_of(&mut self, term: &Term) -> Option<Located> {
+        match &*term.node {
+            Node::Slot(function, slot) if !self.is_input(*function) => Some(self.fixed(*slot)),
+            Node::Location(function, arguments) if !self.is_input(*function) => {
+                self.located(*function, arguments)
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether native code finds the place an update writes.
+    pub fn is_place(&self, place: &Place) -> bool {
+        match place {
+            Place::Slot(function, _) => !self.is_input(*function),
+            Place::Location(function, arguments) => {
+                !self.is_input(*function) && self.has_axes(*function, arguments)
+            }
+            Place::Local(_) => false,
+        }
+    }
+
+    /// The place of an update; it [`Emitter::is_place`].
+    pub fn target(&mut self, place: &Place) -> Option<Located> {
+        match place {
+            Place::Slot(_, slot) => Some(self.fixed(*slot)),
+            Place::Location(function, arguments) => self.located(*function, arguments),
+            Place::Local(_) => None,
+        }
+    }
+
+    fn fixed(&mut self, slot: Slot) -> Located {
+        Located {
+            pointer: self.field(I64, at::SLOTS),
+            offset: (i64::from(slot) * at::VALUE_SIZE) as i32,
+            index: None,
+            base: slot.into(),
+            is_lazy: false,
+        }
+    }
+
+    fn has_axes(&self, function: FunctionId, arguments: &[Term]) -> bool {
+        let Storage::Dense { axes, .. } = &self.program.functions[function.0 as usize].storage
+        else {
+            return false;
+        };
+        axes.len() == arguments.len()
+            && axes.iter().zip(arguments).all(|(axis, argument)| {
+                let wanted = match axis.over {
+                    AxisRange::Bool => Kind::Bool,
+                    AxisRange::Ints { .. } => Kind::Int,
+                    AxisRange::Atoms { .. } => Kind::Atom,
+                };
+                self.kind(argument) == wanted && is_repeatable(self.program, argument)
+            })
+    }
+
+    /// A location by its arguments; off the axes, the unit at hand takes its detour.
+    fn located(&mut self, function: FunctionId, arguments: &[Term]) -> Option<Located> {
+        if !self.has_axes(function, arguments) {
+            return None;
+        }
+        let Storage::Dense { base, axes, .. } =
+            self.program.functions[function.0 as usize].storage.clone()
+        else {
+            return None;
+        };
+        let mut index = None;
+        let mut constant = i64::from(base);
+        for (axis, argument) in axes.iter().zip(arguments) {
+            let (along, offset) = match axis.over {
+                AxisRange::Bool => {
+                    let truth = self.truth(argument);
+                    (self.builder.ins().uextend(I64, truth), 0)
+                }
+                AxisRange::Ints { low, count } => {
+                    let number = self.integer(argument);
+                    self.along(number, low, count)
+                }
+                AxisRange::Atoms { first, count } => {
+                    let atom = self.atom(argument);
+                    let along = self.builder.ins().iadd_imm_s(atom.value, -i64::from(first));
+                    let inside = atom.among.is_some_and(|(from, so_many)| {
+                        first <= from && from + so_many <= first + count
+                    });
+                    if !inside {
+                        self.bail_outside(along, count);
+                    }
+                    (self.builder.ins().uextend(I64, along), 0)
+                }
+            };
+            constant += offset * i64::from(axis.stride);
+            let step = match axis.stride {
+                1 => along,
+                stride => self.builder.ins().imul_imm_s(along, i64::from(stride)),
+            };
+            index = Some(match index {
+                None => step,
+                Some(sum) => self.builder.ins().iadd(sum, step),
+            });
+        }
+        let slots = self.field(I64, at::SLOTS);
+        let pointer = match index {
+            None => slots,
+            Some(index) => {
+                let bytes = self.builder.ins().imul_imm_s(index, at::VALUE_SIZE);
+                self.builder.ins().iadd(slots, bytes)
+            }
+        };
+        Some(Located {
+            pointer,
+            offset: i32::try_from(constant * at::VALUE_SIZE).ok()?,
+            index,
+            base: constant,
+            is_lazy: self.program.functions[function.0 as usize]
+                .storage
+                .is_lazy(),
+        })
+    }
+
+    /// How far along an axis a number is: so far, and a constant more.
+    fn along(&mut self, number: Int, low: i64, count: u32) -> (Ssa, i64) {
+        let high = low.saturating_add(i64::from(count) - 1);
+        let (root, offset) = number.root;
+        if number.interval.within(low, high)
+            && let Some(offset) = offset.checked_sub(low)
+            && i32::try_from(offset).is_ok()
+        {
+            return (root, offset);
+        }
+        let along = self
+            .builder
+            .ins()
+            .iadd_imm_s(number.value, low.wrapping_neg());
+        self.bail_outside(along, count);
+        (along, 0)
+    }
+
+    fn bail_outside(&mut self, along: Ssa, count: u32) {
+        let outside = self.compare(IntCC::UnsignedGreaterThanOrEqual, along, i64::from(count));
+        self.bail_if(outside);
+    }
+
+    /// The tag of what a location holds.
+    pub fn tag(&mut self, located: &Located) -> Ssa {
+        self.load(self.memory.slots, I8, located.pointer, located.offset)
+    }
+
+    /// What a location holds, if it has this tag.
+    pub fn read(&mut self, located: &Located, tag: u8, ty: Type) -> Ssa {
+        self.expect(self.memory.slots, located.pointer, located.offset, tag, ty)
+    }
+
+    /// The number of the slot.
+    fn slot(&mut self, located: &Located) -> Ssa {
+        match located.index {
+            None => self.number(I64, located.base),
+            Some(index) => self.builder.ins().iadd_imm_s(index, located.base),
+        }
+    }
+
+    /// The domain whose elements a place takes only.
+    fn within(&self, place: &Place) -> Option<DomainId> {
+        match place {
+            Place::Slot(function, _) | Place::Location(function, _) => {
+                self.program.functions[function.0 as usize].within
+            }
+            Place::Local(_) => None,
+        }
+    }
+
+    /// Whether native code can tell that a place takes a value.
+    pub fn is_accepted(&self, place: &Place, kind: Kind) -> bool {
+        let Some(domain) = self.within(place) else {
+            return true;
+        };
+        match self.program.domains[domain.0 as usize].elements {
+            Elements::Ints { .. } => kind == Kind::Int,
+            Elements::Atoms { .. } => kind == Kind::Atom,
+            Elements::Open => true,
+            Elements::Computed(_) | Elements::Undefined => false,
+        }
+    }
+
+    /// Takes the detour of the unit at hand unless the place takes the value.
+    pub fn accept(&mut self, place: &Place, value: Known) {
+        let Some(domain) = self.within(place) else {
+            return;
+        };
+        match (&self.program.domains[domain.0 as usize].elements, value) {
+            (&Elements::Ints { low, high }, Known::Int(int)) => {
+                if int.interval.within(low, high) {
+                    return;
+                }
+                let above = self.builder.ins().iadd_imm_s(int.value, low.wrapping_neg());
+                let outside =
+                    self.compare(IntCC::UnsignedGreaterThan, above, high.wrapping_sub(low));
+                self.bail_if(outside);
+            }
+            (&Elements::Atoms { first, count }, Known::Atom(atom)) => {
+                let above = self
+                    .builder
+                    .ins()
+                    .iadd_imm_s(atom.value, -i64::from(first.0));
+                self.bail_outside(above, count);
+            }
+            _ => {}
+        }
+    }
+
+    /// Adds an update; where there is one of the location already, the unit takes its detour.
+    pub fn write(&mut self, located: &Located, value: Known, origin: Origin) {
+        if located.is_lazy {
+            // a location that was not met yet is undef, and must be met first
+            let tag = self.tag(located);
+            let unmet = self.compare(IntCC::Equal, tag, i64::from(layout::UNDEF));
+            self.bail_if(unmet);
+        }
+        let slot = self.slot(located);
+        let mark = self.mark(slot);
+        let of = self.load(self.memory.updates, I32, mark, at::MARK_EPOCH);
+        let epoch = self.field(I32, at::EPOCH);
+        let again = self.builder.ins().icmp(IntCC::Equal, of, epoch);
+        match self.mode {
+            Mode::Step => {
+                let length = self.load(self.memory.length, I64, self.frame, at::LENGTH);
+                let room = self.field(I64, at::ROOM);
+                let full = self.builder.ins().icmp(IntCC::Equal, length, room);
+                let odd = self.builder.ins().bor(again, full);
+                self.bail_if(odd);
+                self.store(self.memory.updates, epoch, mark, at::MARK_EPOCH);
+                let index = self.builder.ins().ireduce(I32, length);
+                self.store(self.memory.updates, index, mark, at::MARK_INDEX);
+                let update = self.entry(length);
+                let slot = self.builder.ins().ireduce(I32, slot);
+                self.store(self.memory.updates, slot, update, at::UPDATE_SLOT);
+                self.put_update(update, value, origin);
+                let length = self.builder.ins().iadd_imm_s(length, 1);
+                self.store(self.memory.length, length, self.frame, at::LENGTH);
+            }
+            Mode::Layer => {
+                self.bail_if(again);
+                self.write_outside(self.calls.write, slot, value, origin);
+            }
+            Mode::Sequence => {
+                let (over, first, done) = (self.block(), self.cold_block(), self.block());
+                // what is there must own nothing, for it is overwritten as it is
+                let tag = self.tag(located);
+                let is_scalar = self.compare(
+                    IntCC::UnsignedLessThanOrEqual,
+                    tag,
+                    i64::from(layout::LAST_SCALAR),
+                );
+                let simple = self.builder.ins().band(again, is_scalar);
+                self.branch(simple, over, first);
+                self.begin(over);
+                let index = self.load(self.memory.updates, I32, mark, at::MARK_INDEX);
+                let index = self.builder.ins().uextend(I64, index);
+                let update = self.entry(index);
+                self.put_update(update, value, origin);
+                self.put(self.memory.slots, located.pointer, located.offset, value);
+                self.jump(done);
+                self.begin(first);
+                self.write_outside(self.calls.write_through, slot, value, origin);
+                self.jump(done);
+                self.begin(done);
+            }
+        }
+    }
+
+    fn write_outside(&mut self, call: super::emit::Call, slot: Ssa, value: Known, origin: Origin) {
+        if let Some((tag, payload)) = self.word(value) {
+            let slot = self.builder.ins().ireduce(I32, slot);
+            let tag = self.number(I32, i64::from(tag));
+            let origin = self.number(I32, i64::from(origin.0));
+            self.call(call, &[slot, tag, payload, origin]);
+        }
+    }
+
+    fn mark(&mut self, slot: Ssa) -> Ssa {
+        let marks = self.field(I64, at::MARKS);
+        let bytes = self.builder.ins().imul_imm_s(slot, at::MARK_SIZE);
+        self.builder.ins().iadd(marks, bytes)
+    }
+
+    fn entry(&mut self, index: Ssa) -> Ssa {
+        let list = self.field(I64, at::LIST);
+        let bytes = self.builder.ins().imul_imm_s(index, at::UPDATE_SIZE);
+        self.builder.ins().iadd(list, bytes)
+    }
+
+    fn put_update(&mut self, update: Ssa, value: Known, origin: Origin) {
+        let origin = self.number(I32, i64::from(origin.0));
+        self.store(self.memory.updates, origin, update, at::UPDATE_ORIGIN);
+        self.put(self.memory.updates, update, at::UPDATE_VALUE, value);
+    }
+
+    /// Writes a scalar into memory that holds nothing, or a scalar.
+    pub fn put(
+        &mut self,
+        memory: cranelift_codegen::ir::MemFlagsData,
+        pointer: Ssa,
+        offset: i32,
+        value: Known,
+    ) {
+        let (tag, payload) = match value {
+            Known::Nothing | Known::Memory(_) => return,
+            Known::Int(int) => (layout::INT, int.value),
+            Known::Bool(truth) => (layout::BOOL, truth),
+            Known::Atom(atom) => (layout::ATOM, atom.value),
+        };
+        let tag = self.number(I8, i64::from(tag));
+        self.store(memory, tag, pointer, offset);
+        self.store(memory, payload, pointer, offset + at::PAYLOAD);
+    }
+}

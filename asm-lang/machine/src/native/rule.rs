@@ -1,0 +1,642 @@
+//! Rules.
+
+use super::emit::{AtomCode, Emitter, Int, Known, Mode, Scope, Ssa};
+use super::frame::at;
+use super::known::{Span, counts, is_repeatable, rule_counts};
+use crate::compile::{MAX_BINDINGS, MAX_ITERATIONS};
+use crate::run::MAX_CALLS;
+use cranelift_codegen::ir::condcodes::IntCC;
+use cranelift_codegen::ir::types::{I8, I32, I64};
+use cranelift_codegen::ir::{Block, InstBuilder, Type};
+use ir::{Binder, Interval, Local, Node, Origin, Place, RoutineId, Rule, RuleNode, Term};
+use value::Value;
+
+/// Macros are built into each other this deep.
+const MAX_INLINED: usize = 48;
+
+/// A variable, what it ranges over, and where that stands.
+pub(super) type Spanned = (Local, Span, Origin);
+
+/// How the bindings of a loop are counted.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Counting {
+    /// Before the loop, which nobody interrupts: the detour is taken if there may be too many.
+    Together,
+    /// The same, and they were found not to be too many.
+    Checked,
+    /// Each by itself, in a rule.
+    EachInRule,
+    /// Each by itself, in a term.
+    EachInTerm,
+}
+
+/// The loops around the code at hand.
+pub(super) struct Loops {
+    /// How many bindings there were before, unless each is counted by itself.
+    before: Option<Ssa>,
+    /// For each loop how often it went round, and how many bindings there are within one round.
+    rounds: Vec<(Ssa, u64)>,
+}
+
+impl Emitter<'_> {
+    /// A rule: code goes on behind it when it is done.
+    pub fn rule(&mut self, rule: &Rule) {
+        stacker::maybe_grow(128 * 1024, 2 * 1024 * 1024, || self.rule_here(rule));
+    }
+
+    fn rule_here(&mut self, rule: &Rule) {
+        if !self.has_room() {
+            return self.rule_outside(rule);
+        }
+        match &*rule.node {
+            RuleNode::Skip => {}
+            RuleNode::Update(place, value) => self.update(rule, place, value),
+            RuleNode::Par(rules) => self.par(rule, rules),
+            RuleNode::Seq(rules) => {
+                self.sequence(|this| rules.iter().for_each(|rule| this.rule(rule)));
+            }
+            RuleNode::While {
+                guard,
+                body,
+                until_idle,
+            } => {
+                let guard = guard.as_ref();
+                self.sequence(|this| this.repeat(guard, body, *until_idle, rule.origin));
+            }
+            RuleNode::If(guard, then, otherwise) => self.choice(guard, then, otherwise),
+            RuleNode::Switch(subject, cases, otherwise) => {
+                self.switch(rule, subject, cases, otherwise);
+            }
+            RuleNode::Let(bindings, body) => self.bound(rule, bindings, body),
+            RuleNode::Call(routine, arguments) => self.build_in(rule, *routine, arguments),
+            RuleNode::RunAgent(agent, arguments) => self.run_agent(rule, agent, arguments),
+            RuleNode::Forall(binders, guard, body) => {
+                self.as_set(|this| this.forall(rule, binders, guard.as_ref(), body));
+            }
+            RuleNode::Choose(binders, guard, body, ifnone) => {
+                self.as_set(|this| this.choose(rule, binders, guard.as_ref(), body, ifnone));
+            }
+            RuleNode::Assign(..)
+            | RuleNode::Run(..)
+            | RuleNode::Extend(..)
+            | RuleNode::Local { .. }
+            | RuleNode::Draw(..)
+            | RuleNode::Counted(..)
+            | RuleNode::Watched(_) => self.rule_outside(rule),
+        }
+    }
+
+    /// Whether an update can be done here.
+    pub fn is_native_update(&self, place: &Place, value: &Term) -> bool {
+        self.is_native(value) && self.is_place(place) && self.is_accepted(place, self.kind(value))
+    }
+
+    fn update(&mut self, rule: &Rule, place: &Place, value: &Term) {
+        if !self.is_native_update(place, value) {
+            return self.rule_outside(rule);
+        }
+        let counts = match place {
+            Place::Slot(..) | Place::Local(_) => self.any_counts([value]),
+            Place::Location(_, arguments) => self.any_counts(arguments.iter().chain([value])),
+        };
+        let done = self.block();
+        let native = |this: &mut Self| {
+            let value = this.scalar(value);
+            if let Some(target) = this.target(place) {
+                this.accept(place, value);
+                this.write(&target, value, rule.origin);
+            }
+        };
+        self.unit(counts, native, |this| this.rule_outside(rule), Some(done));
+    }
+
+    fn par(&mut self, rule: &Rule, rules: &[Rule]) {
+        match self.mode {
+            Mode::Step | Mode::Layer => rules.iter().for_each(|rule| self.rule(rule)),
+            Mode::Sequence => self.par_in_sequence(rule, rules),
+        }
+    }
+
+    /// A guard of a rule: undef is a fault.
+    pub fn guard(&mut self, guard: &Term, yes: Block, no: Block) {
+        if !self.is_truth(guard) || !self.is_native(guard) {
+            return self.guard_outside(guard, yes, no);
+        }
+        let counts = counts(self.program, guard);
+        self.unit(
+            counts,
+            |this| this.test(guard, yes, no),
+            |this| this.guard_outside(guard, yes, no),
+            None,
+        );
+    }
+
+    fn choice(&mut self, guard: &Term, then: &Rule, otherwise: &Rule) {
+        let (yes, no, done) = (self.block(), self.block(), self.block());
+        self.guard(guard, yes, no);
+        self.begin(yes);
+        self.rule(then);
+        self.jump(done);
+        self.begin(no);
+        self.rule(otherwise);
+        self.jump(done);
+        self.begin(done);
+    }
+
+    /// Cases that are constants are compared with the subject one after the other.
+    fn switch(&mut self, rule: &Rule, subject: &Term, cases: &[(Term, Rule)], otherwise: &Rule) {
+        let is_constant = |(case, _): &(Term, Rule)| matches!(*case.node, Node::Constant(_));
+        if !self.is_native(subject) || !cases.iter().all(is_constant) {
+            return self.rule_outside(rule);
+        }
+        let done = self.block();
+        let native = |this: &mut Self| {
+            let subject = this.scalar(subject);
+            for (case, rule) in cases {
+                let Some(same) = this.is_case(subject, case) else {
+                    continue;
+                };
+                let (here, next) = (this.block(), this.block());
+                this.branch(same, here, next);
+                this.begin(here);
+                this.rule(rule);
+                this.jump(done);
+                this.begin(next);
+            }
+            this.rule(otherwise);
+        };
+        let counts = self.any_counts([subject]);
+        self.unit(counts, native, |this| this.rule_outside(rule), Some(done));
+    }
+
+    /// Whether a subject is the value of a case; nothing where it never is.
+    fn is_case(&mut self, subject: Known, case: &Term) -> Option<Ssa> {
+        let Node::Constant(value) = &*case.node else {
+            return None;
+        };
+        let (subject, value) = match (subject, value) {
+            (Known::Int(int), Value::Int(number)) => (int.value, *number),
+            (Known::Atom(known), Value::Atom(atom)) => (known.value, i64::from(atom.0)),
+            (Known::Bool(known), Value::Bool(truth)) => (known, i64::from(*truth)),
+            _ => return None,
+        };
+        Some(self.compare(IntCC::Equal, subject, value))
+    }
+
+    fn bound(&mut self, rule: &Rule, bindings: &[(Local, Term)], body: &Rule) {
+        let mut terms = bindings.iter().map(|(_, term)| term);
+        if !terms.all(|term| is_repeatable(self.program, term)) {
+            return self.rule_outside(rule);
+        }
+        let done = self.block();
+        let native = |this: &mut Self| {
+            let base = this.scope.base;
+            for (local, term) in bindings {
+                this.scope.locals[*local as usize] = this.argument(term, base + local);
+            }
+            this.rule(body);
+        };
+        let counts = self.any_counts(bindings.iter().map(|(_, term)| term));
+        self.unit(counts, native, |this| this.rule_outside(rule), Some(done));
+    }
+
+    /// A term in a register, or in this place among the locals.
+    fn argument(&mut self, term: &Term, place: u32) -> Known {
+        if self.is_native(term) {
+            return self.scalar(term);
+        }
+        let kind = self.kind(term);
+        self.bind_outside(term, place);
+        Known::Memory(kind)
+    }
+
+    /// A macro becomes part of the rule that calls it.
+    fn build_in(&mut self, rule: &Rule, routine: RoutineId, arguments: &[Term]) {
+        let called = &self.program.routines[routine.0 as usize];
+        let may_be = self.may_build_in(routine)
+            && called.arguments as usize == arguments.len()
+            && arguments
+                .iter()
+                .all(|argument| is_repeatable(self.program, argument));
+        if !may_be {
+            return self.rule_outside(rule);
+        }
+        let done = self.block();
+        let native = |this: &mut Self| {
+            let base = this.inner_base();
+            this.reserve_locals(base + arguments.len() as u32);
+            let mut place = base..;
+            let known: Vec<Known> = arguments
+                .iter()
+                .zip(&mut place)
+                .map(|(argument, place)| this.argument(argument, place))
+                .collect();
+            this.count_call();
+            let outer = this.enter(routine, known);
+            this.rule(&called.code);
+            this.leave(outer);
+        };
+        let counts = self.any_counts(arguments);
+        self.unit(counts, native, |this| this.rule_outside(rule), Some(done));
+    }
+
+    /// A call counts; where there were too many, the unit at hand takes its detour.
+    fn count_call(&mut self) {
+        let run = self.run();
+        let before = self.load(self.memory.run, I32, run, at::CALLS);
+        let many = self.compare(
+            IntCC::UnsignedGreaterThanOrEqual,
+            before,
+            i64::from(MAX_CALLS),
+        );
+        self.bail_if(many);
+        let run = self.run();
+        let calls = self.builder.ins().iadd_imm_s(before, 1);
+        self.store(self.memory.run, calls, run, at::CALLS);
+    }
+
+    fn may_build_in(&self, routine: RoutineId) -> bool {
+        !self.program.routines[routine.0 as usize].open
+            && !self.inlined.contains(&routine)
+            && self.inlined.len() < MAX_INLINED
+    }
+
+    fn leave(&mut self, outer: Scope) {
+        self.scope = outer;
+        self.inlined.pop();
+    }
+
+    /// The program of an agent, where all agents it may be have the same.
+    fn run_agent(&mut self, rule: &Rule, agent: &Term, arguments: &[Term]) {
+        let Some((agent, routine)) = self.one_program(agent).filter(|_| arguments.is_empty())
+        else {
+            return self.rule_outside(rule);
+        };
+        let called = &self.program.routines[routine.0 as usize];
+        let done = self.block();
+        let native = |this: &mut Self| {
+            this.count_call();
+            let run = this.run();
+            // the agent before is an atom or undef: it is put back as it was
+            let before = [0, at::PAYLOAD]
+                .map(|offset| this.load(this.memory.run, I64, run, at::AGENT + offset));
+            this.put(this.memory.run, run, at::AGENT, Known::Atom(agent));
+            let outer = this.enter(routine, Vec::new());
+            this.scope.agent = Some(agent);
+            this.rule(&called.code);
+            this.leave(outer);
+            let run = this.run();
+            for (word, offset) in before.into_iter().zip([0, at::PAYLOAD]) {
+                this.store(this.memory.run, word, run, at::AGENT + offset);
+            }
+        };
+        self.unit(false, native, |this| this.rule_outside(rule), Some(done));
+    }
+
+    /// An agent in a register, and the one routine that is its program.
+    fn one_program(&self, agent: &Term) -> Option<(AtomCode, RoutineId)> {
+        let Node::Local(local) = &*agent.node else {
+            return None;
+        };
+        let Some(Known::Atom(agent)) = self.scope.locals.get(*local as usize) else {
+            return None;
+        };
+        let (first, count) = agent.among?;
+        let symbols = &self.program.symbols;
+        let domains = symbols
+            .atom_domains
+            .get(first as usize..(first + count) as usize)?;
+        let domain = domains.first()?;
+        if domains.iter().any(|other| other != domain) {
+            return None;
+        }
+        let mut programs = self.program.programs.iter();
+        let (_, rule) = programs.find(|(of, _)| of == domain)?;
+        let rule = self.program.rules.get(rule.0 as usize)?;
+        let routine = rule.routine.filter(|_| rule.arguments.is_empty())?;
+        let called = &self.program.routines[routine.0 as usize];
+        (called.arguments == 0 && self.may_build_in(routine)).then_some((*agent, routine))
+    }
+
+    fn forall(&mut self, rule: &Rule, binders: &[Binder], guard: Option<&Term>, body: &Rule) {
+        let Some(spans) = self.spans(binders) else {
+            return self.rule_outside(rule);
+        };
+        let each = guard.is_some_and(|guard| counts(self.program, guard))
+            || rule_counts(self.program, body)
+            || total(&spans) > u64::from(MAX_BINDINGS);
+        let counting = match each {
+            true => Counting::EachInRule,
+            false => Counting::Together,
+        };
+        let done = self.block();
+        let native = |this: &mut Self| {
+            this.each(&spans, counting, &mut |this, next| {
+                this.guarded(guard, next);
+                this.rule(body);
+                this.jump(next);
+            });
+        };
+        self.unit(false, native, |this| this.rule_outside(rule), Some(done));
+    }
+
+    /// Goes on only where the guard holds.
+    fn guarded(&mut self, guard: Option<&Term>, otherwise: Block) {
+        if let Some(guard) = guard {
+            let holds = self.block();
+            self.guard(guard, holds, otherwise);
+            self.begin(holds);
+        }
+    }
+
+    /// Candidates are counted first, then the one chosen is found again.
+    fn choose(
+        &mut self,
+        rule: &Rule,
+        binders: &[Binder],
+        guard: Option<&Term>,
+        body: &Rule,
+        ifnone: &Rule,
+    ) {
+        let Some(spans) = self.spans(binders) else {
+            return self.rule_outside(rule);
+        };
+        let total = total(&spans);
+        let each = guard.is_some_and(|guard| counts(self.program, guard))
+            || total > u64::from(MAX_BINDINGS / 2);
+        let counting = match each {
+            true => Counting::EachInRule,
+            false => Counting::Checked,
+        };
+        let done = self.block();
+        let native = |this: &mut Self| {
+            if counting == Counting::Checked {
+                let before = this.bindings();
+                this.bail_if_many(before, 2 * total);
+            }
+            let wanted = this.wanted(&spans, counting, guard, rule.origin);
+            let seen = this.builder.declare_var(I64);
+            let none = this.number(I64, 0);
+            this.builder.def_var(seen, none);
+            this.each(&spans, counting, &mut |this, next| {
+                this.guarded(guard, next);
+                let (skip, found) = (this.block(), this.block());
+                let so_far = this.builder.use_var(seen);
+                let earlier = this
+                    .builder
+                    .ins()
+                    .icmp(IntCC::UnsignedLessThan, so_far, wanted);
+                this.branch(earlier, skip, found);
+                this.begin(skip);
+                let one_more = this.builder.ins().iadd_imm_s(so_far, 1);
+                this.builder.def_var(seen, one_more);
+                this.jump(next);
+                this.begin(found);
+                this.count_up_to_here();
+                this.rule(body);
+                this.jump(done);
+            });
+            this.rule(ifnone);
+        };
+        self.unit(false, native, |this| this.rule_outside(rule), Some(done));
+    }
+
+    /// Which candidate to take.
+    fn wanted(
+        &mut self,
+        spans: &[Spanned],
+        counting: Counting,
+        guard: Option<&Term>,
+        origin: Origin,
+    ) -> Ssa {
+        let (count_all, ask, known) = (self.block(), self.block(), self.block());
+        let wanted = self.builder.append_block_param(known, I64);
+        let none = self.number(I64, 0);
+        let mut takes_first = self.number(I8, 0);
+        for (_, _, range) in spans {
+            let range = self.number(I32, i64::from(range.0));
+            if let Some(way) = self.call(self.calls.way, &[range]) {
+                let is_picked = self.compare(IntCC::Equal, way, 2);
+                self.bail_if(is_picked);
+                takes_first = way;
+            }
+        }
+        self.builder
+            .ins()
+            .brif(takes_first, known, &[none.into()], count_all, &[]);
+        self.begin(count_all);
+        let count = self.builder.declare_var(I64);
+        self.builder.def_var(count, none);
+        self.each(spans, counting, &mut |this, next| {
+            this.guarded(guard, next);
+            let so_far = this.builder.use_var(count);
+            let one_more = this.builder.ins().iadd_imm_s(so_far, 1);
+            this.builder.def_var(count, one_more);
+            this.jump(next);
+        });
+        let count = self.builder.use_var(count);
+        self.builder
+            .ins()
+            .brif(count, ask, &[], known, &[none.into()]);
+        self.begin(ask);
+        let origin = self.number(I32, i64::from(origin.0));
+        if let Some(chosen) = self.call(self.calls.choose, &[count, origin]) {
+            self.jump_with(known, chosen);
+        }
+        self.begin(known);
+        wanted
+    }
+
+    /// What variables range over, if native code can go through it.
+    pub fn spans(&self, binders: &[Binder]) -> Option<Vec<Spanned>> {
+        let spanned = |binder: &Binder| {
+            let span = self.span(&binder.range)?;
+            Some((binder.local, span, binder.origin))
+        };
+        binders.iter().map(spanned).collect()
+    }
+
+    /// Loops over all variables. `body` is given where the next round begins, and ends by going there
+    /// or elsewhere.
+    pub fn each(
+        &mut self,
+        spans: &[Spanned],
+        counting: Counting,
+        body: &mut dyn FnMut(&mut Self, Block),
+    ) {
+        let before = match counting {
+            Counting::Together | Counting::Checked => Some(self.bindings()),
+            Counting::EachInRule | Counting::EachInTerm => None,
+        };
+        if let (Counting::Together, Some(before)) = (counting, before) {
+            self.bail_if_many(before, total(spans));
+        }
+        self.loops.push(Loops {
+            before,
+            rounds: Vec::new(),
+        });
+        self.round(spans, counting, body);
+        self.loops.pop();
+        if let Some(before) = before {
+            let after = self.builder.ins().iadd_imm_s(before, total(spans) as i64);
+            self.set_bindings(after);
+        }
+    }
+
+    fn bail_if_many(&mut self, before: Ssa, more: u64) {
+        if more > u64::from(MAX_BINDINGS) {
+            let always = self.number(I8, 1);
+            return self.bail_if(always);
+        }
+        let most = i64::from(MAX_BINDINGS) - more as i64;
+        let many = self.compare(IntCC::UnsignedGreaterThan, before, most);
+        self.bail_if(many);
+    }
+
+    fn round(
+        &mut self,
+        spans: &[Spanned],
+        counting: Counting,
+        body: &mut dyn FnMut(&mut Self, Block),
+    ) {
+        let Some((&(local, span, origin), inner)) = spans.split_first() else {
+            return;
+        };
+        if span.count() == 0 {
+            return;
+        }
+        let (ty, first, last): (Type, i64, i64) = match span {
+            Span::Ints(low, high) => (I64, low, high),
+            Span::Atoms(first, count) => {
+                (I32, first.into(), i64::from(first) + i64::from(count) - 1)
+            }
+            Span::Bools => (I8, 0, 1),
+        };
+        let (head, next, done) = (self.block(), self.block(), self.block());
+        let value = self.builder.append_block_param(head, ty);
+        let start = self.number(ty, first);
+        self.jump_with(head, start);
+        self.begin(head);
+        self.count_one(counting, origin);
+        let outer = self.scope.locals[local as usize];
+        self.scope.locals[local as usize] = match span {
+            Span::Ints(low, high) => Known::Int(Int::new(value, Interval { low, high })),
+            Span::Atoms(first, count) => Known::Atom(AtomCode {
+                value,
+                among: Some((first, count)),
+            }),
+            Span::Bools => Known::Bool(value),
+        };
+        let index = self.builder.ins().iadd_imm_s(value, first.wrapping_neg());
+        let index = match ty {
+            I64 => index,
+            _ => self.builder.ins().uextend(I64, index),
+        };
+        if let Some(loops) = self.loops.last_mut() {
+            loops.rounds.push((index, total(inner)));
+        }
+        if inner.is_empty() {
+            body(self, next);
+        } else {
+            self.round(inner, counting, body);
+            self.jump(next);
+        }
+        if let Some(loops) = self.loops.last_mut() {
+            loops.rounds.pop();
+        }
+        self.scope.locals[local as usize] = outer;
+        self.begin(next);
+        let is_last = self.compare(IntCC::Equal, value, last);
+        let successor = self.builder.ins().iadd_imm_s(value, 1);
+        self.builder
+            .ins()
+            .brif(is_last, done, &[], head, &[successor.into()]);
+        self.begin(done);
+    }
+
+    fn count_one(&mut self, counting: Counting, origin: Origin) {
+        match counting {
+            Counting::Together | Counting::Checked => return,
+            Counting::EachInRule | Counting::EachInTerm => {}
+        }
+        let before = self.bindings();
+        let bindings = self.builder.ins().iadd_imm_s(before, 1);
+        self.set_bindings(bindings);
+        let many = self.compare(
+            IntCC::UnsignedGreaterThan,
+            bindings,
+            i64::from(MAX_BINDINGS),
+        );
+        if counting == Counting::EachInTerm {
+            return self.bail_if(many);
+        }
+        self.endless_if(many, MAX_BINDINGS, origin);
+    }
+
+    /// Ends the step with the fault of a loop without end, if the condition holds.
+    pub fn endless_if(&mut self, condition: Ssa, most: u32, origin: Origin) {
+        let (many, next) = (self.cold_block(), self.block());
+        self.branch(condition, many, next);
+        self.begin(many);
+        let most = self.number(I32, i64::from(most));
+        let origin = self.number(I32, i64::from(origin.0));
+        let place = self.place();
+        self.call(self.calls.endless, &[most, origin, place]);
+        self.jump(self.exit);
+        self.begin(next);
+    }
+
+    /// Counts the bindings up to this round: the loops are left.
+    pub fn count_up_to_here(&mut self) {
+        let Some(Loops {
+            before: Some(before),
+            rounds,
+        }) = self.loops.last()
+        else {
+            return;
+        };
+        let (before, rounds) = (*before, rounds.clone());
+        let mut sum = self.builder.ins().uextend(I64, before);
+        for (index, within) in rounds {
+            let earlier = self.builder.ins().imul_imm_s(index, within as i64 + 1);
+            sum = self.builder.ins().iadd(sum, earlier);
+            sum = self.builder.ins().iadd_imm_s(sum, 1);
+        }
+        let sum = self.builder.ins().ireduce(I32, sum);
+        self.set_bindings(sum);
+    }
+
+    /// A loop within a sequence.
+    fn repeat(&mut self, guard: Option<&Term>, body: &Rule, until_idle: bool, origin: Origin) {
+        let (head, done) = (self.block(), self.block());
+        self.jump(head);
+        self.begin(head);
+        let run = self.run();
+        let before = self.load(self.memory.run, I32, run, at::ITERATIONS);
+        let many = self.compare(
+            IntCC::UnsignedGreaterThanOrEqual,
+            before,
+            i64::from(MAX_ITERATIONS),
+        );
+        self.endless_if(many, MAX_ITERATIONS, origin);
+        let run = self.run();
+        let iterations = self.builder.ins().iadd_imm_s(before, 1);
+        self.store(self.memory.run, iterations, run, at::ITERATIONS);
+        self.guarded(guard, done);
+        if !until_idle || super::sequence::always_writes(body) {
+            self.rule(body);
+            self.jump(head);
+        } else {
+            let idle = self.layer(|this| this.rule(body));
+            self.branch(idle, done, head);
+        }
+        self.begin(done);
+    }
+}
+
+/// How many bindings loops over these variables make.
+fn total(spans: &[Spanned]) -> u64 {
+    spans.iter().rev().fold(0u64, |inner, (_, span, _)| {
+        span.count().saturating_mul(inner.saturating_add(1))
+    })
+}

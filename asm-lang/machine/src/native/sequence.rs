@@ -1,0 +1,117 @@
+//! Sequences: updates that later rules of the step see.
+//!
+//! Within a sequence a rule that only writes known slots is applied update by update, without a set of
+//! its own: its updates cannot clash. Sequences and loops directly within a sequence share its set:
+//! what they write in the end is the same.
+
+use super::emit::{Emitter, Known, Mode, Ssa};
+use cranelift_codegen::ir::condcodes::IntCC;
+use cranelift_codegen::ir::types::I8;
+use ir::{Place, Rule, RuleNode, Slot, Term};
+
+impl Emitter<'_> {
+    /// Rules one after the other.
+    pub fn sequence(&mut self, rules: impl FnOnce(&mut Self)) {
+        if self.mode == Mode::Sequence {
+            return rules(self);
+        }
+        self.call(self.calls.open, &[]);
+        let outer = std::mem::replace(&mut self.mode, Mode::Sequence);
+        rules(self);
+        self.mode = outer;
+        let place = self.place();
+        if let Some(stopped) = self.call(self.calls.restore, &[place]) {
+            let stopped = self.compare(IntCC::NotEqual, stopped, 0);
+            self.stop_if(stopped);
+        }
+    }
+
+    /// A rule that collects a set: within a sequence one of its own.
+    pub fn as_set(&mut self, rule: impl FnOnce(&mut Self)) {
+        match self.mode {
+            Mode::Step | Mode::Layer => rule(self),
+            Mode::Sequence => {
+                self.layer(rule);
+            }
+        }
+    }
+
+    /// A set within a sequence, applied when it is complete; whether it is empty.
+    pub fn layer(&mut self, rule: impl FnOnce(&mut Self)) -> Ssa {
+        self.call(self.calls.open, &[]);
+        let outer = std::mem::replace(&mut self.mode, Mode::Layer);
+        rule(self);
+        self.mode = outer;
+        match self.call(self.calls.apply, &[]) {
+            Some(idle) => idle,
+            None => self.number(I8, 0),
+        }
+    }
+
+    pub fn par_in_sequence(&mut self, rule: &Rule, rules: &[Rule]) {
+        let Some(updates) = self.apart(rules) else {
+            self.layer(|this| rules.iter().for_each(|rule| this.rule(rule)));
+            return;
+        };
+        let done = self.block();
+        let counts = self.any_counts(updates.iter().map(|(_, value, _)| *value));
+        let native = |this: &mut Self| {
+            let mut values: Vec<Known> = Vec::new();
+            for (place, value, _) in &updates {
+                let value = this.scalar(value);
+                this.accept(place, value);
+                values.push(value);
+            }
+            for ((place, _, rule), value) in updates.iter().zip(values) {
+                if let Some(target) = this.target(place) {
+                    this.write(&target, value, rule.origin);
+                }
+            }
+        };
+        self.unit(counts, native, |this| this.rule_outside(rule), Some(done));
+    }
+
+    /// Updates of different slots.
+    fn apart<'r>(&self, rules: &'r [Rule]) -> Option<Vec<(&'r Place, &'r Term, &'r Rule)>> {
+        let mut slots: Vec<Slot> = Vec::new();
+        let mut updates = Vec::new();
+        for rule in rules {
+            let RuleNode::Update(place, value) = &*rule.node else {
+                return None;
+            };
+            let Place::Slot(_, slot) = place else {
+                return None;
+            };
+            if slots.contains(slot) || !self.is_native_update(place, value) {
+                return None;
+            }
+            slots.push(*slot);
+            updates.push((place, value, rule));
+        }
+        Some(updates)
+    }
+}
+
+/// Whether a rule that is done has written something.
+pub(super) fn always_writes(rule: &Rule) -> bool {
+    match &*rule.node {
+        RuleNode::Update(..) => true,
+        RuleNode::Par(rules) | RuleNode::Seq(rules) => rules.iter().any(always_writes),
+        RuleNode::If(_, then, otherwise) => always_writes(then) && always_writes(otherwise),
+        RuleNode::Let(_, body) => always_writes(body),
+        RuleNode::Skip
+        | RuleNode::Assign(..)
+        | RuleNode::Call(..)
+        | RuleNode::Run(..)
+        | RuleNode::RunAgent(..)
+        | RuleNode::Switch(..)
+        | RuleNode::Choose(..)
+        | RuleNode::Forall(..)
+        | RuleNode::Extend(..)
+        | RuleNode::While { .. }
+        | RuleNode::Local { .. }
+        | RuleNode::Draw(..)
+        | RuleNode::Counted(..)
+        | RuleNode::Watched(_) => false,
+    }
+}

@@ -1,0 +1,196 @@
+//! Terms that give integers and atoms.
+
+use super::emit::{AtomCode, Emitter, Int, Known};
+use super::known::counts;
+use cranelift_codegen::ir::InstBuilder;
+use cranelift_codegen::ir::condcodes::IntCC;
+use cranelift_codegen::ir::types::{I32, I64};
+use ir::{Arithmetic, Interval, Kind, Node, Term};
+use value::{Value, layout};
+
+impl Emitter<'_> {
+    /// A term that [`Emitter::is_native`].
+    pub fn scalar(&mut self, term: &Term) -> Known {
+        match self.kind(term) {
+            Kind::Int => Known::Int(self.integer(term)),
+            Kind::Bool => Known::Bool(self.truth(term)),
+            Kind::Atom => Known::Atom(self.atom(term)),
+            Kind::Real | Kind::Other => Known::Nothing,
+        }
+    }
+
+    /// Whether evaluating some of these terms counts bindings.
+    pub fn any_counts<'t>(&self, terms: impl IntoIterator<Item = &'t Term>) -> bool {
+        let mut terms = terms.into_iter();
+        terms.any(|term| counts(self.program, term))
+    }
+
+    /// An integer; where it is undef, the unit at hand takes its detour.
+    pub fn integer(&mut self, term: &Term) -> Int {
+        let anything = |value| Int::new(value, Interval::ANY);
+        match &*term.node {
+            Node::Constant(Value::Int(number)) => {
+                let value = self.number(I64, *number);
+                Int::new(value, Interval::of(*number))
+            }
+            Node::Local(local) => match self.scope.locals.get(*local as usize) {
+                Some(Known::Int(int)) => *int,
+                _ => anything(self.local(*local, layout::INT, I64)),
+            },
+            Node::Arithmetic(operation, left, right)
+                if self.is_integer(left) && self.is_integer(right) =>
+            {
+                let left = self.integer(left);
+                let right = self.integer(right);
+                self.arithmetic(*operation, left, right)
+            }
+            Node::If(guard, then, otherwise)
+                if self.is_truth(guard) && self.is_integer(then) && self.is_integer(otherwise) =>
+            {
+                let (yes, no, done) = (self.block(), self.block(), self.block());
+                let result = self.builder.append_block_param(done, I64);
+                self.test(guard, yes, no);
+                self.begin(yes);
+                let then = self.integer(then);
+                self.jump_with(done, then.value);
+                self.begin(no);
+                let otherwise = self.integer(otherwise);
+                self.jump_with(done, otherwise.value);
+                self.begin(done);
+                Int::new(result, then.interval.or(otherwise.interval))
+            }
+            Node::Slot(..) | Node::Location(..) => match self.place_of(term) {
+                Some(place) => anything(self.read(&place, layout::INT, I64)),
+                None => anything(self.term_outside(term, layout::INT, I64)),
+            },
+            _ => anything(self.term_outside(term, layout::INT, I64)),
+        }
+    }
+
+    /// An atom; where it is undef, the unit at hand takes its detour.
+    pub fn atom(&mut self, term: &Term) -> AtomCode {
+        let anything = |value| AtomCode { value, among: None };
+        match &*term.node {
+            Node::Constant(Value::Atom(atom)) => AtomCode {
+                value: self.number(I32, i64::from(atom.0)),
+                among: Some((atom.0, 1)),
+            },
+            Node::Local(local) => match self.scope.locals.get(*local as usize) {
+                Some(Known::Atom(atom)) => *atom,
+                _ => anything(self.local(*local, layout::ATOM, I32)),
+            },
+            Node::Agent => match self.scope.agent {
+                Some(agent) => agent,
+                None => anything(self.term_outside(term, layout::ATOM, I32)),
+            },
+            Node::Slot(..) | Node::Location(..) => match self.place_of(term) {
+                Some(place) => anything(self.read(&place, layout::ATOM, I32)),
+                None => anything(self.term_outside(term, layout::ATOM, I32)),
+            },
+            _ => anything(self.term_outside(term, layout::ATOM, I32)),
+        }
+    }
+
+    /// A local that closures left in memory.
+    pub fn local(
+        &mut self,
+        local: ir::Local,
+        tag: u8,
+        ty: cranelift_codegen::ir::Type,
+    ) -> super::emit::Ssa {
+        let locals = self.field(I64, super::frame::at::LOCALS);
+        let offset = self.local_offset(local);
+        self.expect(self.memory.locals, locals, offset, tag, ty)
+    }
+
+    pub fn is_integer(&self, term: &Term) -> bool {
+        self.kind(term) == Kind::Int
+    }
+
+    pub fn is_truth(&self, term: &Term) -> bool {
+        self.kind(term) == Kind::Bool
+    }
+
+    fn arithmetic(&mut self, operation: Arithmetic, left: Int, right: Int) -> Int {
+        let (interval, overflows) = Interval::computed(operation, left.interval, right.interval);
+        let (a, b) = (left.value, right.value);
+        let value = match (operation, overflows) {
+            (Arithmetic::Plus, false) => self.builder.ins().iadd(a, b),
+            (Arithmetic::Minus, false) => self.builder.ins().isub(a, b),
+            (Arithmetic::Mult, false) => self.builder.ins().imul(a, b),
+            (Arithmetic::Plus, true) => {
+                let (value, over) = self.builder.ins().sadd_overflow(a, b);
+                self.bail_if(over);
+                value
+            }
+            (Arithmetic::Minus, true) => {
+                let (value, over) = self.builder.ins().ssub_overflow(a, b);
+                self.bail_if(over);
+                value
+            }
+            (Arithmetic::Mult, true) => {
+                let (value, over) = self.builder.ins().smul_overflow(a, b);
+                self.bail_if(over);
+                value
+            }
+            (Arithmetic::Mod, _) => self.modulo(left, right),
+        };
+        let mut int = Int::new(value, interval);
+        // neighbours of one number are found at one address
+        let constant = right.interval;
+        if !overflows && constant.low == constant.high {
+            let (root, offset) = left.root;
+            let offset = match operation {
+                Arithmetic::Plus => offset.checked_add(constant.low),
+                Arithmetic::Minus => offset.checked_sub(constant.low),
+                Arithmetic::Mult | Arithmetic::Mod => None,
+            };
+            if let Some(offset) = offset {
+                int.root = (root, offset);
+            }
+        }
+        int
+    }
+
+    /// The remainder; its sign is the dividend's.
+    fn modulo(&mut self, left: Int, right: Int) -> super::emit::Ssa {
+        let (a, b) = (left.value, right.value);
+        let divisor = right.interval;
+        if divisor.low == divisor.high && divisor.low > 0 {
+            if left.interval.within(0, divisor.low.saturating_mul(2) - 1) {
+                // at most one divisor too much
+                let less = self.builder.ins().isub(a, b);
+                let enough = self
+                    .builder
+                    .ins()
+                    .icmp(IntCC::SignedGreaterThanOrEqual, a, b);
+                return self.builder.ins().select(enough, less, a);
+            }
+            return match left.interval.low >= 0 {
+                true => self.builder.ins().urem(a, b),
+                false => self.builder.ins().srem(a, b),
+            };
+        }
+        if divisor.low <= 0 {
+            // no divisor, or one that is hardly ever met
+            let odd = self.compare(IntCC::SignedLessThanOrEqual, b, 0);
+            self.bail_if(odd);
+        }
+        if left.interval.low >= 0 {
+            return self.builder.ins().urem(a, b);
+        }
+        // unsigned division is faster, and most dividends are positive
+        let (positive, negative, done) = (self.block(), self.cold_block(), self.block());
+        let result = self.builder.append_block_param(done, I64);
+        let is_negative = self.compare(IntCC::SignedLessThan, a, 0);
+        self.branch(is_negative, negative, positive);
+        self.begin(positive);
+        let rest = self.builder.ins().urem(a, b);
+        self.jump_with(done, rest);
+        self.begin(negative);
+        let rest = self.builder.ins().srem(a, b);
+        self.jump_with(done, rest);
+        self.begin(done);
+        result
+    }
+}

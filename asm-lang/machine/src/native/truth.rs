@@ -1,0 +1,168 @@
+//! Terms that give truth values, mostly as the way code goes on.
+
+use super::emit::{Emitter, Known, Ssa};
+use super::known::counts;
+use super::rule::Counting;
+use cranelift_codegen::ir::condcodes::IntCC;
+use cranelift_codegen::ir::types::I8;
+use cranelift_codegen::ir::{Block, InstBuilder};
+use ir::{Binder, Comparison, Kind, Logic, Node, Quantifier, Term};
+use value::{Value, layout};
+
+impl Emitter<'_> {
+    /// A truth value in a register; where it is undef, the unit at hand takes its detour.
+    pub fn truth(&mut self, term: &Term) -> Ssa {
+        match &*term.node {
+            Node::Local(local) => match self.scope.locals.get(*local as usize) {
+                Some(Known::Bool(truth)) => *truth,
+                _ => self.local(*local, layout::BOOL, I8),
+            },
+            Node::Slot(..) | Node::Location(..) => match self.place_of(term) {
+                Some(place) => self.read(&place, layout::BOOL, I8),
+                None => self.term_outside(term, layout::BOOL, I8),
+            },
+            _ => {
+                let (yes, no, done) = (self.block(), self.block(), self.block());
+                let result = self.builder.append_block_param(done, I8);
+                self.test(term, yes, no);
+                for (block, truth) in [(yes, 1), (no, 0)] {
+                    self.begin(block);
+                    let truth = self.number(I8, truth);
+                    self.jump_with(done, truth);
+                }
+                self.begin(done);
+                result
+            }
+        }
+    }
+
+    /// Goes on where a truth value says; where it is undef, the unit at hand takes its detour.
+    ///
+    /// An operand that is undef may leave a connective true or false: the detour finds out.
+    pub fn test(&mut self, term: &Term, yes: Block, no: Block) {
+        match &*term.node {
+            Node::Constant(Value::Bool(truth)) => self.jump(if *truth { yes } else { no }),
+            Node::Not(operand) if self.is_truth(operand) => self.test(operand, no, yes),
+            Node::Logic(logic, left, right) if self.is_truth(left) && self.is_truth(right) => {
+                self.logic(*logic, left, right, yes, no);
+            }
+            Node::Compare(comparison, left, right)
+                if self.is_integer(left) && self.is_integer(right) =>
+            {
+                let (left, right) = (self.integer(left), self.integer(right));
+                let condition = match comparison {
+                    Comparison::Lt => IntCC::SignedLessThan,
+                    Comparison::Le => IntCC::SignedLessThanOrEqual,
+                    Comparison::Gt => IntCC::SignedGreaterThan,
+                    Comparison::Ge => IntCC::SignedGreaterThanOrEqual,
+                };
+                let holds = self.builder.ins().icmp(condition, left.value, right.value);
+                self.branch(holds, yes, no);
+            }
+            Node::Equal(left, right) => self.equal(term, left, right, yes, no),
+            Node::Quantified(quantifier, binders, guard) => {
+                self.quantified(term, *quantifier, binders, guard.as_ref(), yes, no);
+            }
+            Node::If(guard, then, otherwise)
+                if self.is_truth(guard) && self.is_truth(then) && self.is_truth(otherwise) =>
+            {
+                let (first, second) = (self.block(), self.block());
+                self.test(guard, first, second);
+                self.begin(first);
+                self.test(then, yes, no);
+                self.begin(second);
+                self.test(otherwise, yes, no);
+            }
+            Node::Local(_) | Node::Slot(..) | Node::Location(..) => {
+                let truth = self.truth(term);
+                self.branch(truth, yes, no);
+            }
+            _ => self.truth_outside(term, yes, no),
+        }
+    }
+
+    fn logic(&mut self, logic: Logic, left: &Term, right: &Term, yes: Block, no: Block) {
+        let next = self.block();
+        match logic {
+            Logic::And => self.test(left, next, no),
+            Logic::Or => self.test(left, yes, next),
+            Logic::Implies => self.test(left, next, yes),
+            Logic::Xor | Logic::Iff => {
+                let (left, right) = (self.truth(left), self.truth(right));
+                let condition = match logic {
+                    Logic::Xor => IntCC::NotEqual,
+                    Logic::And | Logic::Or | Logic::Implies | Logic::Iff => IntCC::Equal,
+                };
+                let holds = self.builder.ins().icmp(condition, left, right);
+                return self.branch(holds, yes, no);
+            }
+        }
+        self.begin(next);
+        self.test(right, yes, no);
+    }
+
+    fn equal(&mut self, term: &Term, left: &Term, right: &Term, yes: Block, no: Block) {
+        for (one, other) in [(left, right), (right, left)] {
+            if matches!(*other.node, Node::Constant(Value::Undef))
+                && let Some(place) = self.place_of(one)
+                && !place.is_lazy
+            {
+                let tag = self.tag(&place);
+                let is_undef = self.compare(IntCC::Equal, tag, i64::from(layout::UNDEF));
+                return self.branch(is_undef, yes, no);
+            }
+        }
+        let kind = self.kind(left);
+        if kind != self.kind(right) {
+            return self.truth_outside(term, yes, no);
+        }
+        let (left, right) = match kind {
+            Kind::Int => (self.integer(left).value, self.integer(right).value),
+            Kind::Atom => (self.atom(left).value, self.atom(right).value),
+            Kind::Bool => (self.truth(left), self.truth(right)),
+            Kind::Real | Kind::Other => return self.truth_outside(term, yes, no),
+        };
+        let same = self.builder.ins().icmp(IntCC::Equal, left, right);
+        self.branch(same, yes, no);
+    }
+
+    /// A quantifier that one assignment decides.
+    fn quantified(
+        &mut self,
+        term: &Term,
+        quantifier: Quantifier,
+        binders: &[Binder],
+        guard: Option<&Term>,
+        yes: Block,
+        no: Block,
+    ) {
+        let decided = match quantifier {
+            Quantifier::Forall => no,
+            Quantifier::Exists => yes,
+            Quantifier::ExistsUnique => return self.truth_outside(term, yes, no),
+        };
+        let undecided = if decided == yes { no } else { yes };
+        let (Some(spans), Some(guard)) = (self.spans(binders), guard) else {
+            return self.truth_outside(term, yes, no);
+        };
+        let counting = match counts(self.program, guard) {
+            true => Counting::EachInTerm,
+            false => Counting::Together,
+        };
+        self.each(&spans, counting, &mut |this, next| {
+            let found = this.block();
+            if this.is_truth(guard) {
+                match quantifier {
+                    Quantifier::Forall => this.test(guard, next, found),
+                    Quantifier::Exists | Quantifier::ExistsUnique => this.test(guard, found, next),
+                }
+            } else {
+                this.bail();
+            }
+            this.begin(found);
+            this.count_up_to_here();
+            this.jump(decided);
+        });
+        self.jump(undecided);
+    }
+}

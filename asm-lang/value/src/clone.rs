@@ -1,0 +1,67 @@
+//! Cloning and dropping: machines do little else, and mostly to scalars.
+
+#![allow(unsafe_code, reason = "scalars are copied as they lie there")]
+
+use crate::Value;
+use std::sync::Arc;
+
+impl Clone for Value {
+    #[inline]
+    fn clone(&self) -> Self {
+        if self.is_scalar() {
+            // SAFETY: a scalar owns nothing, so a second one with the same bits is another scalar.
+            return unsafe { std::ptr::read(self) };
+        }
+        self.share()
+    }
+}
+
+impl Value {
+    /// Drops the value; a scalar has nothing to drop, and takes no time.
+    #[inline]
+    pub fn discard(self) {
+        if self.is_scalar() {
+            std::mem::forget(self);
+        }
+    }
+
+    /// Whether the value lies in the `Value` itself, and shares nothing.
+    #[inline]
+    pub fn is_scalar(&self) -> bool {
+        match self {
+            Self::Undef
+            | Self::Bool(_)
+            | Self::Int(_)
+            | Self::Real(_)
+            | Self::Char(_)
+            | Self::Atom(_)
+            | Self::Rule(_) => true,
+            Self::Text(_)
+            | Self::Complex(_)
+            | Self::Tuple(_)
+            | Self::Seq(_)
+            | Self::Set(_)
+            | Self::Bag(_)
+            | Self::Map(_) => false,
+        }
+    }
+
+    fn share(&self) -> Self {
+        match self {
+            Self::Undef => Self::Undef,
+            Self::Bool(truth) => Self::Bool(*truth),
+            Self::Int(number) => Self::Int(*number),
+            Self::Real(number) => Self::Real(*number),
+            Self::Char(character) => Self::Char(*character),
+            Self::Atom(atom) => Self::Atom(*atom),
+            Self::Rule(rule) => Self::Rule(*rule),
+            Self::Text(text) => Self::Text(Arc::clone(text)),
+            Self::Complex(parts) => Self::Complex(Arc::clone(parts)),
+            Self::Tuple(items) => Self::Tuple(Arc::clone(items)),
+            Self::Seq(items) => Self::Seq(Arc::clone(items)),
+            Self::Set(items) => Self::Set(Arc::clone(items)),
+            Self::Bag(items) => Self::Bag(Arc::clone(items)),
+            Self::Map(pairs) => Self::Map(Arc::clone(pairs)),
+        }
+    }
+}

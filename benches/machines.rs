@@ -1,0 +1,186 @@
+//! How much slower than hand-written Rust a machine is, both run in turns; and how long it takes to
+//! read a specification.
+//!
+//! `cargo bench --bench machines` prints the tables of `docs/benchmarks.md`; with names behind `--`
+//! only those machines. Every final state is compared with that of the hand-written machine first.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a bench fails by panicking"
+)]
+
+#[path = "machines/hand/mod.rs"]
+mod hand;
+#[path = "machines/large.rs"]
+mod large;
+
+use asm_lang::{Chooser, Files, Machine, NoInputs};
+use hand::{Hand, Shifts};
+use std::collections::BTreeSet;
+use std::time::{Duration, Instant};
+
+/// A machine, how much slower than by hand it may be, and how much slower AsmetaS is.
+struct Case {
+    name: &'static str,
+    text: &'static str,
+    limit: f64,
+    asmetas: f64,
+}
+
+macro_rules! cases {
+    ($($name:literal $limit:literal $asmetas:literal;)*) => {
+        &[$(Case {
+            name: $name,
+            text: include_str!(concat!("machines/", $name, ".asm")),
+            limit: $limit,
+            asmetas: $asmetas,
+        }),*]
+    };
+}
+
+/// Everywhere five hundred times as fast as AsmetaS at least; its factors were measured once, against
+/// the same hand-written machines.
+const CASES: &[Case] = cases! {
+    "counter" 8.0 6425.0;
+    "gcd" 12.0 9192.0;
+    "phil5" 8.0 9989.0;
+    "phil50" 8.0 4803.0;
+    "phil500" 8.0 6159.0;
+    "life32" 30.0 81970.0;
+    "life128" 60.0 243703.0;
+    "sort64" 30.0 79094.0;
+    "sort512" 30.0 83651.0;
+    "agents100" 8.0 16932.0;
+    "coord" 8.0 9746.0;
+    "bfs1000" 1104.0 552073.0;
+};
+
+/// How often each side has its turn.
+const TURNS: usize = 60;
+
+/// About how long a turn takes.
+const TURN: Duration = Duration::from_millis(5);
+
+impl Chooser for Shifts {
+    fn choose(&mut self, count: usize) -> usize {
+        self.below(count as u32) as usize
+    }
+}
+
+fn machine(case: &Case) -> Machine {
+    let name = format!("{}.asm", case.name);
+    let mut files = Files::new();
+    files.add(&name, case.text);
+    let opened = asm_lang::open(&name, &files).unwrap_or_else(|failure| panic!("{failure}"));
+    opened.machine().unwrap()
+}
+
+fn run(machine: &mut Machine, shifts: &mut Shifts, steps: u64) {
+    for _ in 0..steps {
+        machine.step(&mut NoInputs, shifts, 0).unwrap();
+    }
+}
+
+/// What every location that was met holds.
+fn state(machine: &Machine) -> Vec<String> {
+    let naming = machine.naming();
+    let line = |(function, arguments, slot)| {
+        let function: asm_lang::ir::FunctionId = function;
+        let arguments: Vec<asm_lang::value::Value> = arguments;
+        let name = &naming.program.symbols.functions[function.0 as usize];
+        let shown: Vec<String> = arguments
+            .iter()
+            .map(|argument| argument.show(&naming).to_string())
+            .collect();
+        let value = machine.state().get(slot).show(&naming);
+        match shown.is_empty() {
+            true => format!("{name}={value}"),
+            false => format!("{name}({})={value}", shown.join(",")),
+        }
+    };
+    let locations = machine.state().locations(naming.program);
+    locations.into_iter().map(line).collect()
+}
+
+/// Every location of the machine is as it is by hand.
+fn agree(case: &Case, hand: Hand, steps: u64) {
+    let mut machine = machine(case);
+    run(&mut machine, &mut Shifts(Shifts::SEED), steps);
+    let by_hand: BTreeSet<String> = hand(steps, true).into_iter().collect();
+    let ours = state(&machine);
+    assert!(!ours.is_empty(), "{} has no locations", case.name);
+    for line in ours {
+        let line = line.replace(", ", ",");
+        assert!(by_hand.contains(&line), "{}: {line}", case.name);
+    }
+}
+
+/// How many steps take about a turn.
+fn steps_for(mut run: impl FnMut(u64)) -> u64 {
+    let mut steps = 1;
+    loop {
+        let started = Instant::now();
+        run(steps);
+        let taken = started.elapsed();
+        if taken > TURN / 4 {
+            return (steps as f64 * TURN.as_secs_f64() / taken.as_secs_f64()).ceil() as u64;
+        }
+        steps *= 2;
+    }
+}
+
+/// Nanoseconds a step: the least of all turns, which other work on the machine disturbed least.
+fn compare(case: &Case, hand: Hand) -> (f64, f64) {
+    let mut machine = machine(case);
+    let mut shifts = Shifts(Shifts::SEED);
+    let hand_steps = steps_for(|steps| drop(hand(steps, false)));
+    let our_steps = steps_for(|steps| run(&mut machine, &mut shifts, steps));
+    let (mut by_hand, mut ours) = (f64::MAX, f64::MAX);
+    for _ in 0..TURNS {
+        let started = Instant::now();
+        drop(std::hint::black_box(hand(hand_steps, false)));
+        by_hand = by_hand.min(started.elapsed().as_nanos() as f64 / hand_steps as f64);
+        let started = Instant::now();
+        run(&mut machine, &mut shifts, our_steps);
+        ours = ours.min(started.elapsed().as_nanos() as f64 / our_steps as f64);
+    }
+    (by_hand, ours)
+}
+
+fn main() {
+    let wanted: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|argument| !argument.starts_with('-'))
+        .collect();
+    println!(
+        "| machine | by hand, ns | a step, ns | factor | at most | AsmetaS, factor | faster than AsmetaS |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    for case in CASES {
+        if !wanted.is_empty() && !wanted.iter().any(|name| name == case.name) {
+            continue;
+        }
+        let (_, hand) = *hand::MACHINES
+            .iter()
+            .find(|(name, _)| *name == case.name)
+            .unwrap();
+        for steps in [1, 2, 10, 500, 3001] {
+            agree(case, hand, steps);
+        }
+        let (by_hand, ours) = compare(case, hand);
+        let factor = ours / by_hand;
+        println!(
+            "| `{}` | {by_hand:.1} | {ours:.1} | {factor:.1} | {} | {:.0} | {:.0} × |{}",
+            case.name,
+            case.limit,
+            case.asmetas,
+            case.asmetas / factor,
+            if factor > case.limit { " missed" } else { "" },
+        );
+    }
+    if wanted.is_empty() {
+        large::print();
+    }
+}
