@@ -199,6 +199,21 @@ fn check_explains_its_codes() {
 }
 
 #[test]
+fn the_page_of_diagnostics_lists_all_codes() {
+    let page = std::fs::read_to_string("docs/diagnostics.md").unwrap();
+    let listed: Vec<&str> = page
+        .lines()
+        .filter(|line| line.starts_with("| `"))
+        .collect();
+    let (_, out, _) = run(&["check", "--explain"]);
+    let known = out.lines().map(|line| {
+        let (code, meaning) = line.split_once("  ").unwrap();
+        format!("| `{code}` | {meaning} |")
+    });
+    assert_eq!(listed, known.collect::<Vec<_>>(), "bring the page along");
+}
+
+#[test]
 fn sim_takes_its_inputs_by_name() {
     let script = "[default]\nestop = false\ncancelArrived = false\ngoalArrived = false\nevent = \"NOTHING\"\n\
                   [[step]]\ngoalArrived = true\n[[step]]\nevent = \"MAP_OK\"\n[[step]]\nevent = \"PATH_OK\"\n";
