@@ -238,9 +238,7 @@ impl Machine {
     ) -> Result<(), Box<Fault>> {
         self.rounds += 1;
         self.scratch.record.begin(now_ns);
-        while let Some(value) = self.scratch.before.pop() {
-            value.discard();
-        }
+        self.scratch.before.clear();
         self.scratch.updates.begin(self.state.len());
         self.state.forget_uncommitted();
         let reserve = self.state.reserve.len();

@@ -94,9 +94,7 @@ pub(crate) struct Written<'a> {
 impl Updates {
     /// Begins the update set of a step.
     pub fn begin(&mut self, slots: usize) {
-        while let Some(update) = self.list.pop() {
-            update.value.discard();
-        }
+        self.list.clear();
         self.extended.clear();
         self.covered.clear();
         self.undo.clear();
@@ -231,15 +229,17 @@ impl Updates {
         origin: Origin,
         written: &mut Written<'_>,
     ) {
-        let before = std::mem::replace(&mut written.slots[slot as usize], value.clone());
         let mark = self.marks[slot as usize];
+        let held = &mut written.slots[slot as usize];
         if mark.epoch == self.epoch {
             // what the sequence found there is known already
             let known = &mut self.list[mark.index as usize];
-            std::mem::replace(&mut known.value, value).discard();
+            held.replace_by(value.clone());
+            known.value.replace_by(value);
             known.origin = origin;
-            return before.discard();
+            return;
         }
+        let before = std::mem::replace(held, value.clone());
         self.undo.push(Undo::Slot(slot, before));
         self.mark(slot, self.list.len());
         self.list.push(Update {
@@ -304,17 +304,18 @@ impl Updates {
     }
 
     fn take_back(&mut self, to: usize, written: &mut Written<'_>) {
-        for undo in self.undo.drain(to..).rev() {
+        for undo in self.undo[to..].iter_mut().rev() {
             match undo {
                 Undo::Slot(slot, value) => {
-                    std::mem::replace(&mut written.slots[slot as usize], value).discard();
+                    std::mem::swap(&mut written.slots[*slot as usize], value);
                 }
-                Undo::Asked(slot, before) => written.asked[slot as usize] = before,
+                Undo::Asked(slot, before) => written.asked[*slot as usize] = *before,
                 Undo::Joined(domain) => {
                     Arc::make_mut(&mut written.extents[domain.0 as usize]).pop();
                 }
             }
         }
+        self.undo.truncate(to);
     }
 
     /// Gives the marks back that the layer covered.

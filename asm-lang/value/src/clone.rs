@@ -17,11 +17,15 @@ impl Clone for Value {
 }
 
 impl Value {
-    /// Drops the value; a scalar has nothing to drop, and takes no time.
+    /// Puts another value in the place of this one; of a scalar there is nothing to drop, and nothing
+    /// is moved but the new value.
     #[inline]
-    pub fn discard(self) {
+    pub fn replace_by(&mut self, value: Self) {
         if self.is_scalar() {
-            std::mem::forget(self);
+            // SAFETY: the place is valid, and what lies there owns nothing.
+            unsafe { std::ptr::write(self, value) }
+        } else {
+            *self = value;
         }
     }
 

@@ -35,6 +35,8 @@ pub(super) struct Frame {
     locals: *mut Value,
     /// What a term gave that was evaluated outside.
     answer: Value,
+    /// The scalar that native code has written by a function outside.
+    given: Value,
     epoch: u32,
     /// How deep calls were nested when native code began.
     depth: u32,
@@ -55,6 +57,7 @@ pub(super) mod at {
     pub const ROOM: i32 = offset_of!(Frame, room) as i32;
     pub const LOCALS: i32 = offset_of!(Frame, locals) as i32;
     pub const ANSWER: i32 = offset_of!(Frame, answer) as i32;
+    pub const GIVEN: i32 = offset_of!(Frame, given) as i32;
     pub const EPOCH: i32 = offset_of!(Frame, epoch) as i32;
     pub const RUN: i32 = offset_of!(Frame, run) as i32;
 
@@ -92,6 +95,7 @@ impl Frame {
             room: 0,
             locals: std::ptr::null_mut(),
             answer: Value::Undef,
+            given: Value::Undef,
             epoch: 0,
             depth: run.depth,
             run: std::ptr::from_mut(run).cast(),
@@ -344,26 +348,20 @@ pub(super) mod out {
     }
 
     /// Adds an update within a sequence; the slot has none yet.
-    pub extern "C" fn write(frame: &mut Frame, slot: u32, tag: u32, payload: i64, origin: u32) {
+    pub extern "C" fn write(frame: &mut Frame, slot: u32, origin: u32) {
+        let value = frame.given.clone();
         frame.outside_here(|run| {
             // no conflict: generated code has looked at the mark
-            let _ = run
-                .updates
-                .write(slot, scalar(tag, payload), Origin(origin));
+            let _ = run.updates.write(slot, value, Origin(origin));
         });
     }
 
     /// An update of a sequence that is applied at once.
-    pub extern "C" fn write_through(
-        frame: &mut Frame,
-        slot: u32,
-        tag: u32,
-        payload: i64,
-        origin: u32,
-    ) {
+    pub extern "C" fn write_through(frame: &mut Frame, slot: u32, origin: u32) {
+        let value = frame.given.clone();
         frame.settle();
         let run = frame.run();
-        run.write_through(slot, scalar(tag, payload), Origin(origin));
+        run.write_through(slot, value, Origin(origin));
         let list = &mut run.updates.list;
         let (pointer, length, room) = (list.as_mut_ptr(), list.len(), list.capacity());
         (frame.list, frame.length, frame.room) = (pointer, length, room);

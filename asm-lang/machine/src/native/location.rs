@@ -4,7 +4,7 @@ use super::emit::{Emitter, Int, Known, Mode, Ssa};
 use super::frame::at;
 use super::known::is_repeatable;
 use cranelift_codegen::ir::condcodes::IntCC;
-use cranelift_codegen::ir::types::{I8, I32, I64};
+use cranelift_codegen::ir::types::{I8, I32, I64, I64X2};
 use cranelift_codegen::ir::{InstBuilder, Type};
 use ir::{
     AxisRange, DomainId, Elements, FunctionId, Kind, Node, Origin, Place, Slot, Storage, Term,
@@ -294,13 +294,12 @@ impl Emitter<'_> {
         }
     }
 
+    /// Writes by a call; the value lies in the frame.
     fn write_outside(&mut self, call: super::emit::Call, slot: Ssa, value: Known, origin: Origin) {
-        if let Some((tag, payload)) = self.word(value) {
-            let slot = self.builder.ins().ireduce(I32, slot);
-            let tag = self.number(I32, i64::from(tag));
-            let origin = self.number(I32, i64::from(origin.0));
-            self.call(call, &[slot, tag, payload, origin]);
-        }
+        self.put(self.memory.frame, self.frame, at::GIVEN, value);
+        let slot = self.builder.ins().ireduce(I32, slot);
+        let origin = self.number(I32, i64::from(origin.0));
+        self.call(call, &[slot, origin]);
     }
 
     fn mark(&mut self, slot: Ssa) -> Ssa {
@@ -329,14 +328,13 @@ impl Emitter<'_> {
         offset: i32,
         value: Known,
     ) {
-        let (tag, payload) = match value {
-            Known::Nothing | Known::Memory(_) => return,
-            Known::Int(int) => (layout::INT, int.value),
-            Known::Bool(truth) => (layout::BOOL, truth),
-            Known::Atom(atom) => (layout::ATOM, atom.value),
+        let Some((tag, payload)) = self.word(value) else {
+            return;
         };
-        let tag = self.number(I8, i64::from(tag));
-        self.store(memory, tag, pointer, offset);
-        self.store(memory, payload, pointer, offset + at::PAYLOAD);
+        // one store, so that whoever reads the whole value soon need not wait for two
+        let tag = self.number(I64, i64::from(tag));
+        let both = self.builder.ins().scalar_to_vector(I64X2, tag);
+        let both = self.builder.ins().insertlane(both, payload, 1);
+        self.store(memory, both, pointer, offset);
     }
 }
