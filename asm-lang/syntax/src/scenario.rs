@@ -116,8 +116,8 @@ impl<'input> Reader<'input, '_> {
                 continue;
             }
             let start = self.lexer.position();
+            let at = self.here();
             let word = self.word();
-            let at = self.span(start..start + word.len().max(1));
             if word == "end" {
                 if !open.is_empty() {
                     return commands;
