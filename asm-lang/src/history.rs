@@ -20,6 +20,9 @@ pub struct History {
 /// So many moments are kept before now; of older ones, one in so many.
 const KEPT: usize = 64;
 
+/// A step takes a second.
+const STEP_NS: i64 = 1_000_000_000;
+
 /// What the machine does not know of itself.
 #[derive(Clone)]
 struct Present {
@@ -137,7 +140,8 @@ impl History {
     /// The term has no value.
     pub fn value(&mut self, term: AddedTerm) -> Result<Value, Report> {
         let mut inputs = self.present.inputs.clone();
-        self.session.value(term, &mut inputs, 0)
+        let now_ns = self.now();
+        self.session.value(term, &mut inputs, now_ns)
     }
 
     /// The value of a term now.
@@ -146,7 +150,8 @@ impl History {
     /// The text is no term, does not fit the specification, or has no value.
     pub fn evaluate(&mut self, text: &str) -> Result<Value, Report> {
         let mut inputs = self.present.inputs.clone();
-        self.session.evaluate(text, &mut inputs, 0)
+        let now_ns = self.now();
+        self.session.evaluate(text, &mut inputs, now_ns)
     }
 
     /// Does a step.
@@ -171,7 +176,9 @@ impl History {
     /// The text is no such thing, does not fit the specification, or the location is computed.
     pub fn set(&mut self, assignment: &str) -> Result<(), Report> {
         let mut inputs = self.present.inputs.clone();
-        let (function, arguments, value) = self.session.assignment(assignment, &mut inputs, 0)?;
+        let now_ns = self.now();
+        let found = self.session.assignment(assignment, &mut inputs, now_ns)?;
+        let (function, arguments, value) = found;
         self.happen(Event::Set(function, arguments, value))
     }
 
@@ -191,7 +198,8 @@ impl History {
     pub fn location(&mut self, text: &str) -> Result<(FunctionId, Vec<Value>), Report> {
         let mut inputs = self.present.inputs.clone();
         let assignment = format!("{text} := undef");
-        let found = self.session.assignment(&assignment, &mut inputs, 0)?;
+        let now_ns = self.now();
+        let found = self.session.assignment(&assignment, &mut inputs, now_ns)?;
         Ok((found.0, found.1))
     }
 
@@ -221,6 +229,12 @@ impl History {
             let _ = self.happen(event.clone());
             show(&event, &self.session);
         }
+    }
+
+    /// The time: as many seconds as steps.
+    fn now(&self) -> i64 {
+        let steps = i64::try_from(self.session.machine.steps()).unwrap_or(i64::MAX);
+        steps.saturating_mul(STEP_NS)
     }
 
     fn go_to(&mut self, target: usize) {
@@ -264,18 +278,19 @@ impl History {
     }
 
     fn apply(&mut self, event: &Event) -> Result<(), Report> {
+        let now_ns = self.now();
         let Present {
             inputs, choices, ..
         } = &mut self.present;
         match event {
             Event::Step => {
-                let done = self.session.machine.step(inputs, choices, 0);
+                let done = self.session.machine.step(inputs, choices, now_ns + STEP_NS);
                 let done = done.map(|_| ()).map_err(|fault| self.report(&fault));
                 self.note_updates(true);
                 done
             }
             Event::Fire(rule) => {
-                self.session.fire(rule, inputs, choices, 0)?;
+                self.session.fire(rule, inputs, choices, now_ns)?;
                 // the rule is forgotten, and with it the places of its parts
                 self.note_updates(false);
                 Ok(())

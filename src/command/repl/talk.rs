@@ -188,7 +188,7 @@ impl Talk {
         for (index, stop) in (1..).zip(&self.breaks) {
             let what = match stop {
                 Break::Location(text, ..) => format!("when `{text}` is written"),
-                Break::Rule(rule) => format!("when `{rule}` runs"),
+                Break::Rule(rule) => format!("when `{rule}` writes or chooses something"),
                 Break::When(term, ..) => format!("when `{term}` becomes true"),
             };
             terminal.result(format_args!("{index}: {what}"));
@@ -220,7 +220,7 @@ impl Talk {
             if is_hit && hit.is_none() {
                 hit = Some(match stop {
                     Break::Location(text, ..) => format!("`{text}` was written"),
-                    Break::Rule(rule) => format!("`{rule}` ran"),
+                    Break::Rule(rule) => format!("`{rule}` wrote or chose something"),
                     Break::When(term, ..) => format!("`{term}` became true"),
                 });
             }
