@@ -245,7 +245,7 @@ impl Machine {
         if !self.is_complete {
             self.initialise_with_inputs(environment, now_ns)?;
         }
-        if is_step && self.steps == 0 && !self.program.initial_inputs.is_empty() {
+        if is_step && self.steps == 0 && needs_inputs(&self.program) {
             self.check_initial(environment, now_ns)?;
         }
         let number = self.steps + 1;
@@ -329,8 +329,7 @@ impl Machine {
             self.initialise_one(&program, initial, &mut NoInputs, 0)?;
         }
         self.begin_here(0);
-        let waits = program.invariants.iter().any(|invariant| invariant.waits);
-        self.is_complete = program.initial_inputs.is_empty() && !waits;
+        self.is_complete = !needs_inputs(&program);
         match self.is_complete {
             true => self.check_initial(&mut NoInputs, 0),
             false => Ok(()),
@@ -506,6 +505,12 @@ impl Machine {
             Some(fault) => Err(fault),
         }
     }
+}
+
+/// Whether the initial state, or what must hold in it, depends on the inputs of the first step.
+fn needs_inputs(program: &Program) -> bool {
+    let mut invariants = program.invariants.iter();
+    !program.initial_inputs.is_empty() || invariants.any(|invariant| invariant.waits)
 }
 
 impl Run<'_> {
