@@ -1,4 +1,4 @@
-//! How a [`Value`] lies in memory, for code that is generated.
+//! How a [`Value`](crate::Value) lies in memory, for code that is generated.
 
 /// Where the tag is.
 pub const TAG: usize = 0;
