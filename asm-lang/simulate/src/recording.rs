@@ -197,9 +197,7 @@ impl Environment for Inputs {
             (None, Unread::Astray, _) if is_owed => {
                 Err("the recorded step did not read it".to_owned())
             }
-            (None, Unread::Silent, _) if is_owed => {
-                Err("the recorded run has no inputs".to_owned())
-            }
+            (None, Unread::Silent, _) => Err("the recorded run has no inputs".to_owned()),
             (known, ..) => Ok(known),
         }
     }

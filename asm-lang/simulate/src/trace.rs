@@ -73,13 +73,14 @@ impl Trace {
     /// The step that failed last.
     pub fn fault(&mut self, machine: &Machine, fault: &Fault) {
         let step = machine.last_step();
-        self.causes(machine, &step, fault.step);
+        // the first step completes the initial state, and finds what is wrong with it
+        self.causes(machine, &step, fault.step.max(1));
         if let FaultKind::Invariant { index, .. } = &fault.kind {
-            let invariant = &machine.program().invariants[*index];
-            if !invariant.assumes {
+            let is_before = fault.step == 0 || machine.program().invariants[*index].assumes;
+            if !is_before {
                 self.effects(machine, &step);
             }
-            let when = if invariant.assumes { "pre" } else { "post" };
+            let when = if is_before { "pre" } else { "post" };
             self.invariant(machine.program(), *index, when);
         } else {
             self.line(format_args!("@error {}", kind(fault)));
