@@ -7,6 +7,7 @@ mod repl;
 mod run;
 mod sim;
 mod test;
+mod tool;
 
 pub use demo::BLOCKED_CORRIDOR;
 

@@ -3,7 +3,7 @@
 mod folder;
 mod single;
 
-use super::test::Tool;
+use super::tool::Tool;
 use crate::exit::Exit;
 use crate::files::Disk;
 use crate::terminal::Terminal;

@@ -7,6 +7,7 @@ mod report;
 mod review;
 mod snapshot;
 
+use super::tool::Tool;
 use crate::exit::Exit;
 use crate::files::Disk;
 use crate::terminal::Terminal;
@@ -14,7 +15,7 @@ use asm_lang::coverage::Coverage;
 use asm_lang::scenario::{Settings, Tested};
 use asm_lang::simulate::scenario::{Options, Verdict};
 use asm_lang::{Failure, Report, Sources, hir};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use rayon::prelude::*;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -70,13 +71,6 @@ pub struct Test {
     /// Writes what came of them for a build server.
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
-}
-
-/// A tool whose reading of scenarios differs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Tool {
-    /// AsmetaV
-    Asmeta,
 }
 
 /// A test, and how it ended.

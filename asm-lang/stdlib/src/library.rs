@@ -44,21 +44,21 @@ static LIBRARIES: [Library; 6] = [
 /// assert!(stdlib::library("Elevator").is_none());
 /// ```
 pub fn library(last_path_component: &str) -> Option<&'static Library> {
-    let name = last_path_component
-        .strip_suffix(".asm")
-        .unwrap_or(last_path_component);
+    let name = stem(last_path_component);
     LIBRARIES.iter().find(|library| library.name == name)
 }
 
 /// The library whose name differs in capitals only: where files are found whatever their capitals,
 /// people write `CTLlibrary`.
 pub fn library_spelt_like(last_path_component: &str) -> Option<&'static Library> {
-    let name = last_path_component
-        .strip_suffix(".asm")
-        .unwrap_or(last_path_component);
+    let name = stem(last_path_component);
     LIBRARIES
         .iter()
         .find(|library| library.name.eq_ignore_ascii_case(name))
+}
+
+fn stem(file: &str) -> &str {
+    file.strip_suffix(".asm").unwrap_or(file)
 }
 
 /// All libraries, the standard library first.
