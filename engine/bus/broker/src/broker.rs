@@ -1,0 +1,191 @@
+//! The broker: started, stopped, killed, frozen.
+
+use std::io::{self, Read, Write};
+use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
+use std::process::Child;
+use std::time::{Duration, Instant};
+
+use crate::files::{Files, PASSWORD, USER};
+use crate::process::{self, SERVER};
+
+/// A cold start takes 5 s on a quiet machine, twice that on a loaded one.
+const START: Duration = Duration::from_secs(90);
+
+/// A RabbitMQ of our own.
+pub struct Broker {
+    pub(crate) ports: Ports,
+    pub(crate) files: Files,
+    server: Child,
+    epmd: Child,
+    reaper: Child,
+}
+
+/// Where a broker listens, on loopback only.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Ports {
+    pub amqp: u16,
+    pub distribution: u16,
+    pub epmd: u16,
+}
+
+/// Why there is no broker, or not the one wanted.
+#[derive(Debug, thiserror::Error)]
+pub enum BrokerError {
+    /// The package is not there.
+    #[error("`{SERVER}` is missing: install the package `rabbitmq-server`")]
+    NotInstalled,
+    /// A process could not be started or talked to.
+    #[error("cannot run the broker")]
+    Process(#[from] io::Error),
+    /// It did not come up.
+    #[error("the broker did not answer within {START:?}; the end of its log:\n{log}")]
+    Mute {
+        /// The end of its log.
+        log: String,
+    },
+    /// It refused a command.
+    #[error("the broker answered `{answer}` to `{command}`")]
+    Refused {
+        /// What was asked.
+        command: String,
+        /// What it said.
+        answer: String,
+    },
+}
+
+impl Ports {
+    fn free() -> io::Result<Self> {
+        // Held together, so that they differ.
+        let held = [(); 3].map(|()| TcpListener::bind((Ipv4Addr::LOCALHOST, 0)));
+        let [amqp, distribution, epmd] = held.map(|listener| Ok(listener?.local_addr()?.port()));
+        let (amqp, distribution, epmd): (io::Result<u16>, io::Result<u16>, io::Result<u16>) =
+            (amqp, distribution, epmd);
+        Ok(Self {
+            amqp: amqp?,
+            distribution: distribution?,
+            epmd: epmd?,
+        })
+    }
+}
+
+impl Broker {
+    /// Whether the package is there.
+    pub fn is_installed() -> bool {
+        std::path::Path::new(SERVER).exists()
+    }
+
+    /// Starts a broker and waits until it serves.
+    pub fn start() -> Result<Self, BrokerError> {
+        if !Self::is_installed() {
+            return Err(BrokerError::NotInstalled);
+        }
+        let ports = Ports::free()?;
+        let files = Files::new(ports)?;
+        let epmd = process::epmd(ports.epmd)?;
+        let server = process::server(&files, ports)?;
+        let reaper = process::reaper(files.folder())?;
+        let broker = Self {
+            ports,
+            files,
+            server,
+            epmd,
+            reaper,
+        };
+        broker.write_pids()?;
+        broker.wait_until_up()?;
+        Ok(broker)
+    }
+
+    /// Where it listens.
+    pub fn address(&self) -> SocketAddr {
+        (Ipv4Addr::LOCALHOST, self.ports.amqp).into()
+    }
+
+    /// The user who may do everything.
+    pub fn user(&self) -> &'static str {
+        USER
+    }
+
+    /// That user's password.
+    pub fn password(&self) -> &'static str {
+        PASSWORD
+    }
+
+    /// Kills it, as a power failure would.
+    pub fn kill(&mut self) -> Result<(), BrokerError> {
+        self.server.kill()?;
+        self.server.wait()?;
+        Ok(())
+    }
+
+    /// Starts it again where it was killed, with what it has on disk.
+    pub fn revive(&mut self) -> Result<(), BrokerError> {
+        if self.server.try_wait()?.is_some() {
+            self.server = process::server(&self.files, self.ports)?;
+            self.write_pids()?;
+        }
+        self.wait_until_up()
+    }
+
+    /// Stops its process where it stands, connections open: a peer that has gone mute.
+    pub fn freeze(&self) -> Result<(), BrokerError> {
+        Ok(process::signal("-STOP", &self.server)?)
+    }
+
+    /// Lets a frozen broker go on.
+    pub fn thaw(&self) -> Result<(), BrokerError> {
+        Ok(process::signal("-CONT", &self.server)?)
+    }
+
+    /// The broker as it should be, whatever a test has left of it.
+    pub(crate) fn mend(&mut self) -> Result<(), BrokerError> {
+        self.thaw()?;
+        if self.server.try_wait()?.is_none() {
+            self.start_app()?;
+            self.clear_alarm()?;
+        }
+        self.revive()
+    }
+
+    /// Waits until it greets who connects.
+    pub(crate) fn wait_until_up(&self) -> Result<(), BrokerError> {
+        let until = Instant::now() + START;
+        while !self.greets() {
+            if Instant::now() > until {
+                return Err(BrokerError::Mute {
+                    log: self.files.log(),
+                });
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        Ok(())
+    }
+
+    fn greets(&self) -> bool {
+        let second = Duration::from_secs(1);
+        let greeted = || {
+            let mut stream = TcpStream::connect_timeout(&self.address(), second)?;
+            stream.set_read_timeout(Some(second))?;
+            stream.write_all(b"AMQP\0\0\x09\x01")?;
+            stream.read_exact(&mut [0])
+        };
+        greeted().is_ok()
+    }
+
+    /// For the reaper.
+    fn write_pids(&self) -> io::Result<()> {
+        let pids = format!("{} {}\n", self.server.id(), self.epmd.id());
+        std::fs::write(self.files.path("pids"), pids)
+    }
+}
+
+impl Drop for Broker {
+    fn drop(&mut self) {
+        // The broker first: it would start another epmd. What fails here has ended already.
+        let _ = self.kill();
+        let _ = self.epmd.kill();
+        let _ = self.epmd.wait();
+        let _ = self.reaper.kill();
+        let _ = self.reaper.wait();
+    }
+}

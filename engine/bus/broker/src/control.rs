@@ -1,0 +1,98 @@
+//! Commands to a running broker, through `erl_call`: a few milliseconds each.
+
+use std::io::Write;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::{Broker, BrokerError};
+
+/// What `erl_call` says of a node that does not answer.
+const UNREACHED: &str = "failed to connect";
+/// How long a node may take to answer.
+const AWAKE: Duration = Duration::from_secs(10);
+const ALARM: &str = "{resource_limit,memory,node()}";
+
+impl Broker {
+    /// Evaluates an Erlang expression in the broker; its value as text.
+    pub fn evaluate(&self, expression: &str) -> Result<String, BrokerError> {
+        let until = Instant::now() + AWAKE;
+        loop {
+            match self.evaluate_once(expression) {
+                // A node that has just been started or thawed needs a moment.
+                Err(BrokerError::Refused { answer, .. })
+                    if answer.contains(UNREACHED) && Instant::now() < until =>
+                {
+                    std::thread::sleep(Duration::from_millis(100));
+                }
+                end => return end,
+            }
+        }
+    }
+
+    fn evaluate_once(&self, expression: &str) -> Result<String, BrokerError> {
+        let mut child = Command::new("erl_call")
+            .args([
+                "-address",
+                &format!("127.0.0.1:{}", self.ports.distribution),
+            ])
+            .args(["-c", &self.files.cookie, "-e"])
+            .env("HOME", self.files.path("home"))
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()?;
+        if let Some(mut input) = child.stdin.take() {
+            // It reads the end of the expression from the new line.
+            writeln!(input, "{expression}.")?;
+        }
+        let output = child.wait_with_output()?;
+        let answer = String::from_utf8_lossy(&output.stdout).trim().to_owned();
+        if let Some(value) = answer.strip_prefix("{ok, ") {
+            return Ok(value.trim_end_matches('}').trim().to_owned());
+        }
+        let error = String::from_utf8_lossy(&output.stderr);
+        Err(BrokerError::Refused {
+            command: expression.to_owned(),
+            answer: format!("{answer}{error}"),
+        })
+    }
+
+    fn command(&self, expression: &str) -> Result<(), BrokerError> {
+        self.evaluate(expression).map(drop)
+    }
+
+    /// Closes every connection, as an operator would.
+    pub fn close_connections(&self) -> Result<(), BrokerError> {
+        self.command("rabbit_networking:close_all_connections(\"closed by a test\")")
+    }
+
+    /// Stops RabbitMQ inside its running Erlang node.
+    pub fn stop_app(&self) -> Result<(), BrokerError> {
+        self.command("rabbit:stop()")
+    }
+
+    /// Starts RabbitMQ again inside its node, and waits until it serves.
+    pub fn start_app(&self) -> Result<(), BrokerError> {
+        self.command("rabbit:start()")?;
+        self.wait_until_up()
+    }
+
+    /// Lets the broker believe that it is out of memory: it does not read from publishers any more.
+    pub fn raise_alarm(&self) -> Result<(), BrokerError> {
+        self.command(&format!("rabbit_alarm:set_alarm({{{ALARM},[]}})"))
+    }
+
+    /// The end of an alarm.
+    pub fn clear_alarm(&self) -> Result<(), BrokerError> {
+        self.command(&format!("rabbit_alarm:clear_alarm({ALARM})"))
+    }
+
+    /// How many clients are connected.
+    pub fn connections(&self) -> Result<usize, BrokerError> {
+        let count = self.evaluate("length(rabbit_networking:connections())")?;
+        count.parse().map_err(|_| BrokerError::Refused {
+            command: "connections".to_owned(),
+            answer: count,
+        })
+    }
+}

@@ -1,0 +1,76 @@
+//! What a broker of our own reads and writes: one folder, removed with it.
+
+use std::io;
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+
+use crate::broker::Ports;
+
+/// The name of every node; each has an epmd of its own, so they do not meet.
+pub(crate) const NODE: &str = "rmq@localhost";
+/// The first user, who may do everything.
+pub(crate) const USER: &str = "tester";
+/// The first user's password.
+pub(crate) const PASSWORD: &str = "test-pass";
+
+/// The broker's folder.
+pub(crate) struct Files {
+    folder: TempDir,
+    pub cookie: String,
+}
+
+impl Files {
+    pub(crate) fn new(ports: Ports) -> io::Result<Self> {
+        let folder = tempfile::Builder::new().prefix("broker-").tempdir()?;
+        let cookie = folder
+            .path()
+            .file_name()
+            .map(|name| name.to_string_lossy().replace('-', ""))
+            .unwrap_or_default()
+            .repeat(3);
+        let files = Self { folder, cookie };
+        for name in ["home", "log", "mnesia"] {
+            std::fs::create_dir(files.path(name))?;
+        }
+        let secret = files.path("home/.erlang.cookie");
+        std::fs::write(&secret, &files.cookie)?;
+        std::fs::set_permissions(&secret, std::fs::Permissions::from_mode(0o400))?;
+        std::fs::write(files.path("env.conf"), "")?;
+        std::fs::write(files.path("enabled_plugins"), "[].\n")?;
+        std::fs::write(files.path("advanced.config"), "[].\n")?;
+        std::fs::write(files.path("rabbitmq.conf"), files.configuration(ports))?;
+        Ok(files)
+    }
+
+    fn configuration(&self, ports: Ports) -> String {
+        format!(
+            "listeners.tcp.1 = 127.0.0.1:{}\n\
+             default_user = {USER}\n\
+             default_pass = {PASSWORD}\n\
+             loopback_users = none\n\
+             log.console = false\n\
+             log.file = {}\n\
+             vm_memory_high_watermark.absolute = 1GB\n\
+             disk_free_limit.absolute = 50MB\n",
+            ports.amqp,
+            self.path("log/broker.log").display()
+        )
+    }
+
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub(crate) fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// The end of the broker's log, for those who ask why it does not start.
+    pub(crate) fn log(&self) -> String {
+        let log = std::fs::read_to_string(self.path("log/broker.log")).unwrap_or_default();
+        let lines: Vec<_> = log.lines().collect();
+        lines[lines.len().saturating_sub(20)..].join("\n")
+    }
+}

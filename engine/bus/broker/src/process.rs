@@ -1,0 +1,81 @@
+//! The two processes of a broker, and the one that ends them should the test run be killed.
+
+use std::io;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+
+use crate::broker::Ports;
+use crate::files::{Files, NODE};
+
+/// The inner script: runs under any user. The outer one changes to the package's user.
+pub(crate) const SERVER: &str = "/usr/lib/rabbitmq/bin/rabbitmq-server";
+const EPMD: &str = "/usr/bin/epmd";
+
+/// Reads until the test run has ended, however it ended; then kills whom the list names and removes the folder.
+const REAPER: &str = "trap '' INT TERM; read -r _; \
+    for pid in $(cat pids); do kill -9 \"$pid\"; done; folder=$PWD; cd /; sleep 0.2; rm -rf \"$folder\"";
+
+/// Erlang's port mapper, ours. The broker would start one that outlives it.
+pub(crate) fn epmd(port: u16) -> io::Result<Child> {
+    quiet(EPMD)
+        .args(["-address", "127.0.0.1", "-port", &port.to_string()])
+        .spawn()
+}
+
+/// The broker. The script becomes the broker's process, so its id is the broker's.
+pub(crate) fn server(files: &Files, ports: Ports) -> io::Result<Child> {
+    quiet(SERVER)
+        .env_clear()
+        .env("PATH", "/usr/bin:/bin")
+        .env("LANG", "C.UTF-8")
+        .env("HOME", files.path("home"))
+        .env("ERL_EPMD_PORT", ports.epmd.to_string())
+        .env("ERL_EPMD_ADDRESS", "127.0.0.1")
+        .env("RUNNING_UNDER_SYSTEMD", "true")
+        .env("RABBITMQ_NODENAME", NODE)
+        .env("RABBITMQ_CONF_ENV_FILE", files.path("env.conf"))
+        .env("RABBITMQ_CONFIG_FILE", files.path("rabbitmq.conf"))
+        .env(
+            "RABBITMQ_ADVANCED_CONFIG_FILE",
+            files.path("advanced.config"),
+        )
+        .env(
+            "RABBITMQ_ENABLED_PLUGINS_FILE",
+            files.path("enabled_plugins"),
+        )
+        .env("RABBITMQ_MNESIA_BASE", files.path("mnesia"))
+        .env("RABBITMQ_LOG_BASE", files.path("log"))
+        .env("RABBITMQ_PID_FILE", files.path("pid"))
+        .env("RABBITMQ_DIST_PORT", ports.distribution.to_string())
+        .env(
+            "RABBITMQ_SERVER_ADDITIONAL_ERL_ARGS",
+            "-kernel inet_dist_use_interface {127,0,0,1}",
+        )
+        .spawn()
+}
+
+/// The process that ends the others when our end of its input closes.
+pub(crate) fn reaper(folder: &Path) -> io::Result<Child> {
+    quiet("/bin/sh")
+        .args(["-c", REAPER])
+        .current_dir(folder)
+        .stdin(Stdio::piped())
+        .spawn()
+}
+
+/// Sends a signal.
+pub(crate) fn signal(name: &str, child: &Child) -> io::Result<()> {
+    quiet("kill")
+        .args([name, &child.id().to_string()])
+        .status()
+        .map(drop)
+}
+
+fn quiet(program: &str) -> Command {
+    let mut command = Command::new(program);
+    command
+        .stdin(Stdio::null())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null());
+    command
+}

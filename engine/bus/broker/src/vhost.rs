@@ -1,0 +1,103 @@
+//! A virtual host: a test's own names on a shared broker.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::{Broker, BrokerError};
+
+static NEXT: AtomicU64 = AtomicU64::new(1);
+
+/// A virtual host of one test, deleted with it.
+pub struct Vhost<'a> {
+    broker: &'a Broker,
+    name: String,
+}
+
+impl Broker {
+    /// A new virtual host; the first user may do everything in it.
+    pub fn vhost(&self) -> Result<Vhost<'_>, BrokerError> {
+        let name = format!("test-{}", NEXT.fetch_add(1, Ordering::Relaxed));
+        self.evaluate(&format!("rabbit_vhost:add(<<\"{name}\">>, <<\"test\">>)"))?;
+        let vhost = Vhost { broker: self, name };
+        vhost.permit(self.user(), ".*", ".*", ".*")?;
+        Ok(vhost)
+    }
+
+    /// A new user, who may do nothing yet.
+    pub fn add_user(&self, user: &str, password: &str) -> Result<(), BrokerError> {
+        self.evaluate(&format!(
+            "rabbit_auth_backend_internal:add_user(<<\"{user}\">>, <<\"{password}\">>, <<\"test\">>)"
+        ))
+        .map(drop)
+    }
+}
+
+impl Vhost<'_> {
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// `amqp://user:password@host:port/vhost` of the first user.
+    pub fn url(&self) -> String {
+        self.url_of(self.broker.user(), self.broker.password())
+    }
+
+    /// The same of another user.
+    pub fn url_of(&self, user: &str, password: &str) -> String {
+        let address = self.broker.address();
+        format!("amqp://{user}:{password}@{address}/{}", self.name)
+    }
+
+    /// What a user may configure, write and read here, as regular expressions of names.
+    pub fn permit(
+        &self,
+        user: &str,
+        configure: &str,
+        write: &str,
+        read: &str,
+    ) -> Result<(), BrokerError> {
+        let vhost = &self.name;
+        self.broker
+            .evaluate(&format!(
+                "rabbit_auth_backend_internal:set_permissions(<<\"{user}\">>, <<\"{vhost}\">>, \
+                 <<\"{configure}\">>, <<\"{write}\">>, <<\"{read}\">>, <<\"test\">>)"
+            ))
+            .map(drop)
+    }
+
+    /// The names of its queues.
+    pub fn queues(&self) -> Result<Vec<String>, BrokerError> {
+        let vhost = &self.name;
+        let names = self.broker.evaluate(&format!(
+            "binary_to_list(iolist_to_binary(lists:join(<<\" \">>, \
+             [element(4, amqqueue:get_name(Q)) || Q <- rabbit_amqqueue:list(<<\"{vhost}\">>)])))"
+        ))?;
+        let names = names.trim_matches('"').split_whitespace();
+        // No queue is the empty list.
+        Ok(names
+            .filter(|name| *name != "[]")
+            .map(str::to_owned)
+            .collect())
+    }
+
+    /// Deletes a queue under whoever reads it.
+    pub fn delete_queue(&self, queue: &str) -> Result<(), BrokerError> {
+        let vhost = &self.name;
+        self.broker
+            .evaluate(&format!(
+                "begin {{ok, Q}} = rabbit_amqqueue:lookup(rabbit_misc:r(<<\"{vhost}\">>, queue, <<\"{queue}\">>)), \
+                 rabbit_amqqueue:delete(Q, false, false, <<\"test\">>) end"
+            ))
+            .map(drop)
+    }
+}
+
+impl Drop for Vhost<'_> {
+    fn drop(&mut self) {
+        // A broker that a test has killed is gone with all its hosts.
+        let name = &self.name;
+        let _ = (self.broker).evaluate(&format!(
+            "rabbit_vhost:delete(<<\"{name}\">>, <<\"test\">>)"
+        ));
+    }
+}

@@ -1,0 +1,33 @@
+//! A broker of our own comes up, obeys, breaks, mends and leaves nothing.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
+
+use std::net::TcpStream;
+
+#[test]
+fn it_obeys_and_keeps_tests_apart() {
+    let Some(broker) = broker::calm() else { return };
+    let (one, other) = (broker.vhost().unwrap(), broker.vhost().unwrap());
+    assert_ne!(one.name(), other.name());
+    assert_eq!(one.queues().unwrap(), [""; 0]);
+    assert_eq!(broker.evaluate("1 + 1").unwrap(), "2");
+    assert!(broker.evaluate("no_such_module:f()").is_err());
+}
+
+#[test]
+fn it_is_mended_after_each_fault() {
+    for fault in [
+        (|broker| broker.kill().unwrap()) as fn(&mut broker::Broker),
+        |broker| broker.stop_app().unwrap(),
+        |broker| broker.raise_alarm().unwrap(),
+        |broker| broker.freeze().unwrap(),
+    ] {
+        let Some(mut broker) = broker::alone() else {
+            return;
+        };
+        fault(&mut broker);
+        drop(broker);
+        let broker = broker::calm().unwrap();
+        assert_eq!(broker.evaluate("rabbit_alarm:get_alarms()").unwrap(), "[]");
+        TcpStream::connect(broker.address()).unwrap();
+    }
+}
