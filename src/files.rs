@@ -19,7 +19,7 @@ impl Loader for Disk {
             path: path.to_owned(),
             reason,
         };
-        let about = std::fs::metadata(path).map_err(|error| failed(error.to_string()))?;
+        let about = std::fs::metadata(path).map_err(|error| failed(reason(&error)))?;
         if !about.is_file() {
             return Err(failed("it is not a file".to_owned()));
         }
@@ -29,7 +29,7 @@ impl Loader for Disk {
                 "it has {length} bytes; at most {MAX_BYTES} are read"
             )));
         }
-        let bytes = std::fs::read(path).map_err(|error| failed(error.to_string()))?;
+        let bytes = std::fs::read(path).map_err(|error| failed(reason(&error)))?;
         // what is no UTF-8 is shown as such by the lexer, at its place
         Ok(String::from_utf8_lossy(&bytes).into())
     }
@@ -50,6 +50,15 @@ impl Loader for Disk {
             .iter()
             .find(|path| path.is_file())
             .map(|path| tidy(path))
+    }
+}
+
+/// Why a file cannot be used, for people.
+pub fn reason(error: &std::io::Error) -> String {
+    match error.kind() {
+        std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
+        std::io::ErrorKind::PermissionDenied => "this user may not read it".to_owned(),
+        _ => error.to_string(),
     }
 }
 

@@ -5,8 +5,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use asm_lang::machine::Machine;
+use asm_lang::simulate::{Awaited, Unawaited};
+use asm_lang::source::similar;
 use asm_lang::{Report, Sources};
-use assembly::Standard;
+use assembly::plan::Implementation;
+use assembly::{Opened, Plan, Standard};
 use component::{Event, Observer, Pace, Run, Time};
 use coordinator::{STEP_REPORT, StepRecord};
 use datum::Datum;
@@ -28,12 +32,15 @@ pub struct Mission {
     pub properties: Vec<(String, String, Datum)>,
     /// Decides what specifications leave to choice.
     pub seed: u64,
+    /// Whether it is the composite's property `seed`, too, if it has one.
+    pub seeds_composite: bool,
     /// Which time it runs in.
     pub clock: Clock,
-    /// It ends well when a location gets one of these values: location, value.
-    pub until: Vec<(String, String)>,
-    /// It ends badly when a location gets one of these values.
-    pub unless: Vec<(String, String)>,
+    /// It ends well when a location gets one of these values: location, value. Where absent, with
+    /// `mode = ARRIVED`, if there is such a location.
+    pub until: Option<Vec<(String, String)>>,
+    /// It ends badly when a location gets one of these values; where absent, with `mode = FAILED`.
+    pub unless: Option<Vec<(String, String)>>,
     /// It ends, undecided, after this long; for ever where absent.
     pub limit: Option<Duration>,
 }
@@ -85,6 +92,8 @@ pub enum MissionError {
         sources: Sources,
         /// The findings.
         report: Report,
+        /// Whether a value that was set from outside is among what is wrong.
+        outside: bool,
     },
     /// The profile does not exist, or one must be chosen.
     Profile {
@@ -93,6 +102,20 @@ pub enum MissionError {
         /// What there is.
         known: Vec<String>,
     },
+    /// No component of this name has a property to set.
+    Component {
+        /// What was written.
+        name: String,
+        /// A component with a name like it.
+        similar: Option<String>,
+    },
+    /// No step can bring what the run is to end with.
+    NeverEnds {
+        /// As in `mode=ARRIVED`.
+        wanted: String,
+        /// Why, by specification.
+        reasons: Vec<(String, Unawaited)>,
+    },
     /// It cannot be put together.
     Launch(String),
 }
@@ -100,7 +123,9 @@ pub enum MissionError {
 impl fmt::Display for MissionError {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Composite { sources, report } => to.write_str(&asm_lang::render_all(
+            Self::Composite {
+                sources, report, ..
+            } => to.write_str(&asm_lang::render_all(
                 report,
                 sources,
                 asm_lang::Style::Plain,
@@ -112,11 +137,9 @@ impl fmt::Display for MissionError {
                 wanted: Some(wanted),
                 known,
             } => {
-                write!(
-                    to,
-                    "there is no profile `{wanted}`, but {}",
-                    known.join(", ")
-                )
+                let similar = similar(wanted, known).cloned();
+                let (meant, known) = (meant(&similar), known.join(", "));
+                write!(to, "there is no profile `{wanted}`, but {known}{meant}")
             }
             Self::Profile {
                 wanted: None,
@@ -128,12 +151,31 @@ impl fmt::Display for MissionError {
                     known.join(", ")
                 )
             }
+            Self::Component { name, similar } => {
+                write!(to, "there is no component `{name}`{}", meant(similar))
+            }
+            Self::NeverEnds { wanted, reasons } if reasons.is_empty() => write!(
+                to,
+                "the run cannot end with `{wanted}`: no component runs a specification"
+            ),
+            Self::NeverEnds { wanted, reasons } => {
+                write!(to, "the run cannot end with `{wanted}`")?;
+                reasons.iter().try_for_each(|(specification, reason)| {
+                    write!(to, "\n  {specification}: {reason}")
+                })
+            }
             Self::Launch(reason) => to.write_str(reason),
         }
     }
 }
 
 impl std::error::Error for MissionError {}
+
+fn meant(similar: &Option<String>) -> String {
+    similar
+        .as_ref()
+        .map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
+}
 
 /// How often the run looks up to see whether it shall stop, in its own time.
 const SLICE: Duration = Duration::from_millis(100);
@@ -145,16 +187,16 @@ impl Mission {
     /// A mission in virtual time, as fast as possible, that ends with `mode` ARRIVED or FAILED, or
     /// after ten minutes.
     pub fn new(composite: impl Into<String>) -> Self {
-        let mode = |value: &str| vec![("mode".to_owned(), value.to_owned())];
         Self {
             composite: composite.into(),
             profile: None,
             settings: Vec::new(),
             properties: Vec::new(),
             seed: 1,
+            seeds_composite: false,
             clock: Clock::Virtual(0.0),
-            until: mode("ARRIVED"),
-            unless: mode("FAILED"),
+            until: None,
+            unless: None,
             limit: Some(Duration::from_secs(600)),
         }
     }
@@ -169,16 +211,22 @@ impl Mission {
         mut hear: impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static,
         stop: &AtomicBool,
     ) -> Result<Ended, MissionError> {
-        let opened = build::open(&self.composite, &self.settings, &Disk);
+        let opened = self.open();
         if opened.report.has_errors() {
             return Err(MissionError::Composite {
                 sources: opened.sources,
                 report: opened.report,
+                outside: opened.outside,
             });
         }
         let Some(plan) = opened.plan(self.profile.as_deref()) else {
             let (wanted, known) = (self.profile.clone(), opened.profiles);
             return Err(MissionError::Profile { wanted, known });
+        };
+        let watch = Watch {
+            until: awaited(plan, self.until.as_deref(), "ARRIVED")?,
+            unless: awaited(plan, self.unless.as_deref(), "FAILED")?,
+            outcome: None,
         };
         let mut workshop = Standard {
             catalogue: &build::BUILD,
@@ -190,15 +238,17 @@ impl Mission {
             .map_err(|error| MissionError::Launch(error.to_string()))?;
         for (component, property, value) in &self.properties {
             let id = system.id(component).ok_or_else(|| {
-                MissionError::Launch(format!(
-                    "there is no component `{component}` to set `{property}` of"
-                ))
+                let known = plan.components.iter().map(|known| &known.name);
+                MissionError::Component {
+                    name: component.clone(),
+                    similar: similar(component, known).cloned(),
+                }
             })?;
             let set = system.set_property(id, property, value);
             set.map_err(|error| MissionError::Launch(error.to_string()))?;
         }
         let story = Arc::new(Mutex::new(Story::new()));
-        let watch = Arc::new(Mutex::new(Watch::new(self)));
+        let watch = Arc::new(Mutex::new(watch));
         let (listener, watcher) = (story.clone(), watch.clone());
         system.observe(move |at: Time, event: &Event<'_>| {
             let line = lock(&listener).tell(at, event);
@@ -233,6 +283,20 @@ impl Mission {
         })
     }
 
+    fn open(&self) -> Opened {
+        let opened = build::open(&self.composite, &self.settings, &Disk);
+        let properties = opened.composite.iter().flat_map(|it| &it.properties);
+        let has_seed = properties
+            .map(|it| &*it.name.value)
+            .any(|name| name == "seed");
+        if !(self.seeds_composite && has_seed) {
+            return opened;
+        }
+        let mut settings = self.settings.clone();
+        settings.push(("seed".to_owned(), self.seed.to_string()));
+        build::open(&self.composite, &settings, &Disk)
+    }
+
     fn drive(&self, run: &mut dyn Run, watch: &Mutex<Watch>, stop: &AtomicBool) -> Outcome {
         let limit = self.limit.map(|limit| Time::ZERO + limit);
         loop {
@@ -256,21 +320,56 @@ impl Mission {
     }
 }
 
-/// Looks out for the end.
-struct Watch {
-    until: Vec<(String, String)>,
-    unless: Vec<(String, String)>,
-    outcome: Option<Outcome>,
-}
-
-impl Watch {
-    fn new(mission: &Mission) -> Self {
-        Self {
-            until: mission.until.clone(),
-            unless: mission.unless.clone(),
-            outcome: None,
+/// What a run waits for; without wishes, `mode` with the usual value.
+fn awaited(
+    plan: &Plan,
+    wished: Option<&[(String, String)]>,
+    usual: &str,
+) -> Result<Vec<Awaited>, MissionError> {
+    let Some(wished) = wished else {
+        let (location, value) = ("mode".to_owned(), usual.to_owned());
+        return Ok(vec![Awaited { location, value }]);
+    };
+    let machines = machines(plan);
+    let mut all = Vec::new();
+    for (location, value) in wished {
+        let mut reasons = Vec::new();
+        for (path, machine) in &machines {
+            match Awaited::of(machine, location, value) {
+                Ok(awaited) => all.push(awaited),
+                Err(reason) => reasons.push((path.clone(), reason)),
+            }
+        }
+        // one specification that can bring it is enough
+        if reasons.len() == machines.len() {
+            let wanted = format!("{location}={value}");
+            return Err(MissionError::NeverEnds { wanted, reasons });
         }
     }
+    Ok(all)
+}
+
+/// The specifications of a plan; one that cannot begin is found out when it is started.
+fn machines(plan: &Plan) -> Vec<(String, Machine)> {
+    let of = |component: &assembly::plan::Component| match &component.implementation {
+        Implementation::Asm(asm) => {
+            let specification = asm_lang::open(&asm.path, &Disk).ok()?;
+            Some((asm.path.clone(), specification.machine().ok()?))
+        }
+        Implementation::Rust(_)
+        | Implementation::Builtin(_)
+        | Implementation::Process(_)
+        | Implementation::Ros(_)
+        | Implementation::Orocos(_) => None,
+    };
+    plan.components.iter().filter_map(of).collect()
+}
+
+/// Looks out for the end.
+struct Watch {
+    until: Vec<Awaited>,
+    unless: Vec<Awaited>,
+    outcome: Option<Outcome>,
 }
 
 impl Observer for Watch {
@@ -284,11 +383,10 @@ impl Observer for Watch {
                 let Ok(step) = what.to::<StepRecord>() else {
                     return;
                 };
-                let has = |ends: &[(String, String)]| {
+                let has = |ends: &[Awaited]| {
                     step.updates.iter().any(|update| {
-                        ends.iter().any(|(location, value)| {
-                            *location == update.location && *value == update.after
-                        })
+                        ends.iter()
+                            .any(|end| end.location == update.location && end.value == update.after)
                     })
                 };
                 if has(&self.until) {

@@ -340,16 +340,134 @@ fn bad_input_gets_a_diagnostic_and_no_panic() {
     }
 }
 
+const PATROL: &str = "specs/patrol/patrol.asm";
+
+/// The table of `docs/diagnostics.md`, row by row; what an argument names and is not there is said.
 #[test]
-fn a_missing_file_is_a_finding_with_its_name() {
-    for command in ["check", "sim"] {
-        let (code, out, err) = run(&[command, "nowhere.asm"]);
-        assert_eq!(code, 1, "{out}{err}");
-        assert!(err.contains("nowhere.asm"), "{err}");
+fn an_argument_that_names_what_is_not_there_is_a_wrong_usage() {
+    let run_with = |option: &'static str, value: &'static str| {
+        vec!["run", NAVIGATION, "--quiet", option, value]
+    };
+    for (arguments, said) in [
+        (vec!["check", "nowhere.asm"], "there is no such file"),
+        (vec!["check", "nowhere.toml"], "there is no such file"),
+        (vec!["check", "nowhere.avalla"], "there is no such file"),
+        (vec!["sim", "nowhere.asm"], "there is no such file"),
+        (vec!["repl", "nowhere.asm"], "there is no such file"),
+        (vec!["fmt", "nowhere.asm"], "there is no such file"),
+        (vec!["test", "nowhere.avalla"], "there is no such file"),
+        (
+            vec!["run", "nowhere.composite.toml"],
+            "there is no such file",
+        ),
+        (
+            vec!["sim", PATROL, "--init", "s9"],
+            "the specification has `s0`",
+        ),
+        (run_with("--set", "sed=2"), "did you mean `seed`?"),
+        (
+            run_with("--set", "seed=many"),
+            "`seed` takes a whole number",
+        ),
+        (run_with("--set", "Wrld.slip=1"), "did you mean `World`?"),
+        (run_with("--set", "World.slp=1"), "did you mean `slip`?"),
+        (run_with("--set", "World.slip=\"a\""), "`slip` of `World`"),
+        (run_with("--profile", "sim"), "has no profiles"),
+        (
+            run_with("--until", "mode"),
+            "not of the form LOCATION=VALUE",
+        ),
+        (run_with("--until", "mod=FAILED"), "did you mean `mode`?"),
+        (run_with("--unless", "mode=FALED"), "did you mean `FAILED`?"),
+        (run_with("--until", "mode(1)=FAILED"), "takes 0 arguments"),
+        (run_with("--until", "estop=true"), "it is monitored"),
+        (run_with("--speed", "NaN"), "a number from 0 is wanted"),
+    ] {
+        let (code, out, err) = run(&arguments);
+        assert_eq!(code, 2, "{arguments:?}: {out}{err}");
+        assert!(err.contains(said), "{arguments:?}: {out}{err}");
     }
-    let (code, _, err) = run(&["run", "nowhere.composite.toml"]);
+    let (code, _, err) = run(&["run", NAVIGATION, "--clock", "wall", "--speed", "2"]);
+    assert_eq!(code, 2);
+    assert!(err.contains("`--speed` is of the virtual clock"), "{err}");
+}
+
+#[test]
+fn an_error_in_a_file_is_a_finding() {
+    let wrong = "asm wrong\nsignature:\ndefinitions:\n  main rule r_Main = x := 1\n";
+    let (_folder, specification) = file("wrong.asm", wrong);
+    let composite = "schema = \"composite/1\"\n[composite]\n";
+    let (_folder2, composite) = file("wrong.composite.toml", composite);
+    for arguments in [
+        ["check", &specification],
+        ["sim", &specification],
+        ["repl", &specification],
+        ["check", &composite],
+        ["run", &composite],
+    ] {
+        let (code, out, err) = run(&arguments);
+        assert_eq!(code, 1, "{arguments:?}: {out}{err}");
+    }
+}
+
+#[test]
+fn a_run_ends_with_what_it_is_told() {
+    let until = ["--until", "mode=WAIT_PATH", "--unless", "command=HALT"];
+    let (code, out, err) = run(&[&["run", NAVIGATION, "--quiet"], &until[..]].concat());
+    assert_eq!(code, 0, "{out}{err}");
+    assert!(out.contains("reached in WAIT_PATH"), "{out}");
+}
+
+#[test]
+fn properties_are_set_as_toml_writes_them() {
+    let start = |setting: &str| {
+        let limit = ["--for", "2", "--until", "mode=ARRIVED", "--json"];
+        let (code, out, err) = run(&[&["run", NAVIGATION, "--set", setting], &limit[..]].concat());
+        assert_eq!(code, 1, "two seconds are not enough: {out}{err}");
+        out.lines()
+            .filter(|line| line.contains("\"to_goal_m\""))
+            .count()
+    };
+    for setting in [
+        "start=[1.4, 4.7, 0]",
+        "start=1.4,4.7,0",
+        "World.start=[1.4, 4.7, 0.0]",
+        "World.obstacles=[{ at_s = 0.0, disc = [14.5, 7.3, 0.25] }]",
+        "place=office",
+    ] {
+        assert_eq!(start(setting), 1, "{setting}");
+    }
+}
+
+#[test]
+fn a_seed_needs_no_property_of_the_composite() {
+    let (_, _, err) = run(&["run", "specs/youbot/youbot.composite.toml", "--seed", "3"]);
+    assert!(!err.contains("C013"), "{err}");
+}
+
+#[test]
+fn check_knows_every_kind_of_file() {
+    let files = [
+        "specs/youbot/types.toml",
+        "specs/patrol/patrol.avalla",
+        "specs/estop/estop.trip.env.toml",
+        NAVIGATION,
+        PATROL,
+    ];
+    let (code, out, err) = run(&[&["check"], &files[..]].concat());
+    assert_eq!(code, 0, "{out}{err}");
+    let types = "schema = \"composite-types/1\"\n[type.\"t/A\"]\nfields = { x = \"f65\" }\n";
+    let (_folder, types) = file("types.toml", types);
+    let (code, out, _) = run(&["check", "--format", "concise", &types]);
     assert_eq!(code, 1);
-    assert!(err.contains("nowhere.composite.toml"), "{err}");
+    assert!(out.contains("error[C110]"), "{out}");
+    let (folder, scenario) = file("s.avalla", "scenario s\nload s.asm\ncheck n = 1;\n");
+    let asm =
+        "asm s\nsignature:\n  controlled m: Integer\ndefinitions:\n  main rule r_Main = m := 1\n";
+    std::fs::write(folder.path().join("s.asm"), asm).unwrap();
+    let (code, out, _) = run(&["check", "--format", "concise", &scenario]);
+    assert_eq!(code, 1);
+    assert!(out.contains("s.avalla:3:7: error[A001]"), "{out}");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use crate::coverage::Coverage;
 use crate::{Failure, Specification, open_in};
 use machine::{Fault, Machine};
 use simulate::scenario::{self, Failed, Options, Outcome, Plan};
-use source::{Diagnostic, Loader, Report, Severity, Sources, Span};
+use source::{Diagnostic, Loader, Report, Sources, Span};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use syntax::ast::{Name, Scenario};
@@ -35,11 +35,32 @@ pub struct Settings {
     pub covers: bool,
 }
 
+/// A scenario that can be run.
+struct Opened {
+    tree: Scenario,
+    plan: Plan,
+    specification: Specification,
+    /// Warnings.
+    report: Report,
+}
+
 /// Runs the scenario at a path.
 ///
 /// # Errors
 /// It cannot be read, or it or its specification makes no sense.
 pub fn test(path: &str, loader: &dyn Loader, settings: &Settings) -> Result<Tested, Failure> {
+    open(path, loader, settings).map(|opened| carry_out(opened, settings))
+}
+
+/// What is wrong with the scenario at a path, as far as that can be seen before it runs.
+pub fn check(path: &str, loader: &dyn Loader) -> (Report, Sources) {
+    match open(path, loader, &Settings::default()) {
+        Ok(opened) => (opened.report, opened.specification.sources),
+        Err(Failure { report, sources }) => (report, sources),
+    }
+}
+
+fn open(path: &str, loader: &dyn Loader, settings: &Settings) -> Result<Opened, Failure> {
     let mut sources = Sources::new();
     let (tree, mut report) = match read(path, loader, &mut sources) {
         Ok(read) => read,
@@ -54,13 +75,12 @@ pub fn test(path: &str, loader: &dyn Loader, settings: &Settings) -> Result<Test
     }
     let mut specification = open_in(&specification, loader, sources, &settings.reading)?;
     match plan(path, &tree, &mut specification, loader, settings) {
-        Ok(plan) => {
-            let warnings = report.diagnostics.drain(..);
-            report = warnings
-                .filter(|finding| finding.severity == Severity::Warning)
-                .collect();
-            Ok(carry_out(&tree, &plan, specification, report, settings))
-        }
+        Ok(plan) => Ok(Opened {
+            tree,
+            plan,
+            specification,
+            report,
+        }),
         Err(found) => {
             report.extend(found);
             let sources = specification.sources;
@@ -130,18 +150,18 @@ fn plan(
     Ok(plan)
 }
 
-fn carry_out(
-    tree: &Scenario,
-    plan: &Plan,
-    specification: Specification,
-    mut report: Report,
-    settings: &Settings,
-) -> Tested {
+fn carry_out(opened: Opened, settings: &Settings) -> Tested {
+    let Opened {
+        tree,
+        plan,
+        specification,
+        mut report,
+    } = opened;
     let mut coverage = None;
     let outcome = match specification.machine() {
         Ok(mut machine) => {
             let outcome = scenario::run(
-                plan,
+                &plan,
                 &mut machine,
                 &specification.origins,
                 &settings.options,

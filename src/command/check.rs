@@ -1,23 +1,24 @@
 //! `asmotion check`: what is wrong, before anything runs.
 
 mod explain;
+mod findings;
 mod json;
 mod mend;
 
-use crate::build;
 use crate::exit::Exit;
 use crate::files::Disk;
 use crate::terminal::{Terminal, count};
 use asm_lang::source::Applicability;
-use asm_lang::{Diagnostic, Loader, Report, Sources};
+use asm_lang::{Diagnostic, Report, Sources};
 use clap::{Args, ValueEnum};
+use findings::findings;
 use mend::Mended;
 use serde_json::{Value, json};
 
-/// Says what is wrong with specifications and composites, before anything runs.
+/// Says what is wrong with specifications, scenarios and composites, before anything runs.
 #[derive(Args)]
 pub struct Check {
-    /// Specifications (`.asm`) and composites (`.toml`).
+    /// Specifications (`.asm`), scenarios (`.avalla`, `.env.toml`), composites and message types (`.toml`).
     #[arg(required_unless_present = "explain")]
     files: Vec<String>,
 
@@ -66,8 +67,8 @@ struct Seen {
     findings: Vec<Value>,
     /// Applied fixes as JSON.
     fixed: Vec<Value>,
-    /// Whether a file could not be rewritten.
-    unwritten: bool,
+    /// The worst so far.
+    exit: Exit,
 }
 
 impl Check {
@@ -87,6 +88,9 @@ impl Check {
                 Some(Err(_)) | None => findings(path, &Disk),
             };
             self.show(&report, &sources, &mut seen, terminal);
+            if report.has_errors() {
+                seen.exit = seen.exit.max(Exit::refused(path));
+            }
             seen.report.extend(report);
         }
         if self.format() == Format::Json {
@@ -98,13 +102,7 @@ impl Check {
             terminal.result(document);
         }
         self.conclude(&seen.report, terminal);
-        if seen.unwritten {
-            Exit::Usage
-        } else if seen.report.has_errors() {
-            Exit::Findings
-        } else {
-            Exit::Ok
-        }
+        seen.exit
     }
 
     fn format(&self) -> Format {
@@ -124,7 +122,7 @@ impl Check {
                 terminal.result(mended.diff(path).trim_end());
             } else if let Err(error) = mended.write(path) {
                 terminal.error(format_args!("cannot rewrite `{path}`: {error}"));
-                seen.unwritten = true;
+                seen.exit = Exit::Usage;
                 return findings(path, &Disk);
             }
         }
@@ -177,16 +175,4 @@ impl Check {
 fn is_sure(finding: &Diagnostic) -> bool {
     let fix = finding.fix.as_ref();
     fix.is_some_and(|fix| fix.applicability == Applicability::Sure)
-}
-
-/// The findings in one file and what it names.
-fn findings(path: &str, loader: &dyn Loader) -> (Report, Sources) {
-    if path.ends_with(".toml") {
-        let opened = build::open(path, &[], loader);
-        return (opened.report, opened.sources);
-    }
-    match asm_lang::open(path, loader) {
-        Ok(specification) => (specification.report, specification.sources),
-        Err(failure) => (failure.report, failure.sources),
-    }
 }

@@ -4,9 +4,9 @@ use clap::{Args, ValueEnum};
 use datum::Datum;
 use std::path::Path;
 
-use super::run::Common;
+use super::run::{Common, virtual_clock};
 use crate::exit::Exit;
-use crate::mission::{Clock, Mission};
+use crate::mission::Mission;
 use crate::terminal::Terminal;
 
 /// What the demo needs, so that the binary needs no other file.
@@ -88,7 +88,13 @@ impl Demo {
         };
         let composite = folder.path().join(FILES[0].0);
         let mut mission = Mission::new(composite.display().to_string());
-        mission.clock = Clock::Virtual(self.speed.max(0.0));
+        mission.clock = match virtual_clock(self.speed) {
+            Ok(clock) => clock,
+            Err(problem) => {
+                terminal.error(problem);
+                return Exit::Usage;
+            }
+        };
         let obstacles: Datum = datum::json::decode(self.world.obstacles()).unwrap_or_default();
         mission
             .properties

@@ -48,7 +48,8 @@ impl Fmt {
                     .iter()
                     .for_each(|file| self.file(file, &mut tally, terminal)),
                 Err(error) => {
-                    terminal.error(format_args!("cannot read `{path}`: {error}"));
+                    let reason = files::reason(&error);
+                    terminal.error(format_args!("cannot read `{path}`: {reason}"));
                     tally.failed += 1;
                 }
             }

@@ -37,7 +37,7 @@ impl Repl {
             Err(Failure { report, sources }) => {
                 terminal.report(&report, &sources);
                 terminal.error(count(&report).unwrap_or_default());
-                return Exit::Findings;
+                return Exit::refused(&self.spec);
             }
         };
         let mut prompt = match Prompt::new(&session) {

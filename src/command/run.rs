@@ -5,10 +5,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use assembly::Value;
 use clap::{Args, ValueEnum};
 use component::{Event, Time};
 use coordinator::{STEP_REPORT, StepRecord};
-use datum::{Datum, json as data};
+use datum::Datum;
 use serde_json::json;
 
 use crate::exit::Exit;
@@ -30,19 +31,19 @@ pub struct Run {
     #[arg(long, value_enum, default_value_t = ClockKind::Virtual)]
     clock: ClockKind,
 
-    /// Virtual seconds in one second of the wall; 0 is as fast as possible.
-    #[arg(long, default_value_t = 0.0)]
-    speed: f64,
+    /// Virtual seconds in one second of the wall; 0, as without it, is as fast as possible.
+    #[arg(long)]
+    speed: Option<f64>,
 
     #[command(flatten)]
     common: Common,
 
-    /// Ends well when a location gets a value.
-    #[arg(long, value_name = "LOCATION=VALUE", default_value = "mode=ARRIVED")]
+    /// Ends well when a location gets a value; without it, with `mode=ARRIVED`.
+    #[arg(long, value_name = "LOCATION=VALUE")]
     until: Vec<String>,
 
-    /// Ends badly when a location gets a value.
-    #[arg(long, value_name = "LOCATION=VALUE", default_value = "mode=FAILED")]
+    /// Ends badly when a location gets a value; without it, with `mode=FAILED`.
+    #[arg(long, value_name = "LOCATION=VALUE")]
     unless: Vec<String>,
 }
 
@@ -95,32 +96,58 @@ impl Run {
             ));
             return Exit::Usage;
         }
-        let mut mission = Mission::new(&self.composite);
-        mission.profile = self.profile;
-        mission.clock = match self.clock {
-            ClockKind::Virtual => Clock::Virtual(self.speed.max(0.0)),
-            ClockKind::Wall => Clock::Wall,
-        };
-        match (ends(&self.until), ends(&self.unless)) {
-            (Ok(until), Ok(unless)) => (mission.until, mission.unless) = (until, unless),
-            (Err(problem), _) | (_, Err(problem)) => {
+        match self.mission() {
+            Ok(mission) => self.common.run(&self.composite, mission, terminal),
+            Err(problem) => {
                 terminal.error(problem);
-                return Exit::Usage;
+                Exit::Usage
             }
         }
-        self.common.run(&self.composite, mission, terminal)
+    }
+
+    fn mission(&self) -> Result<Mission, String> {
+        let mut mission = Mission::new(&self.composite);
+        mission.profile = self.profile.clone();
+        mission.clock = match (self.clock, self.speed) {
+            (ClockKind::Virtual, speed) => virtual_clock(speed.unwrap_or(0.0))?,
+            (ClockKind::Wall, None) => Clock::Wall,
+            (ClockKind::Wall, Some(_)) => {
+                return Err(
+                    "`--speed` is of the virtual clock; on the wall, time has its own speed"
+                        .to_owned(),
+                );
+            }
+        };
+        mission.until = ends(&self.until)?;
+        mission.unless = ends(&self.unless)?;
+        Ok(mission)
     }
 }
 
-/// `location=value`, split.
-fn ends(written: &[String]) -> Result<Vec<(String, String)>, String> {
+/// Virtual time at this speed.
+pub fn virtual_clock(speed: f64) -> Result<Clock, String> {
+    match speed.is_finite() && speed >= 0.0 {
+        true => Ok(Clock::Virtual(speed)),
+        false => Err(format!("`--speed {speed}`: a number from 0 is wanted")),
+    }
+}
+
+/// `location=value`, split; nothing where nothing was written.
+fn ends(written: &[String]) -> Result<Option<Vec<(String, String)>>, String> {
+    if written.is_empty() {
+        return Ok(None);
+    }
     let split = |text: &String| match text.split_once('=') {
         Some((location, value)) => Ok((location.trim().to_owned(), value.trim().to_owned())),
         None => Err(format!(
             "`{text}` is not of the form LOCATION=VALUE, as in mode=ARRIVED"
         )),
     };
-    written.iter().map(split).collect()
+    written
+        .iter()
+        .map(split)
+        .collect::<Result<_, _>>()
+        .map(Some)
 }
 
 impl Common {
@@ -147,10 +174,17 @@ impl Common {
         let ended = mission.run(self.listener(trace.clone()), &stop);
         let ended = match ended {
             Ok(ended) => ended,
-            Err(MissionError::Composite { sources, report }) => {
+            Err(MissionError::Composite {
+                sources,
+                report,
+                outside,
+            }) => {
                 terminal.report(&report, &sources);
                 terminal.error(crate::terminal::count(&report).unwrap_or_default());
-                return Exit::Findings;
+                return match outside {
+                    true => Exit::Usage,
+                    false => Exit::refused(&mission.composite),
+                };
             }
             Err(error) => {
                 terminal.error(error);
@@ -181,7 +215,7 @@ impl Common {
     fn apply(&self, mission: &mut Mission) -> Result<(), String> {
         if let Some(seed) = self.seed {
             mission.seed = seed;
-            mission.settings.push(("seed".to_owned(), seed.to_string()));
+            mission.seeds_composite = true;
         }
         if self.limit.is_nan() || self.limit <= 0.0 {
             return Err(format!(
@@ -218,8 +252,9 @@ impl Common {
             match name.split_once('.') {
                 None => mission.settings.push((name.to_owned(), value.to_owned())),
                 Some((component, property)) => {
-                    // what is not JSON is text
-                    let value = data::decode(value).unwrap_or_else(|_| Datum::text(value));
+                    // what is not TOML is text
+                    let value = Value::from_toml(value)
+                        .map_or_else(|| Datum::text(value), |value| value.datum());
                     mission
                         .properties
                         .push((component.to_owned(), property.to_owned(), value));

@@ -104,6 +104,9 @@ impl Ticking {
 /// How many steps a run takes whose inputs have no end.
 const STEPS: u64 = 20;
 
+/// No initial state has the name that was asked for.
+const NO_SUCH_STATE: &str = "A027";
+
 /// Why a run does not begin.
 enum Unbegun {
     /// The inputs cannot be read.
@@ -155,6 +158,19 @@ impl Sim {
             initial: self.init.clone(),
         };
         asm_lang::open_with(path, &Disk, &options)
+    }
+
+    /// A specification with errors; an initial state that it does not have was named wrongly.
+    fn refused(&self, failure: &Failure) -> Exit {
+        let mut codes = failure
+            .report
+            .diagnostics
+            .iter()
+            .map(|finding| finding.code);
+        match self.init.is_some() && codes.any(|code| code == NO_SUCH_STATE) {
+            true => Exit::Usage,
+            false => Exit::refused(&self.spec),
+        }
     }
 
     fn steps(&self, simulation: &Simulation) -> u64 {

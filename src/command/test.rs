@@ -5,7 +5,7 @@ mod find;
 mod junit;
 mod report;
 mod review;
-mod snapshot;
+pub(super) mod snapshot;
 
 use super::tool::Tool;
 use crate::exit::Exit;
@@ -204,7 +204,7 @@ impl Test {
 
     fn one(&self, path: PathBuf) -> Ended {
         if snapshot::is_script(&path) {
-            snapshot::run(path, self.seed)
+            snapshot::run(path, self.seed, self.covers())
         } else {
             self.scenario(path)
         }
@@ -234,6 +234,11 @@ impl Test {
         ended
     }
 
+    /// Whether it is counted what runs.
+    fn covers(&self) -> bool {
+        self.coverage.is_some() || self.coverage_out.is_some()
+    }
+
     fn settings(&self) -> Settings {
         Settings {
             reading: hir::Options {
@@ -245,7 +250,7 @@ impl Test {
                 max_steps: self.max_steps,
                 ..Options::default()
             },
-            covers: self.coverage.is_some() || self.coverage_out.is_some(),
+            covers: self.covers(),
         }
     }
 }

@@ -321,7 +321,7 @@ fn says_which_file_cannot_be_read() {
     2 | import secret
       |        ^^^^^^ imported here
       |
-    help: check the path and the permissions; the text must be UTF-8
+    help: check the path
     ");
     let failure = asm_lang::open("secret.asm", &Locked).unwrap_err();
     assert_eq!(failure.report.diagnostics[0].code, "A013");

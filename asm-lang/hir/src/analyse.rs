@@ -10,9 +10,8 @@ use crate::model::{
 };
 use crate::options::Options;
 use crate::resolver::Resolver;
-use crate::scope::similar;
 use crate::types::{Type, TypeId};
-use source::{Report, Sources, Span};
+use source::{Report, Sources, Span, similar};
 use std::sync::Arc;
 use syntax::ast;
 use value::RuleId;
@@ -242,7 +241,7 @@ impl Analysis<'_> {
         }
         let Some(&first) = candidates.first() else {
             let similar = similar(&name.text, self.declared.scopes[unit].functions.keys())
-                .map(|found| (found.clone(), self.first_span(unit, &found)));
+                .map(|found| (found.clone(), self.first_span(unit, found)));
             let error = HirError::DefinesUndeclared {
                 name: name.text.clone(),
                 at: name.span,
@@ -376,11 +375,15 @@ impl Analysis<'_> {
             None => inits.position(|init| init.default),
         };
         if found.is_none() {
-            let wanted = match &self.options.initial {
-                Some(name) => format!("called `{name}`"),
-                None => "the default".to_owned(),
+            let names = tree.inits.iter().map(|init| &init.name.text);
+            let (wanted, help) = match &self.options.initial {
+                Some(name) => (format!("called `{name}`"), meant(name, names)),
+                None => (
+                    "the default".to_owned(),
+                    "write `default init` for the one to start from".to_owned(),
+                ),
             };
-            let error = HirError::NoSuchInit { wanted, at };
+            let error = HirError::NoSuchInit { wanted, at, help };
             self.declared.report.push(error.diagnostic());
         }
         found
@@ -567,5 +570,16 @@ pub(crate) fn kind_name(kind: FunctionKind) -> &'static str {
         FunctionKind::Shared => "shared",
         FunctionKind::Out => "out",
         FunctionKind::Local => "local",
+    }
+}
+
+/// The initial state that was meant, or all there are.
+fn meant<'a>(name: &str, known: impl Iterator<Item = &'a Arc<str>> + Clone) -> String {
+    match similar(name, known.clone()) {
+        Some(similar) => format!("did you mean `{similar}`?"),
+        None => {
+            let known: Vec<String> = known.map(|name| format!("`{name}`")).collect();
+            format!("the specification has {}", known.join(", "))
+        }
     }
 }

@@ -189,7 +189,11 @@ pub(crate) enum HirError {
         declared: Span,
     },
     #[error("none of the initial states is {wanted}")]
-    NoSuchInit { wanted: String, at: Span },
+    NoSuchInit {
+        wanted: String,
+        at: Span,
+        help: String,
+    },
     #[error("this is not a rule: its value is {actual}")]
     NotARule { actual: String, at: Span },
     #[error("`not` binds tighter than `{operator}`: this reads `(not …) {operator} …`")]
@@ -344,7 +348,7 @@ impl HirError {
                     Some(at) => finding.label(*at, "imported here"),
                     None => finding,
                 };
-                finding.help("check the path and the permissions; the text must be UTF-8")
+                finding.help("check the path")
             }
             Self::NotExported { at, .. } => error("A015")
                 .label(*at, "asked for here")
@@ -440,9 +444,9 @@ impl HirError {
                 .label(*at, "extended here")
                 .label(*declared, format!("{kind}, declared here"))
                 .help("only abstract domains, and subsets of them, take new elements"),
-            Self::NoSuchInit { at, .. } => error("A027")
+            Self::NoSuchInit { at, help, .. } => error("A027")
                 .label(*at, "an initial state")
-                .help("write `default init` for the one to start from"),
+                .help(help),
             Self::NotARule { at, .. } => error("A028")
                 .label(*at, "stands where a rule is wanted")
                 .help("an update is written `location := term`, a macro call `r_name[…]`"),

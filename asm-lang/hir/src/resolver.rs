@@ -3,9 +3,8 @@
 use crate::declare::Declared;
 use crate::error::HirError;
 use crate::model::{Body, FunctionKind, Term, TermKind, VarId, Variable};
-use crate::scope::similar;
 use crate::types::{Type, TypeId};
-use source::Span;
+use source::{Span, similar};
 use syntax::ast;
 use value::Value;
 
@@ -200,7 +199,8 @@ impl<'a> Resolver<'a> {
         let similar = similar(
             &name.text,
             self.visible.iter().map(|id| &self.variable(*id).name),
-        );
+        )
+        .cloned();
         self.error(HirError::UnknownVariable {
             name: name.text.clone(),
             at: name.span,

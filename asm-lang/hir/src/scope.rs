@@ -1,6 +1,7 @@
 //! Which names a file sees.
 
 use crate::model::{DomainId, FunctionId};
+use source::similar;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use value::{Atom, RuleId};
@@ -50,22 +51,22 @@ impl Scope {
 
     /// The candidates for "did you mean" among the functions.
     pub fn similar_function(&self, name: &str) -> Option<Arc<str>> {
-        similar(name, self.functions.keys())
+        similar(name, self.functions.keys()).cloned()
     }
 
     /// … among the domains and literals.
     pub fn similar_constant(&self, name: &str) -> Option<Arc<str>> {
-        similar(name, self.domains.keys().chain(self.literals.keys()))
+        similar(name, self.domains.keys().chain(self.literals.keys())).cloned()
     }
 
     /// … among the domains.
     pub fn similar_domain(&self, name: &str) -> Option<Arc<str>> {
-        similar(name, self.domains.keys())
+        similar(name, self.domains.keys()).cloned()
     }
 
     /// … among the rules.
     pub fn similar_rule(&self, name: &str) -> Option<Arc<str>> {
-        similar(name, self.rules.keys())
+        similar(name, self.rules.keys()).cloned()
     }
 }
 
@@ -84,27 +85,4 @@ fn merge<T: Copy + PartialEq>(
             }
         }
     }
-}
-
-/// A longer name is not compared with others: it was not mistyped.
-const MAX_SIMILAR: usize = 100;
-
-/// The known name that is most like `name`, if one is like it at all.
-pub(crate) fn similar<'a>(
-    name: &str,
-    known: impl Iterator<Item = &'a Arc<str>>,
-) -> Option<Arc<str>> {
-    if name.len() > MAX_SIMILAR {
-        return None;
-    }
-    known
-        .map(|candidate| {
-            (
-                strsim::normalized_damerau_levenshtein(name, candidate),
-                candidate,
-            )
-        })
-        .filter(|(likeness, candidate)| *likeness >= 0.6 || candidate.eq_ignore_ascii_case(name))
-        .max_by(|(a, x), (b, y)| a.total_cmp(b).then_with(|| y.cmp(x)))
-        .map(|(_, candidate)| candidate.clone())
 }

@@ -196,11 +196,7 @@ impl Reading<'_> {
         let functions = self.program.functions.iter().enumerate();
         let names = functions
             .filter(|(_, function)| is_input(function.kind) && function.own)
-            .map(|(index, _)| &*self.program.symbols.functions[index]);
-        let near = names
-            .map(|known| (strsim::normalized_damerau_levenshtein(name, known), known))
-            .filter(|(likeness, _)| *likeness > 0.5)
-            .max_by(|a, b| a.0.total_cmp(&b.0));
+            .map(|(index, _)| &self.program.symbols.functions[index]);
         let finding = Diagnostic::error(
             "S003",
             format!("`{name}` is no input of this specification"),
@@ -209,8 +205,8 @@ impl Reading<'_> {
             at,
             "not a monitored or shared function with so many arguments",
         );
-        self.report.push(match near {
-            Some((_, known)) => finding.help(format!("did you mean `{known}`?")),
+        self.report.push(match source::similar(name, names) {
+            Some(known) => finding.help(format!("did you mean `{known}`?")),
             None => finding.help("only monitored and shared functions take values from outside"),
         });
     }

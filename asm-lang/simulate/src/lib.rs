@@ -1,5 +1,6 @@
 //! Runs without a robot: environments, seeded choice, traces, scenarios.
 
+mod awaited;
 mod clock;
 mod environment;
 mod literal;
@@ -10,6 +11,7 @@ mod show;
 mod simulation;
 mod trace;
 
+pub use awaited::{Awaited, Unawaited};
 pub use clock::Clock;
 pub use environment::Script;
 pub use random::{Random, Seeded};

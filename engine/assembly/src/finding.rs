@@ -6,6 +6,11 @@ use source::{Diagnostic, Report};
 pub(crate) trait Finding {
     /// The same in words, with its places and a way out.
     fn diagnostic(&self) -> Diagnostic;
+
+    /// Whether it is about a value that was set from outside all files.
+    fn is_outside(&self) -> bool {
+        false
+    }
 }
 
 /// Collects findings.

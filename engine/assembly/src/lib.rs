@@ -34,4 +34,5 @@ pub use plan::Plan;
 pub use signature::{NoSpecifications, Signature, Specifications};
 pub use specification::AsmFiles;
 pub use start::{Standard, StartError, Workshop, start};
+pub use types::open_types;
 pub use value::{REDACTED, Value};

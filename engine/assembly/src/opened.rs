@@ -21,6 +21,8 @@ pub struct Opened {
     pub sources: Sources,
     /// Everything that was found, by place.
     pub report: Report,
+    /// Whether a value that was set from outside all files is among what is wrong.
+    pub outside: bool,
     /// The model of the outermost composite, as far as it could be read.
     pub composite: Option<Composite>,
     /// The profiles in order of their names; none where the composite has none.
@@ -55,6 +57,7 @@ pub fn open(path: &str, context: &Context<'_>) -> Opened {
     };
     let mut plans = Vec::new();
     let mut found = Vec::new();
+    let mut outside = false;
     for profile in names {
         let mut notes = Notes::default();
         let faces = check::check(
@@ -76,6 +79,7 @@ pub fn open(path: &str, context: &Context<'_>) -> Opened {
         if let Some(plan) = plan.filter(|_| !broken && !notes.report.has_errors()) {
             plans.push((profile.map(str::to_owned), plan));
         }
+        outside |= notes.outside;
         found.push((profile, notes.report));
     }
     report.extend(merge(found));
@@ -85,6 +89,7 @@ pub fn open(path: &str, context: &Context<'_>) -> Opened {
     Opened {
         sources,
         report: report.finish(),
+        outside,
         composite,
         profiles,
         plans,

@@ -5,6 +5,9 @@ use std::fmt;
 use datum::Datum;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
+use source::FileId;
+
+use crate::tree::{self, Branch, Entry};
 
 /// A value. Serialises as itself; a secret serialises and prints as `***`.
 #[derive(Clone, PartialEq)]
@@ -29,6 +32,32 @@ pub enum Value {
 pub const REDACTED: &str = "***";
 
 impl Value {
+    /// The value that a text of TOML writes, as in `[1.4, 4.7]`.
+    pub fn from_toml(text: &str) -> Option<Self> {
+        let (table, errors) = tree::parse(FileId::default(), &format!("value = {text}"));
+        match (table.entries.as_slice(), errors.is_empty()) {
+            ([entry], true) => Some(Self::of(&entry.node.value)),
+            _ => None,
+        }
+    }
+
+    fn of(branch: &Branch) -> Self {
+        match branch {
+            Branch::Text(text) | Branch::Date(text) => Self::Text(text.clone()),
+            Branch::Integer(number) => Self::Integer(*number),
+            Branch::Float(number) => Self::Real(*number),
+            Branch::Boolean(truth) => Self::Boolean(*truth),
+            Branch::List(items) => {
+                Self::List(items.iter().map(|item| Self::of(&item.value)).collect())
+            }
+            Branch::Table(table) => {
+                let fields = table.entries.iter();
+                let field = |entry: &Entry| (entry.key.value.clone(), Self::of(&entry.node.value));
+                Self::Record(fields.map(field).collect())
+            }
+        }
+    }
+
     /// The number, also of a whole number.
     pub fn number(&self) -> Option<f64> {
         match self {

@@ -1,6 +1,6 @@
 //! Fixing a file: rounds of sure fixes in memory, then one write.
 
-use super::findings;
+use super::findings::findings;
 use crate::files::{self, Disk};
 use asm_lang::source::{self, LoadError};
 use asm_lang::{Loader, Report, Sources};

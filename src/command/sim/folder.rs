@@ -2,7 +2,7 @@
 
 use super::{Sim, Unbegun, comment};
 use crate::exit::Exit;
-use crate::files::specifications;
+use crate::files::{reason, specifications};
 use crate::terminal::{BAD, FAINT, GOOD, NOTE, Terminal};
 use asm_lang::simulate::{Stopped, Trace};
 use asm_lang::{Diagnostic, Failure, Fault, Severity, Specification};
@@ -34,7 +34,8 @@ impl Sim {
         let files = match specifications(folder) {
             Ok(files) => files,
             Err(error) => {
-                terminal.error(format_args!("cannot read `{}`: {error}", folder.display()));
+                let (folder, reason) = (folder.display(), reason(&error));
+                terminal.error(format_args!("cannot read `{folder}`: {reason}"));
                 return Exit::Usage;
             }
         };

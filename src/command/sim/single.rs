@@ -16,7 +16,7 @@ impl Sim {
             Err(failure) => {
                 terminal.report(&failure.report, &failure.sources);
                 terminal.error(count(&failure.report).unwrap_or_default());
-                return Exit::Findings;
+                return self.refused(&failure);
             }
         };
         if specification.report.count(Severity::Warning) > 0 {

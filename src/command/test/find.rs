@@ -1,5 +1,6 @@
 //! Which files are tests.
 
+use crate::files::reason;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -7,7 +8,8 @@ use std::path::{Path, PathBuf};
 pub fn scenarios(paths: &[PathBuf]) -> Result<Vec<PathBuf>, String> {
     let mut found = Vec::new();
     for path in paths {
-        let failed = |error: io::Error| format!("cannot read `{}`: {error}", path.display());
+        let failed =
+            |error: io::Error| format!("cannot read `{}`: {}", path.display(), reason(&error));
         if std::fs::metadata(path).map_err(failed)?.is_dir() {
             let mut inside = Vec::new();
             folder(path, &mut inside).map_err(failed)?;

@@ -6,10 +6,11 @@
 use super::{End, Ended};
 use crate::diff::unified;
 use crate::files::Disk;
+use asm_lang::coverage::Coverage;
 use asm_lang::machine::Machine;
 use asm_lang::simulate::scenario::Verdict;
 use asm_lang::simulate::{self, Causes, Script, Simulation, Stopped};
-use asm_lang::{Diagnostic, Loader, Report, Sources, Specification};
+use asm_lang::{Diagnostic, Failure, Loader, Report, Specification};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -45,20 +46,21 @@ impl Difference {
     }
 }
 
-/// Runs the scenario of a script.
-pub fn run(script: PathBuf, seed: u64) -> Ended {
+/// Runs the scenario of a script, and counts what of the specification ran if it is asked for.
+pub(super) fn run(path: PathBuf, seed: u64, covers: bool) -> Ended {
     let begun = Instant::now();
-    let mut ended = Ended::unusable(script.clone());
-    match actual(&script, seed) {
-        Ok((steps, specification, actual)) => {
-            let (verdict, difference) = compare(&script, actual);
+    let mut ended = Ended::unusable(path.clone());
+    match carry_out(&path, seed, covers) {
+        Ok(run) => {
+            let (verdict, difference) = compare(&path, run.text);
             ended.end = End::Ran(verdict);
-            ended.steps = steps;
-            ended.sources = specification.sources;
+            ended.steps = run.steps;
+            ended.coverage = run.coverage;
+            ended.sources = run.specification.sources;
             ended.report.extend(difference.iter().map(said).collect());
             ended.difference = difference;
         }
-        Err((report, sources)) => (ended.report, ended.sources) = (report, sources),
+        Err(Failure { report, sources }) => (ended.report, ended.sources) = (report, sources),
     }
     ended.took = begun.elapsed();
     ended
@@ -89,65 +91,103 @@ fn said(difference: &Difference) -> Diagnostic {
     }
 }
 
-/// What the run writes, and after how many steps.
-fn actual(script: &Path, seed: u64) -> Result<(u64, Specification, String), (Report, Sources)> {
-    let spec = specification(script);
-    let mut specification = asm_lang::open(&spec.to_string_lossy(), &Disk)
-        .map_err(|failure| (failure.report, failure.sources))?;
-    let script = match read(script, &mut specification) {
-        Ok(script) => script,
-        Err(report) => return Err((report, specification.sources)),
-    };
-    let mut text = String::new();
-    let machine = match specification.machine() {
-        Ok(machine) => machine,
-        Err(fault) => {
-            let finding = specification.explain(&fault);
-            line(
-                &mut text,
-                format_args!("{} {}", finding.code, finding.message),
-            );
-            return Ok((0, specification, text));
+/// The specification of a script, and the script.
+pub fn open(script: &str, loader: &dyn Loader) -> Result<(Specification, Script), Failure> {
+    let mut specification = asm_lang::open(&specification(Path::new(script)), loader)?;
+    match read(script, &mut specification, loader) {
+        Ok(script) => Ok((specification, script)),
+        Err(report) => {
+            let sources = specification.sources;
+            Err(Failure { report, sources })
         }
-    };
-    let steps = script.len() as u64;
-    let mut simulation = Simulation::new(machine, Causes::Script(script), seed);
+    }
+}
+
+/// A run that has ended.
+struct Run {
+    specification: Specification,
+    /// How many steps were done.
+    steps: u64,
+    /// What was read, written and printed.
+    text: String,
+    coverage: Option<Coverage>,
+}
+
+fn carry_out(path: &Path, seed: u64, covers: bool) -> Result<Run, Failure> {
+    let (mut specification, script) = open(&path.to_string_lossy(), &Disk)?;
+    if covers && let Err(report) = specification.lower_covered() {
+        let sources = specification.sources;
+        return Err(Failure { report, sources });
+    }
+    let mut text = String::new();
+    let (mut steps, mut coverage) = (0, None);
+    match specification.machine() {
+        Ok(machine) => {
+            let wanted = script.len();
+            let simulation = Simulation::new(machine, Causes::Script(script), seed);
+            let simulation = simulated(simulation, wanted, &specification, &mut text);
+            let machine = simulation.machine();
+            steps = machine.steps();
+            coverage = covers.then(|| Coverage::of(&specification, &machine.counts()));
+        }
+        Err(fault) => fault_line(&mut text, &specification.explain(&fault)),
+    }
+    Ok(Run {
+        specification,
+        steps,
+        text,
+        coverage,
+    })
+}
+
+/// Does so many steps, as far as there is a next state, and writes down each.
+fn simulated(
+    mut simulation: Simulation,
+    steps: usize,
+    specification: &Specification,
+    text: &mut String,
+) -> Simulation {
     for _ in 0..steps {
         match simulation.step() {
-            Ok(()) => step(&mut text, simulation.machine()),
+            Ok(()) => step(text, simulation.machine()),
             Err(Stopped::Fault(fault)) => {
                 let finding = specification.explain_in(&fault, simulation.machine());
-                line(
-                    &mut text,
-                    format_args!("{} {}", finding.code, finding.message),
-                );
+                fault_line(text, &finding);
                 break;
             }
             Err(stopped @ Stopped::Unreadable { .. }) => {
-                line(&mut text, format_args!("{stopped}"));
+                line(text, format_args!("{stopped}"));
                 break;
             }
         }
     }
-    let done = simulation.machine().steps();
-    Ok((done, specification, text))
+    simulation
 }
 
 /// The specification of a script: what its name begins with.
-fn specification(script: &Path) -> PathBuf {
+fn specification(script: &Path) -> String {
     let name = script.file_name().unwrap_or_default().to_string_lossy();
     let stem = name.split('.').next().unwrap_or_default();
-    script.with_file_name(format!("{stem}.asm"))
+    let path = script.with_file_name(format!("{stem}.asm"));
+    path.to_string_lossy().into_owned()
 }
 
-fn read(path: &Path, specification: &mut Specification) -> Result<Script, Report> {
-    let path = path.to_string_lossy();
-    let text = Disk.read(&path).map_err(|error| {
+fn read(
+    path: &str,
+    specification: &mut Specification,
+    loader: &dyn Loader,
+) -> Result<Script, Report> {
+    let text = loader.read(path).map_err(|error| {
         let finding = Diagnostic::error("S000", error).help("check the path of the script");
         [finding].into_iter().collect::<Report>()
     })?;
-    let file = specification.sources.add(&path, text.clone());
+    let file = specification.sources.add(path, text.clone());
     Script::read(file, &text, &specification.program)
+}
+
+fn fault_line(text: &mut String, finding: &Diagnostic) {
+    let Diagnostic { code, message, .. } = finding;
+    line(text, format_args!("{code} {message}"));
 }
 
 fn step(text: &mut String, machine: &Machine) {

@@ -100,8 +100,10 @@ impl Finding for ReadError {
             Self::Unreadable { at, .. } => {
                 let diagnostic = Diagnostic::error("C002", self);
                 match at {
-                    Some(at) => diagnostic.label(*at, "named here"),
-                    None => diagnostic,
+                    Some(at) => diagnostic
+                        .label(*at, "named here")
+                        .help("write its path, from the folder of this file"),
+                    None => diagnostic.help("check the path"),
                 }
             }
             Self::UnknownKey {

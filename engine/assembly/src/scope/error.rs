@@ -47,6 +47,18 @@ pub(crate) enum SettingError {
 }
 
 impl Finding for SettingError {
+    fn is_outside(&self) -> bool {
+        match self {
+            Self::Unknown { at, .. } | Self::WrongType { at, .. } | Self::OutOfRange { at, .. } => {
+                at.is_none()
+            }
+            Self::NotSet { .. }
+            | Self::NoSecret { .. }
+            | Self::MustBeSet { .. }
+            | Self::SecretInFile { .. } => false,
+        }
+    }
+
     fn diagnostic(&self) -> Diagnostic {
         let label = |diagnostic: Diagnostic, at: &Option<Span>, text: String| match at {
             Some(at) => diagnostic.label(*at, text),
@@ -59,9 +71,12 @@ impl Finding for SettingError {
                     at,
                     "no such property".into(),
                 );
-                match at {
-                    Some(at) => diagnostic.suggest(*at, nearest),
-                    None => diagnostic,
+                match (at, nearest) {
+                    (Some(at), nearest) => diagnostic.suggest(*at, nearest),
+                    (None, Some(nearest)) => {
+                        diagnostic.help(format!("did you mean `{}`?", nearest.name))
+                    }
+                    (None, None) => diagnostic.help("`[properties]` of the composite lists them"),
                 }
             }
             Self::NotSet { name, at } => {

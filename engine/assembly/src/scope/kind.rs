@@ -179,6 +179,9 @@ fn of_type(value: Value, kind: PropertyType) -> Option<Value> {
 /// A text from outside, as a property of this type takes it.
 pub(crate) fn from_text(text: &str, kind: PropertyType) -> Option<Value> {
     if kind.list {
+        if text.trim_start().starts_with('[') {
+            return of_type(Value::from_toml(text)?, kind);
+        }
         let scalar = PropertyType {
             list: false,
             ..kind

@@ -26,6 +26,8 @@ pub(crate) struct Notes {
     pub report: Report,
     /// Environment variables that are not set.
     pub missing: Vec<String>,
+    /// Whether a value that was set from outside all files is wrong.
+    pub outside: bool,
 }
 
 impl Notes {
@@ -38,6 +40,7 @@ impl Notes {
 
 impl Findings for Notes {
     fn found(&mut self, finding: impl Finding) {
+        self.outside |= finding.is_outside();
         self.report.found(finding);
     }
 }

@@ -1,5 +1,6 @@
 //! Message types: those of the build, and those that a composite describes in a file.
 
+mod alone;
 mod build;
 mod error;
 
@@ -8,6 +9,7 @@ use std::collections::BTreeMap;
 use datum::{Field, Schema, Shape};
 use source::{Report, Span};
 
+pub use self::alone::open_types;
 use self::build::Builder;
 pub(crate) use self::error::TypeError;
 use crate::At;

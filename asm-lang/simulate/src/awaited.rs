@@ -1,0 +1,155 @@
+//! An update that a run waits for, as a person names it: `mode=ARRIVED`.
+
+use crate::literal::Literals;
+use ir::{Elements, Function, FunctionKind, Program, Shape};
+use machine::Machine;
+use source::similar;
+use std::sync::Arc;
+
+/// A location and a value, written as steps show them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Awaited {
+    /// The location.
+    pub location: String,
+    /// What it is to become.
+    pub value: String,
+}
+
+/// Why no step can bring what is awaited.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Unawaited {
+    /// There is no function of this name.
+    #[error("there is no function `{name}`{}", meant(similar.as_deref()))]
+    Unknown {
+        /// What was written.
+        name: String,
+        /// A name like it.
+        similar: Option<Arc<str>>,
+    },
+    /// No function of this name takes so many arguments.
+    #[error("`{name}` takes {wanted} arguments, here are {found}")]
+    Arity {
+        /// The function.
+        name: String,
+        /// How many it takes.
+        wanted: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// Rules do not write it.
+    #[error("no rule writes `{name}`: it is {kind}")]
+    NotWritten {
+        /// The function.
+        name: String,
+        /// What it is.
+        kind: &'static str,
+    },
+    /// An argument or the value is none.
+    #[error("`{text}` is no value {place}{}", meant(similar.as_deref()))]
+    NotAValue {
+        /// What was written.
+        text: String,
+        /// As in "of `mode`".
+        place: String,
+        /// An element like it.
+        similar: Option<Arc<str>>,
+    },
+}
+
+fn meant(similar: Option<&str>) -> String {
+    similar.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
+}
+
+impl Awaited {
+    /// What the texts name in a specification that is about to run.
+    ///
+    /// # Errors
+    /// No step can ever write this value there.
+    pub fn of(machine: &Machine, location: &str, value: &str) -> Result<Self, Unawaited> {
+        let (name, texts) = Literals::location(location);
+        let function = written(machine.program(), name, texts.len())?;
+        let arguments = texts.iter().zip(&function.parameters);
+        let arguments: Vec<String> = arguments
+            .map(|(text, shape)| element(machine, text, shape, format!("for `{name}`")))
+            .collect::<Result<_, _>>()?;
+        let value = element(machine, value, &function.codomain, format!("of `{name}`"))?;
+        let location = match arguments.as_slice() {
+            [] => name.to_owned(),
+            arguments => format!("{name}({})", arguments.join(", ")),
+        };
+        Ok(Self { location, value })
+    }
+}
+
+/// The function of this name that rules write.
+fn written<'p>(program: &'p Program, name: &str, arity: usize) -> Result<&'p Function, Unawaited> {
+    let all = || program.symbols.functions.iter().zip(&program.functions);
+    let own = || all().filter(|(_, function)| function.own);
+    let named = || own().filter(|(known, _)| &***known == name);
+    let fitting = named().find(|(_, function)| function.parameters.len() == arity);
+    let Some((_, function)) = fitting.or_else(|| named().next()) else {
+        let written = own().filter(|(_, function)| unwritten(function.kind).is_none());
+        return Err(Unawaited::Unknown {
+            name: name.to_owned(),
+            similar: similar(name, written.map(|(known, _)| known)).cloned(),
+        });
+    };
+    let name = name.to_owned();
+    if let Some(kind) = unwritten(function.kind) {
+        return Err(Unawaited::NotWritten { name, kind });
+    }
+    match function.parameters.len() {
+        wanted if wanted == arity => Ok(function),
+        wanted => Err(Unawaited::Arity {
+            name,
+            wanted,
+            found: arity,
+        }),
+    }
+}
+
+/// Why rules do not write such functions, if they do not.
+fn unwritten(kind: FunctionKind) -> Option<&'static str> {
+    match kind {
+        FunctionKind::Controlled | FunctionKind::Out | FunctionKind::Shared => None,
+        FunctionKind::Monitored => Some("monitored"),
+        FunctionKind::Local => Some("local to a rule"),
+        FunctionKind::Fixed => Some("static or derived"),
+    }
+}
+
+/// A value as steps show it.
+fn element(
+    machine: &Machine,
+    text: &str,
+    shape: &Shape,
+    place: String,
+) -> Result<String, Unawaited> {
+    let program = machine.program();
+    match Literals::new(program, &[]).value(text, shape) {
+        Some(value) => Ok(value.show(&machine.naming()).to_string()),
+        // an element that `extend` will take from the reserve
+        None if text.contains('!') => Ok(text.trim().to_owned()),
+        None => Err(Unawaited::NotAValue {
+            text: text.to_owned(),
+            place,
+            similar: names(program, shape).and_then(|names| similar(text, names).cloned()),
+        }),
+    }
+}
+
+/// The names a value may have, where they are known before the run.
+fn names<'p>(program: &'p Program, shape: &Shape) -> Option<&'p [Arc<str>]> {
+    let Shape::Domain(domain) = shape else {
+        return None;
+    };
+    match program.domains.get(domain.0 as usize)?.elements {
+        Elements::Atoms { first, count } => {
+            let first = first.0 as usize;
+            program.symbols.atoms.get(first..first + count as usize)
+        }
+        Elements::Ints { .. } | Elements::Computed(_) | Elements::Undefined | Elements::Open => {
+            None
+        }
+    }
+}

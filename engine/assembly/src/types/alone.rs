@@ -1,0 +1,40 @@
+//! A file of message types by itself, as `asmotion check` takes it.
+
+use source::{Loader, Report, Sources};
+
+use super::Types;
+use crate::catalogue::Catalogue;
+use crate::read;
+use crate::tree::{self, Branch};
+
+/// How the schemas of such files begin, whatever their version.
+const SCHEMA: &str = "composite-types/";
+
+/// Checks a file of message types; `None` if it is another file, or is not there.
+pub fn open_types(
+    path: &str,
+    loader: &dyn Loader,
+    catalogue: &dyn Catalogue,
+) -> Option<(Report, Sources)> {
+    let text = loader.read(path).ok()?;
+    let mut sources = Sources::new();
+    let file = sources.add(path, text.clone());
+    let (table, _) = tree::parse(file, &text);
+    let is_types = table
+        .get("schema")
+        .is_some_and(|entry| match &entry.node.value {
+            Branch::Text(schema) => schema.starts_with(SCHEMA),
+            Branch::Integer(_)
+            | Branch::Float(_)
+            | Branch::Boolean(_)
+            | Branch::Date(_)
+            | Branch::List(_)
+            | Branch::Table(_) => false,
+        });
+    if !is_types {
+        return None;
+    }
+    let (types, mut report) = read::types(file, path, &text);
+    Types::new(&types, catalogue, &mut report);
+    Some((report.finish(), sources))
+}

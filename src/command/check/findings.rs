@@ -1,0 +1,39 @@
+//! What is wrong in one file, whatever kind of file it is.
+
+use crate::build;
+use crate::command::test::snapshot;
+use asm_lang::{Loader, Report, Sources, scenario};
+use std::path::Path;
+
+/// The findings in one file and what it names.
+pub fn findings(path: &str, loader: &dyn Loader) -> (Report, Sources) {
+    if snapshot::is_script(Path::new(path)) {
+        return match snapshot::open(path, loader) {
+            Ok((specification, _)) => (Report::new(), specification.sources),
+            Err(failure) => (failure.report, failure.sources),
+        };
+    }
+    let extension = Path::new(path).extension().unwrap_or_default();
+    match extension.to_str() {
+        Some("toml") => composite(path, loader),
+        Some("avalla") => scenario::check(path, loader),
+        // whatever is named is taken for a specification, `.asm` or not
+        _ => specification(path, loader),
+    }
+}
+
+/// A composite, or a file of message types for composites.
+fn composite(path: &str, loader: &dyn Loader) -> (Report, Sources) {
+    if let Some(types) = assembly::open_types(path, loader, &build::BUILD) {
+        return types;
+    }
+    let opened = build::open(path, &[], loader);
+    (opened.report, opened.sources)
+}
+
+fn specification(path: &str, loader: &dyn Loader) -> (Report, Sources) {
+    match asm_lang::open(path, loader) {
+        Ok(specification) => (specification.report, specification.sources),
+        Err(failure) => (failure.report, failure.sources),
+    }
+}
