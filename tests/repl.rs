@@ -52,6 +52,25 @@ fn a_run_stops_at_a_location_a_rule_and_a_condition() {
 }
 
 #[test]
+fn a_run_stops_at_a_rule_that_writes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("idle.asm");
+    let text = "asm idle import StandardLibrary signature: controlled n: Integer definitions:
+      rule r_idle = skip
+      main rule r_Main = par n := n + 1 if n mod 3 = 2 then r_idle[] endif endpar
+      default init s0: function n = 0";
+    std::fs::write(&path, text).unwrap();
+    let lines = "break r_idle\nrun\nn\nn + 1\nrun\nn\nundo 2\nrun\nn\n";
+    let out = talk(&[&path.display().to_string()], lines);
+    assert_eq!(out.matches("break: `r_idle` ran").count(), 3, "{out}");
+    let values: Vec<&str> = out
+        .lines()
+        .filter(|line| line.parse::<u64>().is_ok())
+        .collect();
+    assert_eq!(values, ["3", "4", "6", "6"], "{out}");
+}
+
+#[test]
 fn what_goes_wrong_is_told_and_changes_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("clash.asm");

@@ -381,3 +381,55 @@ fn a_build_server_accepts_nothing() {
     assert_eq!(run(folder.path(), &[], "", true).0, 1);
     assert!(!folder.path().join("door.twice.snap").exists());
 }
+
+/// Orders come by `extend`; the third one does not fit.
+const ORDERS: &str = "asm orders
+import StandardLibrary
+signature:
+  abstract domain Order
+  domain Size subsetof Integer
+  monitored wish: Integer
+  controlled size: Order -> Size
+  controlled next: Order
+definitions:
+  domain Size = {0 : 9}
+  rule r_serve = choose $o in Order with isUndef(size($o)) do par size($o) := wish next := $o endpar
+  main rule r_Main = par extend Order with $o do skip r_serve[] endpar
+default init s0:
+";
+
+#[test]
+fn what_extend_added_is_named_as_runs_name_it() {
+    let scenario = "scenario s\nload orders.asm\ncheck isUndef(order!1);\nset wish := 3; step step
+        check next = order!1 and size(order!1) = 3; check isDef(order!2); check isUndef(order!3);
+        set size(order!2) := 7; check size(Order!2) = 7; check (exists $o in Order with $o = order!2);
+        exec size(order!1) := 1; step pick $o := order!3; step check next = order!3;";
+    let files = [("orders.asm", ORDERS), ("s.avalla", scenario)];
+    let (code, out, error) = test(&files, &["s.avalla"]);
+    assert_eq!(code, 0, "{out}{error}");
+}
+
+#[test]
+fn a_fault_after_a_pick_shows_its_values() {
+    let two = ORDERS.replace("extend Order with $o do", "extend Order with $o, $p do");
+    let scenario = "scenario s\nload orders.asm\nset wish := 3; step step
+        set wish := 12; pick $o := order!4; step";
+    let files = [("orders.asm", &*two), ("s.avalla", scenario)];
+    let (code, out, error) = test(&files, &["s.avalla"]);
+    assert_eq!(code, 1, "{out}{error}");
+    assert!(error.contains("12 is no element of `Size`"), "{error}");
+    let values = "at that moment, `$o` = order!4, `wish` = 12";
+    assert!(error.contains(values), "{error}");
+}
+
+#[test]
+fn snapshot_scenarios_count_in_the_coverage() {
+    let script = "[default]\nkey = true\npush = true\n[[step]]\n[[step]]\n";
+    let files = [("door.lock.env.toml", script)];
+    let (_, out, error) = test(&files, &["--coverage"]);
+    let line = out.lines().find(|line| line.contains("r_Main"));
+    assert!(
+        line.is_some_and(|line| line.contains(" 2 ")),
+        "{out}{error}"
+    );
+}

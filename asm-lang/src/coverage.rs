@@ -3,6 +3,7 @@
 use crate::Specification;
 use hir::{RuleKind, RuleTerm};
 use ir::Part;
+use machine::Machine;
 use source::Span;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -43,6 +44,20 @@ pub struct CoveredPart {
     pub line: usize,
     /// How often it ran.
     pub count: u64,
+}
+
+impl Specification {
+    /// How often the rules of a name were called, by a machine whose program counts.
+    pub fn calls(&self, rule: &str, machine: &Machine) -> u64 {
+        let named = |place: Span| {
+            let mut rules = self.model.rules.iter();
+            rules.any(|known| known.span == place && &*known.name == rule)
+        };
+        let counted = self.program.counted.iter().zip(machine.counts());
+        let calls = counted
+            .filter(|(counted, _)| counted.part == Part::Rule && named(self.span(counted.origin)));
+        calls.map(|(_, count)| count).sum()
+    }
 }
 
 impl Coverage {

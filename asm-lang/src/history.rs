@@ -154,6 +154,14 @@ impl History {
         self.session.evaluate(text, &mut inputs, now_ns)
     }
 
+    /// From now on, counts what runs: see [`Session::count`].
+    ///
+    /// # Errors
+    /// The program cannot be lowered anew; it is as before.
+    pub fn count(&mut self) -> Result<(), Report> {
+        self.session.count()
+    }
+
     /// Does a step.
     ///
     /// # Errors

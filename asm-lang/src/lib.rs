@@ -141,12 +141,15 @@ impl Specification {
         Machine::new(self.program.clone())
     }
 
-    /// Lowers the model anew, with what was added to it. A machine goes on with
-    /// [`Machine::adopt`].
+    /// Lowers the model anew, with what was added to it; what is counted goes on being counted. A
+    /// machine goes on with [`Machine::adopt`].
     ///
     /// # Errors
     /// What was added cannot be lowered; the program is as before.
     pub fn lower(&mut self) -> Result<(), Report> {
+        if !self.program.counted.is_empty() {
+            return self.lower_covered();
+        }
         let lowered = ir::lower(&self.model)?;
         (self.program, self.origins) = (Arc::new(lowered.program), lowered.origins);
         Ok(())

@@ -155,6 +155,15 @@ impl Session {
         })
     }
 
+    /// From now on, counts what runs: see [`Specification::calls`].
+    ///
+    /// # Errors
+    /// The program cannot be lowered anew; it is as before.
+    pub fn count(&mut self) -> Result<(), Report> {
+        self.specification.lower_covered()?;
+        self.adopt()
+    }
+
     /// Forgets what was added meanwhile.
     fn once<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, Report>) -> Result<T, Report> {
         let added = &self.specification.model.added;

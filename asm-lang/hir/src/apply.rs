@@ -7,7 +7,7 @@ use crate::types::{Bindings, Type, TypeId};
 use source::Span;
 use std::sync::Arc;
 use syntax::ast::{self, Operator};
-use value::{RuleId, Value};
+use value::{RuleId, Value, element_name};
 
 impl Resolver<'_> {
     pub fn operator(
@@ -79,6 +79,9 @@ impl Resolver<'_> {
     pub fn apply(&mut self, name: &ast::Name, arguments: Vec<Term>, span: Span) -> Term {
         let candidates = self.candidates(name);
         if candidates.is_empty() {
+            if let (Some(element), []) = (self.element(name), arguments.as_slice()) {
+                return element;
+            }
             let scope = &self.declared.scopes[self.unit];
             let similar = scope.similar_function(&name.text).map(|found| {
                 let declared = scope.functions.get(&found).and_then(|ids| ids.first());
@@ -95,6 +98,19 @@ impl Resolver<'_> {
             return self.invalid(span);
         }
         self.best(&name.text, name, &candidates, arguments, span)
+    }
+
+    /// `person!1`, as runs name what `extend` added to `Person`; the lexer lets it through in terms from
+    /// outside alone.
+    pub fn element(&mut self, name: &ast::Name) -> Option<Term> {
+        let (domain, number) = name.text.split_once('!')?;
+        let domains = &self.declared.scopes[self.unit].domains;
+        let (_, &id) = domains
+            .iter()
+            .find(|(known, _)| known.eq_ignore_ascii_case(domain))?;
+        let shown = element_name(&self.declared.domains[id.0 as usize].name, number);
+        let kind = TermKind::Element(id, shown.into());
+        Some(self.made(kind, Type::Domain(id), name.span))
     }
 
     /// The candidate that fits the arguments best, applied to them.

@@ -301,6 +301,8 @@ pub enum TermKind {
     Rule(RuleId),
     /// A domain as the set of its elements.
     Extent(TypeId),
+    /// `person!1`: the element that `extend` gave this name, undef before.
+    Element(DomainId, Arc<str>),
     /// A variable outside the rule or term that binds it: there is no value to be had.
     Unbound,
     /// An error was reported.

@@ -192,6 +192,9 @@ impl Resolver<'_> {
             return self.made(TermKind::Extent(ty), Type::Powerset(ty), name.span);
         }
         let similar = scope.similar_constant(&name.text);
+        if let Some(element) = self.element(name) {
+            return element;
+        }
         self.error(HirError::UnknownConstant {
             name: name.text.clone(),
             at: name.span,

@@ -297,6 +297,11 @@ impl Machine {
         }
     }
 
+    /// What the chooser picked in the last step, by the place of the variable's range.
+    pub(crate) fn picked(&self) -> &[(Origin, Value)] {
+        &self.scratch.record.picked
+    }
+
     /// How often what [`ir::Program::counted`] lists ran; steps that failed count, too.
     pub fn counts(&self) -> Vec<u64> {
         let record = &self.scratch.record;

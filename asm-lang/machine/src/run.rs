@@ -81,6 +81,8 @@ impl Truth {
 pub(crate) struct Record {
     pub inputs: Vec<Input>,
     pub choices: Vec<Choice>,
+    /// What was picked from outside, by the place of the variable's range.
+    pub picked: Vec<(Origin, Value)>,
     pub printed: Vec<String>,
     pub now_ns: i64,
     /// How often what is counted ran, in all steps.
@@ -142,6 +144,7 @@ impl Record {
     pub fn begin(&mut self, now_ns: i64) {
         self.inputs.clear();
         self.choices.clear();
+        self.picked.clear();
         self.printed.clear();
         self.now_ns = now_ns;
     }

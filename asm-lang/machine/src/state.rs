@@ -7,7 +7,7 @@ use rustc_hash::FxHasher;
 use std::fmt;
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
-use value::{Atom, Names, RuleId, Value};
+use value::{Atom, Names, RuleId, Value, element_name};
 
 /// A state of a machine. Locations that were never met hold their initial value implicitly.
 #[derive(Clone)]
@@ -334,17 +334,7 @@ impl Names for Naming<'_> {
         }
         match self.reserve.get(index - symbols.atoms.len()) {
             Some((domain, number)) => {
-                let name = &symbols.domains[domain.0 as usize];
-                let mut letters = name.chars();
-                let first = letters
-                    .next()
-                    .map(|letter| letter.to_lowercase().collect::<String>());
-                write!(
-                    to,
-                    "{}{}!{number}",
-                    first.unwrap_or_default(),
-                    letters.as_str()
-                )
+                to.write_str(&element_name(&symbols.domains[domain.0 as usize], number))
             }
             None => write!(to, "atom!{index}"),
         }

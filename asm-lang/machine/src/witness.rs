@@ -66,6 +66,7 @@ impl Machine {
         };
         let mut choices = Choices {
             made: last.choices,
+            picked: self.picked(),
             next: 0,
         };
         let mut again = self.recompiled(Code::watched(self.program()));
@@ -108,6 +109,7 @@ impl Environment for Inputs {
 /// Chooses as it was chosen.
 struct Choices<'a> {
     made: &'a [Choice],
+    picked: &'a [(Origin, Value)],
     next: usize,
 }
 
@@ -120,6 +122,11 @@ impl Chooser for Choices<'_> {
 
     fn takes_first(&self) -> bool {
         self.made.is_empty()
+    }
+
+    fn picked(&self, range: Origin) -> Option<Value> {
+        let picked = self.picked.iter().find(|(known, _)| *known == range);
+        picked.map(|(_, value)| value.clone())
     }
 }
 

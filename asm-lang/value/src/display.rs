@@ -24,6 +24,18 @@ pub struct Shown<'a> {
     names: &'a dyn Names,
 }
 
+/// What an element is called that `extend` added to a domain, as in `person!1`: after the domain,
+/// with a small letter first.
+pub fn element_name(domain: &str, number: impl fmt::Display) -> String {
+    let mut letters = domain.chars();
+    let first: String = letters
+        .next()
+        .into_iter()
+        .flat_map(char::to_lowercase)
+        .collect();
+    format!("{first}{}!{number}", letters.as_str())
+}
+
 impl Value {
     /// This value as text: integers decimal, reals so that they read back, texts and characters
     /// quoted as JSON quotes, sets, bags and maps in the order of the values.

@@ -5,15 +5,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-/// A scenario.
-pub struct Saved {
-    pub text: String,
-    /// How many lines are comments because an element has no name in a scenario.
-    pub left_out: usize,
-}
-
 /// The scenario of everything that happened, to be stored at a path.
-pub fn scenario(history: &mut History, path: &Path, spec: &Path, seed: u64) -> Saved {
+pub fn scenario(history: &mut History, path: &Path, spec: &Path, seed: u64) -> String {
     let mut scenario = Scenario::default();
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let is_letter = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
@@ -25,10 +18,7 @@ pub fn scenario(history: &mut History, path: &Path, spec: &Path, seed: u64) -> S
     scenario.line(&format!("scenario {name}"));
     scenario.line(&format!("load {}", load(path, spec)));
     history.replay(|event, session| scenario.event(event, session));
-    Saved {
-        text: scenario.text,
-        left_out: scenario.left_out,
-    }
+    scenario.text
 }
 
 /// How a scenario names its specification: from its own folder, if it is the same.
@@ -48,7 +38,6 @@ fn load(path: &Path, spec: &Path) -> String {
 #[derive(Default)]
 struct Scenario {
     text: String,
-    left_out: usize,
     /// The inputs as the scenario has set them.
     inputs: BTreeMap<String, String>,
 }
@@ -92,24 +81,14 @@ impl Scenario {
         }
     }
 
-    /// A line about a location and a value; a comment if one of them has no name in a scenario.
     fn fact(&mut self, verb: &str, location: &str, sign: &str, value: &str) {
-        let is_fresh = names_fresh(location) || names_fresh(value);
-        let comment = if is_fresh { "// " } else { "" };
-        self.left_out += usize::from(is_fresh);
-        self.line(&format!("{comment}{verb} {location} {sign} {value};"));
+        self.line(&format!("{verb} {location} {sign} {value};"));
     }
 
     fn line(&mut self, line: &str) {
         // writing to a string cannot fail
         let _ = writeln!(self.text, "{line}");
     }
-}
-
-/// Whether a text names an element that `extend` made, as in `order!1`.
-fn names_fresh(text: &str) -> bool {
-    text.split_once('!')
-        .is_some_and(|(_, number)| number.starts_with(|letter: char| letter.is_ascii_digit()))
 }
 
 fn shown(machine: &Machine, value: &Value) -> String {

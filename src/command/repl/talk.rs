@@ -25,8 +25,8 @@ pub struct Talk {
 enum Break {
     /// A location is written; without arguments, any of its function.
     Location(String, FunctionId, Vec<Value>),
-    /// A rule writes something.
-    Rule(String),
+    /// A rule runs; how often it ran so far.
+    Rule(String, u64),
     /// A term becomes true.
     When(String, AddedTerm, bool),
 }
@@ -110,6 +110,7 @@ impl Talk {
         };
         let from = self.machine().steps();
         for _ in 0..count {
+            self.count_rules();
             let done = self.history.step();
             if done.is_err() {
                 self.tell_unset(terminal);
@@ -176,7 +177,8 @@ impl Talk {
                 terminal.error(format_args!("there is no rule `{at}`"));
                 return Ok(());
             }
-            self.breaks.push(Break::Rule(at.to_owned()));
+            self.history.count()?;
+            self.breaks.push(Break::Rule(at.to_owned(), 0));
         } else if let Some(function) = self.function(at) {
             self.breaks
                 .push(Break::Location(at.to_owned(), function, Vec::new()));
@@ -188,7 +190,7 @@ impl Talk {
         for (index, stop) in (1..).zip(&self.breaks) {
             let what = match stop {
                 Break::Location(text, ..) => format!("when `{text}` is written"),
-                Break::Rule(rule) => format!("when `{rule}` writes or chooses something"),
+                Break::Rule(rule, _) => format!("when `{rule}` runs"),
                 Break::When(term, ..) => format!("when `{term}` becomes true"),
             };
             terminal.result(format_args!("{index}: {what}"));
@@ -203,6 +205,15 @@ impl Talk {
             .map(|(id, _)| FunctionId(id.0))
     }
 
+    /// Notes how often the rules to break at ran before the next step.
+    fn count_rules(&mut self) {
+        for stop in &mut self.breaks {
+            if let Break::Rule(rule, before) = stop {
+                *before = calls(&self.history, rule);
+            }
+        }
+    }
+
     /// Which break the step has come to.
     fn hit(&mut self) -> Result<Option<String>, Report> {
         let mut hit = None;
@@ -211,7 +222,7 @@ impl Talk {
                 Break::Location(_, function, arguments) => {
                     writes(&self.history, *function, arguments)
                 }
-                Break::Rule(rule) => ran(&self.history, rule),
+                Break::Rule(rule, before) => calls(&self.history, rule) > *before,
                 Break::When(_, term, was_true) => {
                     let is_true = self.history.value(*term)? == Value::Bool(true);
                     is_true && !std::mem::replace(was_true, is_true)
@@ -220,7 +231,7 @@ impl Talk {
             if is_hit && hit.is_none() {
                 hit = Some(match stop {
                     Break::Location(text, ..) => format!("`{text}` was written"),
-                    Break::Rule(rule) => format!("`{rule}` wrote or chose something"),
+                    Break::Rule(rule, _) => format!("`{rule}` ran"),
                     Break::When(term, ..) => format!("`{term}` became true"),
                 });
             }
@@ -362,17 +373,9 @@ impl Talk {
             return Ok(());
         }
         let path = Path::new(path).with_extension("avalla");
-        let saved = save::scenario(&mut self.history, &path, Path::new(&self.path), self.seed);
-        match std::fs::write(&path, &saved.text) {
-            Ok(()) => {
-                terminal.status("Saved", format_args!("{}", path.display()));
-                if saved.left_out > 0 {
-                    terminal.say(format_args!(
-                        "{NOTE}note{NOTE:#}: {} facts speak of elements that have no name in a scenario; they are comments",
-                        saved.left_out
-                    ));
-                }
-            }
+        let text = save::scenario(&mut self.history, &path, Path::new(&self.path), self.seed);
+        match std::fs::write(&path, text) {
+            Ok(()) => terminal.status("Saved", path.display()),
             Err(error) => {
                 terminal.error(format_args!("cannot write `{}`: {error}", path.display()))
             }
@@ -455,16 +458,10 @@ fn writes(history: &History, function: FunctionId, arguments: &[Value]) -> bool 
     })
 }
 
-/// Whether something that the last step wrote or chose stands in a rule.
-fn ran(history: &History, rule: &str) -> bool {
-    let specification = &history.session().specification;
-    let step = history.session().machine.last_step();
-    let written = step.updates.iter().map(|update| update.origin);
-    let chosen = step.choices.iter().map(|choice| choice.origin);
-    written.chain(chosen).any(|origin| {
-        let found = specification.rule_at(specification.span(origin));
-        found.is_some_and(|found| &*found.name == rule)
-    })
+/// How often a rule ran since it was counted.
+fn calls(history: &History, rule: &str) -> u64 {
+    let session = history.session();
+    session.specification.calls(rule, &session.machine)
 }
 
 /// A number, or the default where there is none; nothing, said so, where there is something else.

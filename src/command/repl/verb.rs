@@ -70,7 +70,7 @@ pub const VERBS: &[Verb] = &[
         "break",
         "b",
         "[LOCATION | RULE | if TERM]",
-        "stops `run` when it is written, writes or chooses something, becomes true",
+        "stops `run` when it is written, runs, becomes true",
     ),
     verb("unbreak", "", "NUMBER", "no longer stops there"),
     verb(

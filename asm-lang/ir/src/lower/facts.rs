@@ -87,10 +87,10 @@ impl Facts {
     /// Whether the value of a term may change during a step.
     pub fn is_dynamic(&self, term: &Term) -> bool {
         let mut ranges_over_growing = false;
-        visit(term, &mut |term| {
-            if let TermKind::Extent(ty) = &*term.kind {
-                ranges_over_growing |= self.growing.contains(ty);
-            }
+        visit(term, &mut |term| match &*term.kind {
+            TermKind::Extent(ty) => ranges_over_growing |= self.growing.contains(ty),
+            TermKind::Element(..) => ranges_over_growing = true,
+            _ => {}
         });
         ranges_over_growing || mentions(term, &|function| self.dynamic.contains(&function))
     }
@@ -419,6 +419,7 @@ pub(super) fn subterms(term: &Term, see: &mut dyn FnMut(&Term)) {
         | TermKind::Variable(_)
         | TermKind::Rule(_)
         | TermKind::Extent(_)
+        | TermKind::Element(..)
         | TermKind::Unbound
         | TermKind::Invalid => {}
         TermKind::Apply(_, terms) | TermKind::Tuple(terms) | TermKind::Listed(_, terms) => {

@@ -52,6 +52,7 @@ impl Facts {
                 | TermKind::Comprehension(..)
                 | TermKind::MapComprehension(..)
                 | TermKind::Extent(_)
+                | TermKind::Element(..)
                 | TermKind::Unbound
                 | TermKind::Invalid => false,
             };
@@ -179,6 +180,7 @@ fn needed_by(model: &Model, term: &Term, needed: &mut BTreeSet<VarId>) {
         TermKind::Value(_)
         | TermKind::Rule(_)
         | TermKind::Extent(_)
+        | TermKind::Element(..)
         | TermKind::Unbound
         | TermKind::Invalid => {}
     });

@@ -145,6 +145,14 @@ impl Lowering<'_> {
             }
             TermKind::Rule(rule) => Node::Constant(Value::Rule(*rule)),
             TermKind::Extent(ty) => Node::Extent(self.shape(*ty)),
+            TermKind::Element(id, name) => {
+                let name = Term {
+                    node: Box::new(Node::Constant(Value::text(&**name))),
+                    kind: Kind::Other,
+                    origin,
+                };
+                Node::Named(domain::id(*id), name)
+            }
             TermKind::Unbound => Node::Unbound,
             TermKind::Invalid => Node::Constant(Value::Undef),
         };

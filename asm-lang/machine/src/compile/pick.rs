@@ -15,13 +15,20 @@ pub(super) struct Candidates<'a> {
 }
 
 impl<'a> Candidates<'a> {
-    pub fn of(ranges: &'a Ranges, run: &Run<'_>) -> Self {
+    pub fn of(ranges: &'a Ranges, run: &mut Run<'_>) -> Self {
         let picked = |(_, _, range): &(_, _, Origin)| run.chooser.picked(*range);
         let is_picked = ranges.binders.iter().any(|binder| picked(binder).is_some());
-        Self {
-            ranges,
-            picked: is_picked.then(|| ranges.binders.iter().map(picked).collect()),
+        if !is_picked {
+            let picked = None;
+            return Self { ranges, picked };
         }
+        let picked: Vec<Option<Value>> = ranges.binders.iter().map(picked).collect();
+        for ((_, _, range), value) in ranges.binders.iter().zip(&picked) {
+            let value = value.clone().map(|value| (*range, value));
+            run.record.picked.extend(value);
+        }
+        let picked = Some(picked);
+        Self { ranges, picked }
     }
 
     /// What was picked, if anything was.
