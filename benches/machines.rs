@@ -150,6 +150,18 @@ fn compare(case: &Case, hand: Hand) -> (f64, f64) {
 }
 
 fn main() {
+    let all: Vec<String> = std::env::args().collect();
+    if all.get(1).map(String::as_str) == Some("steps") {
+        let case = CASES.iter().find(|case| case.name == all[2]).unwrap();
+        let mut machine = machine(case);
+        machine.set_back_end(asm_lang::BackEnd::Native);
+        run(
+            &mut machine,
+            &mut Shifts(Shifts::SEED),
+            all[3].parse().unwrap(),
+        );
+        return;
+    }
     let wanted: Vec<String> = std::env::args()
         .skip(1)
         .filter(|argument| !argument.starts_with('-'))

@@ -66,7 +66,7 @@ fn step(criterion: &mut Criterion) {
             machine.step(&mut mission, &mut shifts, 0).unwrap();
         }
         group.bench_function(*name, |bencher| {
-            bencher.iter(|| machine.step(&mut mission, &mut shifts, 0).unwrap().number);
+            bencher.iter(|| machine.step(&mut mission, &mut shifts, 0).unwrap().number());
         });
     }
     group.finish();

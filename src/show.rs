@@ -29,7 +29,7 @@ pub fn state(machine: &Machine) -> Vec<(String, String)> {
 pub fn step_json(machine: &Machine, step: &Step<'_>) -> Value {
     let naming = machine.naming();
     let inputs: Map<String, Value> = step
-        .inputs
+        .inputs()
         .iter()
         .map(|input| {
             let value = input.value.show(&naming).to_string();
@@ -44,12 +44,12 @@ pub fn step_json(machine: &Machine, step: &Step<'_>) -> Value {
         .map(|(location, before, after)| json!({ "location": location, "before": before, "after": after }))
         .collect();
     let choices: Vec<Value> = step
-        .choices
+        .choices()
         .iter()
         .map(|choice| json!({ "index": choice.index, "of": choice.count }))
         .collect();
     json!({
-        "type": "step", "v": 1, "step": step.number,
-        "inputs": inputs, "choices": choices, "updates": updates, "printed": step.printed,
+        "type": "step", "v": 1, "step": step.number(),
+        "inputs": inputs, "choices": choices, "updates": updates, "printed": step.printed(),
     })
 }

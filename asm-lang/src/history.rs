@@ -352,9 +352,9 @@ impl History {
     fn note_updates(&mut self, has_places: bool) {
         let step = self.session.machine.last_step();
         let updates: Vec<_> = step
-            .updates
+            .updates()
             .iter()
-            .zip(step.before)
+            .zip(step.before())
             .map(|(update, before)| {
                 (
                     update.slot,

@@ -118,7 +118,7 @@ fn a_question_asks_the_environment_and_leaves_the_last_step_as_it_was() {
     let value = session.evaluate("pedal", &mut Counter(7), 0).unwrap();
     assert_eq!(value, Value::Int(8));
     let step = session.machine.last_step();
-    assert_eq!((step.inputs.len(), step.updates.len()), (1, 2));
+    assert_eq!((step.inputs().len(), step.updates().len()), (1, 2));
 }
 
 #[test]

@@ -93,11 +93,11 @@ fn run(specification: &Specification, mut machine: Machine) -> Vec<String> {
         let at = |slot| machine.state().location(machine.program(), slot);
         let step = machine.last_step();
         let inputs = step
-            .inputs
+            .inputs()
             .iter()
             .map(|input| (at(input.slot), &input.value));
         let updates = step
-            .updates
+            .updates()
             .iter()
             .map(|update| (at(update.slot), &update.value, update.origin));
         done.push(format!(
@@ -105,13 +105,13 @@ fn run(specification: &Specification, mut machine: Machine) -> Vec<String> {
             ended
                 .as_ref()
                 .map_err(|fault| (fault, specification.explain_in(fault, &machine))),
-            step.number,
+            step.number(),
             inputs.collect::<Vec<_>>(),
-            step.choices,
+            step.choices(),
             updates.collect::<Vec<_>>(),
-            step.before,
-            step.extended,
-            step.printed,
+            step.before(),
+            step.extended(),
+            step.printed(),
         ));
         faults += usize::from(ended.is_err());
         if faults >= FAULTS {

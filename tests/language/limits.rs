@@ -148,7 +148,7 @@ fn answers_large_texts() {
         let specification = super::opened("limits", &text);
         let mut machine = specification.machine().unwrap();
         let step = machine.step(&mut NoInputs, &mut First, 0).unwrap();
-        let value = &step.updates[0].value;
+        let value = &step.updates()[0].value;
         assert_eq!(value, &Value::Int(100_000), "{}", &rule[..20]);
         assert!(begin.elapsed() < PATIENCE, "took {:?}", begin.elapsed());
     }

@@ -14,6 +14,7 @@ mod machine;
 mod native;
 mod near;
 mod outside;
+mod plain;
 mod run;
 mod state;
 mod updates;

@@ -6,11 +6,13 @@ use crate::compile::Code;
 use crate::environment::{Environment, NoInputs};
 use crate::fault::{Fault, FaultKind};
 use crate::native::Native;
+use crate::plain;
 use crate::run::{Record, Run, Stopped, Truth};
 use crate::state::{Naming, State};
 use crate::updates::{Update, Updates};
 use crate::witness::Notes;
 use ir::{DomainId, Elements, FunctionId, Initial, Origin, Program, Slot, Storage};
+use std::fmt;
 use std::sync::Arc;
 use value::{Atom, Value};
 
@@ -35,24 +37,62 @@ pub struct Choice {
 }
 
 /// A step that was done: what it read, chose and wrote.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Step<'a> {
+    machine: &'a Machine,
+}
+
+impl<'a> Step<'a> {
     /// Its number, from 1.
-    pub number: u64,
+    pub fn number(self) -> u64 {
+        self.machine.steps
+    }
+
     /// What was read of the environment, in order.
-    pub inputs: &'a [Input],
+    pub fn inputs(self) -> &'a [Input] {
+        &self.machine.scratch.record.inputs
+    }
+
     /// What was chosen, in order.
-    pub choices: &'a [Choice],
+    pub fn choices(self) -> &'a [Choice] {
+        &self.machine.scratch.record.choices
+    }
+
     /// The update set, in the order the rules wrote it.
-    pub updates: &'a [Update],
+    pub fn updates(self) -> &'a [Update] {
+        &self.machine.scratch.updates.list
+    }
+
     /// What each updated location held before, in the same order.
-    pub before: &'a [Value],
+    pub fn before(self) -> &'a [Value] {
+        &self.machine.scratch.before
+    }
+
     /// The elements that joined a domain.
-    pub extended: &'a [(DomainId, Atom)],
+    pub fn extended(self) -> &'a [(DomainId, Atom)] {
+        &self.machine.scratch.updates.extended
+    }
+
     /// What `print` wrote.
-    pub printed: &'a [String],
+    pub fn printed(self) -> &'a [String] {
+        &self.machine.scratch.record.printed
+    }
+
     /// The time it was done at.
-    pub now_ns: i64,
+    pub fn now_ns(self) -> i64 {
+        self.machine.scratch.record.now_ns
+    }
+}
+
+impl fmt::Debug for Step<'_> {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        to.debug_struct("Step")
+            .field("number", &self.number())
+            .field("inputs", &self.inputs())
+            .field("choices", &self.choices())
+            .field("updates", &self.updates())
+            .finish_non_exhaustive()
+    }
 }
 
 /// What does the steps of a machine. A step is the same, whichever does it.
@@ -98,8 +138,27 @@ pub(crate) struct Scratch {
     locals: Vec<Value>,
     stack: Vec<Value>,
     before: Vec<Value>,
+    /// Whether nothing that the last step wrote, or found there, must be dropped.
+    is_plain: bool,
     /// Only where a failed step is done once more.
     notes: Option<Notes>,
+}
+
+impl Scratch {
+    /// Forgets the last step.
+    #[inline]
+    fn begin(&mut self, now_ns: i64) {
+        self.record.begin(now_ns);
+        if self.is_plain {
+            plain::forget(&mut self.before);
+            plain::forget(&mut self.updates.list);
+        } else {
+            self.before.clear();
+            self.updates.list.clear();
+        }
+        // whatever becomes of this step
+        self.is_plain = false;
+    }
 }
 
 impl Clone for Scratch {
@@ -228,6 +287,7 @@ impl Machine {
 
     /// Evaluates rules in the current state, and applies their updates. The first step checks the
     /// initial state, which its inputs complete.
+    #[inline]
     pub(crate) fn attempt(
         &mut self,
         is_step: bool,
@@ -237,8 +297,7 @@ impl Machine {
         rules: impl FnOnce(&mut Run<'_>) -> Result<(), Stopped>,
     ) -> Result<(), Box<Fault>> {
         self.rounds += 1;
-        self.scratch.record.begin(now_ns);
-        self.scratch.before.clear();
+        self.scratch.begin(now_ns);
         self.scratch.updates.begin(self.state.len());
         self.state.forget_uncommitted();
         let reserve = self.state.reserve.len();
@@ -250,9 +309,8 @@ impl Machine {
         }
         let number = self.steps + 1;
         let evaluated = self.run(environment, chooser, number, now_ns, |run| {
-            if rules(run).is_err() || run.fault.is_some() {
-                run.abandon();
-            }
+            // whoever stopped has noted the fault
+            let _ = rules(run);
             u64::from(run.bindings)
         });
         match evaluated {
@@ -268,15 +326,25 @@ impl Machine {
     }
 
     /// Checks the invariants of the state that the last step led to.
+    #[inline]
     pub(crate) fn check_again(
         &mut self,
         environment: &mut dyn Environment,
         chooser: &mut dyn Chooser,
         now_ns: i64,
     ) -> Result<(), Box<Fault>> {
-        if self.program.invariants.is_empty() {
-            return Ok(());
+        match self.program.invariants.is_empty() {
+            true => Ok(()),
+            false => self.check_new_state(environment, chooser, now_ns),
         }
+    }
+
+    fn check_new_state(
+        &mut self,
+        environment: &mut dyn Environment,
+        chooser: &mut dyn Chooser,
+        now_ns: i64,
+    ) -> Result<(), Box<Fault>> {
         self.run(environment, chooser, self.steps, now_ns, |run| {
             // a violation is reported as the fault of the run
             let _ = run.check_invariants(false);
@@ -285,16 +353,7 @@ impl Machine {
 
     /// The step done last, or failed; its update set is empty before the first one.
     pub fn last_step(&self) -> Step<'_> {
-        Step {
-            number: self.steps,
-            inputs: &self.scratch.record.inputs,
-            choices: &self.scratch.record.choices,
-            updates: &self.scratch.updates.list,
-            before: &self.scratch.before,
-            extended: &self.scratch.updates.extended,
-            printed: &self.scratch.record.printed,
-            now_ns: self.scratch.record.now_ns,
-        }
+        Step { machine: self }
     }
 
     /// What the chooser picked in the last step, by the place of the variable's range.
@@ -310,15 +369,16 @@ impl Machine {
     }
 
     /// Applies the update set to the state.
+    #[inline]
     fn fire_updates(&mut self) {
         let Scratch {
-            updates, before, ..
+            updates,
+            before,
+            is_plain,
+            ..
         } = &mut self.scratch;
         let slots = &mut self.state.slots;
-        before.extend(updates.list.iter().map(|update| {
-            let slot = &mut slots[update.slot as usize];
-            std::mem::replace(slot, update.value.clone())
-        }));
+        *is_plain = plain::fire(&updates.list, slots, before);
         for &(domain, atom) in &updates.extended {
             for &domain in &self.code.supers[domain.0 as usize] {
                 Arc::make_mut(&mut self.state.extents[domain.0 as usize]).push(Value::Atom(atom));
@@ -462,6 +522,7 @@ impl Machine {
     }
 
     /// Does some work with code at hand.
+    #[inline]
     pub(crate) fn run<T>(
         &mut self,
         environment: &mut dyn Environment,
@@ -504,10 +565,14 @@ impl Machine {
             fault: None,
             notes,
         };
+        let grown = run.updates.grown();
         let result = work(&mut run);
-        match run.fault {
+        match run.fault.take() {
             None => Ok(result),
-            Some(fault) => Err(fault),
+            Some(fault) => {
+                run.abandon(grown);
+                Err(fault)
+            }
         }
     }
 }

@@ -66,6 +66,7 @@ impl Native {
     }
 
     /// Runs the main rule.
+    #[inline]
     pub fn run(&self, run: &mut Run<'_>) -> Result<(), Stopped> {
         Frame::enter(run, self.entry, &self.detours, self.locals as usize)
     }

@@ -141,6 +141,7 @@ impl Record {
         self.counts.get(counter as usize).copied().unwrap_or(0)
     }
 
+    #[inline]
     pub fn begin(&mut self, now_ns: i64) {
         self.inputs.clear();
         self.choices.clear();
@@ -330,7 +331,8 @@ impl Run<'_> {
         }
     }
 
-    /// Runs the main rule.
+    /// Runs the main rule; nothing ran before.
+    #[inline]
     pub fn call_main(&mut self, main: RoutineId, back_end: BackEnd) -> Result<(), Stopped> {
         let code = self.code;
         let Some(Some(native)) = code.native.get() else {
@@ -340,12 +342,10 @@ impl Run<'_> {
             BackEnd::Closures => return self.call_routine(main, 0),
             BackEnd::Auto | BackEnd::Native => {}
         }
-        if !self.enter(code.routines[main.0 as usize].origin) {
-            return Err(Stopped);
-        }
-        let done = on_enough_stack(|| native.run(self));
+        (self.calls, self.depth) = (1, 1);
+        let done = native.run(self);
         self.locals.clear();
-        self.depth -= 1;
+        self.depth = 0;
         done
     }
 
@@ -459,7 +459,7 @@ impl Run<'_> {
 
     pub fn restore(&mut self, layer: Layer) -> Result<(), Stopped> {
         let (updates, mut written) = self.written();
-        match updates.close_restoring(layer, &mut written, |_| false) {
+        match updates.close_sequence(layer, &mut written) {
             Ok(()) => Ok(()),
             Err((clash, origin)) => Err(self.stop(clash, origin)),
         }
@@ -524,9 +524,10 @@ impl Run<'_> {
         }
     }
 
-    pub fn abandon(&mut self) {
+    #[cold]
+    pub fn abandon(&mut self, grown: (usize, usize)) {
         let (updates, mut written) = self.written();
-        updates.abandon(&mut written);
+        updates.abandon(grown, &mut written);
     }
 
     /// Whether a value is an element of a domain now.

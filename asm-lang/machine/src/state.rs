@@ -158,7 +158,15 @@ impl State {
     }
 
     /// Forgets the locations that only a failed step met.
+    #[inline]
     pub(crate) fn forget_uncommitted(&mut self) {
+        if !self.uncommitted.is_empty() || self.slots.len() > self.committed {
+            self.forget_each_uncommitted();
+        }
+    }
+
+    #[cold]
+    fn forget_each_uncommitted(&mut self) {
         while let Some(slot) = self.uncommitted.pop() {
             self.slots[slot as usize] = Value::Undef;
             self.initial[slot as usize] = Value::Undef;

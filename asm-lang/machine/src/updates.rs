@@ -40,10 +40,25 @@ pub(crate) struct Mark {
     pub index: u32,
 }
 
-/// What taking back an intermediate state must restore.
+/// A mark of an outer set that the current one covers.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(crate) struct Covered {
+    pub slot: Slot,
+    pub mark: Mark,
+}
+
+/// What a slot held in the state that a sequence began in.
+#[derive(Debug)]
+#[repr(C)]
+pub(crate) struct Held {
+    pub value: Value,
+    pub slot: Slot,
+}
+
+/// What else taking back an intermediate state must restore.
 #[derive(Debug)]
 enum Undo {
-    Slot(Slot, Value),
     /// When a slot was asked of the environment.
     Asked(Slot, u64),
     /// The last element of a domain joined it.
@@ -61,8 +76,8 @@ pub(crate) struct Updates {
     epoch: u32,
     /// The last epoch given out.
     last_epoch: u32,
-    /// Marks of outer layers that the current layers cover.
-    covered: Vec<(Slot, Mark)>,
+    pub covered: Vec<Covered>,
+    pub held: Vec<Held>,
     undo: Vec<Undo>,
     depth: u32,
     /// The layers that native code has open.
@@ -75,6 +90,7 @@ pub(crate) struct Layer {
     start: usize,
     extended: usize,
     covered: usize,
+    held: usize,
     undo: usize,
     epoch: u32,
 }
@@ -92,14 +108,10 @@ pub(crate) struct Written<'a> {
 }
 
 impl Updates {
-    /// Begins the update set of a step.
+    /// Begins the update set of a step: what the layers of the last one needed they gave back.
+    #[inline]
     pub fn begin(&mut self, slots: usize) {
-        self.list.clear();
         self.extended.clear();
-        self.covered.clear();
-        self.undo.clear();
-        self.layers.clear();
-        self.depth = 0;
         if self.last_epoch > u32::MAX / 2 {
             // no mark of an earlier step counts any more
             self.marks.fill(Mark::default());
@@ -110,6 +122,7 @@ impl Updates {
     }
 
     /// Makes room for the marks of newly interned slots.
+    #[inline]
     pub fn grow(&mut self, slots: usize) {
         if self.marks.len() < slots {
             self.marks.resize(slots, Mark::default());
@@ -154,7 +167,8 @@ impl Updates {
 
     fn mark(&mut self, slot: Slot, index: usize) {
         if self.depth > 0 {
-            self.covered.push((slot, self.marks[slot as usize]));
+            let mark = self.marks[slot as usize];
+            self.covered.push(Covered { slot, mark });
         }
         self.marks[slot as usize] = Mark {
             epoch: self.epoch,
@@ -178,6 +192,7 @@ impl Updates {
             start: self.list.len(),
             extended: self.extended.len(),
             covered: self.covered.len(),
+            held: self.held.len(),
             undo: self.undo.len(),
             epoch: self.epoch,
         };
@@ -198,8 +213,11 @@ impl Updates {
         for index in layer.start..self.list.len() {
             let update = self.list[index].clone();
             let slot = update.slot as usize;
-            let before = std::mem::replace(&mut written.slots[slot], update.value);
-            self.undo.push(Undo::Slot(update.slot, before));
+            let value = std::mem::replace(&mut written.slots[slot], update.value);
+            self.held.push(Held {
+                value,
+                slot: update.slot,
+            });
             // what was written in this step is not asked of the environment
             if written.asked[slot] != written.round {
                 let before = std::mem::replace(&mut written.asked[slot], written.round);
@@ -240,7 +258,10 @@ impl Updates {
             return;
         }
         let before = std::mem::replace(held, value.clone());
-        self.undo.push(Undo::Slot(slot, before));
+        self.held.push(Held {
+            value: before,
+            slot,
+        });
         self.mark(slot, self.list.len());
         self.list.push(Update {
             slot,
@@ -249,15 +270,31 @@ impl Updates {
         });
     }
 
-    /// Ends a sequence: the state is as before it, its net updates join the set around it, but for
-    /// those of slots that are local to the sequence.
+    /// Ends a sequence: the state is as before it, its net updates join the set around it.
+    pub fn close_sequence(
+        &mut self,
+        layer: Layer,
+        written: &mut Written<'_>,
+    ) -> Result<(), (FaultKind, Origin)> {
+        if self.depth > 1 || layer.start > 0 {
+            return self.close_restoring(layer, written, |_| false);
+        }
+        // the set around it is the step's and still empty: the sequence's takes its place
+        self.take_back(layer.held, layer.undo, written);
+        self.covered.clear();
+        self.depth = 0;
+        Ok(())
+    }
+
+    /// Ends a sequence as [`Self::close_sequence`] does, but for the updates of slots that are local to
+    /// it: they are forgotten.
     pub fn close_restoring(
         &mut self,
         layer: Layer,
         written: &mut Written<'_>,
         is_local: impl Fn(Slot) -> bool,
     ) -> Result<(), (FaultKind, Origin)> {
-        self.take_back(layer.undo, written);
+        self.take_back(layer.held, layer.undo, written);
         self.uncover(&layer);
         let mut kept = layer.start;
         for index in layer.start..self.list.len() {
@@ -279,8 +316,8 @@ impl Updates {
 
     /// Sets a slot for as long as the layer is open, without an update.
     pub fn hide(&mut self, slot: Slot, value: Value, written: &mut Written<'_>) {
-        let before = std::mem::replace(&mut written.slots[slot as usize], value);
-        self.undo.push(Undo::Slot(slot, before));
+        let value = std::mem::replace(&mut written.slots[slot as usize], value);
+        self.held.push(Held { value, slot });
     }
 
     /// Takes it back, with the intermediate state, that a slot was asked of the environment.
@@ -296,31 +333,39 @@ impl Updates {
         (mark.epoch == self.epoch).then(|| &self.list[mark.index as usize].value)
     }
 
-    /// Restores the state after a fault.
-    pub fn abandon(&mut self, written: &mut Written<'_>) {
-        self.take_back(0, written);
-        self.list.clear();
-        self.extended.clear();
+    /// How far the set has grown.
+    #[inline]
+    pub fn grown(&self) -> (usize, usize) {
+        (self.list.len(), self.extended.len())
     }
 
-    fn take_back(&mut self, to: usize, written: &mut Written<'_>) {
-        for undo in self.undo[to..].iter_mut().rev() {
+    /// Restores the state after a fault, and the set as it was when it had grown so far.
+    pub fn abandon(&mut self, (updates, extended): (usize, usize), written: &mut Written<'_>) {
+        self.take_back(0, 0, written);
+        self.list.truncate(updates);
+        self.extended.truncate(extended);
+        self.covered.clear();
+        self.layers.clear();
+        self.depth = 0;
+    }
+
+    fn take_back(&mut self, held: usize, undo: usize, written: &mut Written<'_>) {
+        for Held { value, slot } in self.held.drain(held..).rev() {
+            written.slots[slot as usize].replace_by(value);
+        }
+        for undo in self.undo.drain(undo..).rev() {
             match undo {
-                Undo::Slot(slot, value) => {
-                    std::mem::swap(&mut written.slots[*slot as usize], value);
-                }
-                Undo::Asked(slot, before) => written.asked[*slot as usize] = *before,
+                Undo::Asked(slot, before) => written.asked[slot as usize] = before,
                 Undo::Joined(domain) => {
                     Arc::make_mut(&mut written.extents[domain.0 as usize]).pop();
                 }
             }
         }
-        self.undo.truncate(to);
     }
 
     /// Gives the marks back that the layer covered.
     fn uncover(&mut self, layer: &Layer) {
-        for (slot, mark) in self.covered.drain(layer.covered..).rev() {
+        for Covered { slot, mark } in self.covered.drain(layer.covered..).rev() {
             self.marks[slot as usize] = mark;
         }
         self.epoch = layer.epoch;

@@ -53,7 +53,7 @@ impl Machine {
             return None;
         }
         let last = self.last_step();
-        let inputs = last.inputs.iter().filter_map(|input| {
+        let inputs = last.inputs().iter().filter_map(|input| {
             let location = self.state().location(self.program(), input.slot)?;
             Some((location, input.value.clone()))
         });
@@ -65,19 +65,19 @@ impl Machine {
             },
         };
         let mut choices = Choices {
-            made: last.choices,
+            made: last.choices(),
             picked: self.picked(),
             next: 0,
         };
         let mut again = self.recompiled(Code::watched(self.program()));
         again.watch(fault);
-        let done = fault.step > 0 && fault.step == last.number;
+        let done = fault.step > 0 && fault.step == last.number();
         let failed = match done {
             // the step was done, and its new state violates an invariant
             true => again
-                .check_again(&mut inputs, &mut choices, last.now_ns)
+                .check_again(&mut inputs, &mut choices, last.now_ns())
                 .err(),
-            false => again.step(&mut inputs, &mut choices, last.now_ns).err(),
+            false => again.step(&mut inputs, &mut choices, last.now_ns()).err(),
         };
         again.told(fault, failed)
     }

@@ -30,9 +30,9 @@ pub fn applied(machine: &Machine, function: ir::FunctionId, arguments: &[Value])
 pub fn updates(machine: &Machine, step: &Step<'_>) -> Vec<(String, String, String)> {
     let naming = machine.naming();
     let mut shown: Vec<(String, String, String)> = step
-        .updates
+        .updates()
         .iter()
-        .zip(step.before)
+        .zip(step.before())
         .map(|(update, before)| {
             let show = |value: &Value| value.show(&naming).to_string();
             (

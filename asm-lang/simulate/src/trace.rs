@@ -66,7 +66,7 @@ impl Trace {
     /// The step that the machine did last.
     pub fn step(&mut self, machine: &Machine) {
         let step = machine.last_step();
-        self.causes(machine, &step, step.number);
+        self.causes(machine, &step, step.number());
         self.effects(machine, &step);
     }
 
@@ -121,29 +121,29 @@ impl Trace {
 
     fn causes(&mut self, machine: &Machine, step: &Step<'_>, number: u64) {
         self.line(format_args!("@step {number}"));
-        if step.now_ns != 0 {
-            self.line(format_args!("T {}", step.now_ns));
+        if step.now_ns() != 0 {
+            self.line(format_args!("T {}", step.now_ns()));
         }
-        for input in step.inputs {
+        for input in step.inputs() {
             self.line(format_args!(
                 "M {} = {}",
                 location(machine, input.slot),
                 text::text(machine.naming(), &input.value)
             ));
         }
-        for choice in step.choices {
+        for choice in step.choices() {
             self.line(format_args!("C {} of {}", choice.index, choice.count));
         }
     }
 
     fn effects(&mut self, machine: &Machine, step: &Step<'_>) {
         let updates = step
-            .updates
+            .updates()
             .iter()
             .map(|update| (update.slot, &update.value));
         self.locations("U", machine, updates);
         let mut joined: BTreeMap<DomainId, Vec<Value>> = BTreeMap::new();
-        for (domain, atom) in step.extended {
+        for (domain, atom) in step.extended() {
             joined.entry(*domain).or_default().push(Value::Atom(*atom));
         }
         for (domain, atoms) in joined {

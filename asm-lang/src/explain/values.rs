@@ -53,7 +53,7 @@ pub(super) fn add(
 /// Adds what the environment said in the failed step.
 pub(super) fn add_inputs(finding: Diagnostic, machine: &Machine) -> Diagnostic {
     let naming = machine.naming();
-    let inputs = machine.last_step().inputs.iter().map(|input| {
+    let inputs = machine.last_step().inputs().iter().map(|input| {
         let value = cut(input.value.show(&naming).to_string());
         format!("`{}` = {value}", simulate::location(machine, input.slot))
     });

@@ -110,7 +110,7 @@ impl Component for Coordinator {
             )));
         }
         let step = self.machine.last_step();
-        if !step.updates.is_empty() {
+        if !step.updates().is_empty() {
             let record = StepRecord::of(&self.specification, &self.machine, &step);
             // the step is told before what it causes
             cycle.report(STEP_REPORT, Datum::of(&record)?);

@@ -163,9 +163,9 @@ impl Outbox {
         for out in &self.outs {
             let slot = machine.state().slot(machine.program(), out.function, &[]);
             let update = step
-                .updates
+                .updates()
                 .iter()
-                .zip(step.before)
+                .zip(step.before())
                 .find(|(update, _)| Some(update.slot) == slot);
             match &out.effect {
                 BoundEffect::Publish { port, field, when } => {

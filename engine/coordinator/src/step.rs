@@ -40,16 +40,16 @@ impl StepRecord {
     pub fn of(specification: &Specification, machine: &Machine, step: &Step<'_>) -> Self {
         let naming = machine.naming();
         let show = |value: &Value| value.show(&naming).to_string();
-        let inputs = step.inputs.iter();
+        let inputs = step.inputs().iter();
         let updates = simulate::updates(machine, step).into_iter();
         Self {
             specification: specification.model.name.to_string(),
-            number: step.number,
+            number: step.number(),
             inputs: inputs
                 .map(|input| (simulate::location(machine, input.slot), show(&input.value)))
                 .collect(),
             choices: step
-                .choices
+                .choices()
                 .iter()
                 .map(|choice| (choice.index as u64, choice.count as u64))
                 .collect(),

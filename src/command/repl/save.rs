@@ -65,7 +65,7 @@ impl Scenario {
     }
 
     fn set_inputs(&mut self, machine: &Machine) {
-        for input in machine.last_step().inputs {
+        for input in machine.last_step().inputs() {
             let location = simulate::location(machine, input.slot);
             let value = shown(machine, &input.value);
             let known = self.inputs.insert(location.clone(), value.clone());

@@ -317,7 +317,7 @@ impl Talk {
 
     /// Says which inputs nobody gave a value, if undef may be why a step failed.
     fn tell_unset(&self, terminal: &mut Terminal) {
-        let inputs = self.machine().last_step().inputs;
+        let inputs = self.machine().last_step().inputs();
         let unset = inputs.iter().filter(|input| input.value.is_undef());
         let unset: Vec<String> = unset
             .map(|input| format!("`{}`", simulate::location(self.machine(), input.slot)))
@@ -386,8 +386,8 @@ impl Talk {
     fn tell_step(&self, terminal: &mut Terminal) {
         let machine = self.machine();
         let step = machine.last_step();
-        terminal.result(format_args!("{NAME}step {}{NAME:#}", step.number));
-        for input in step.inputs {
+        terminal.result(format_args!("{NAME}step {}{NAME:#}", step.number()));
+        for input in step.inputs() {
             let location = simulate::location(machine, input.slot);
             let hint = match input.value {
                 Value::Undef => format!("  (`set {location} := …` gives it one)"),
@@ -398,7 +398,7 @@ impl Talk {
                 self.shown(&input.value)
             ));
         }
-        for choice in step.choices {
+        for choice in step.choices() {
             let place = self.history.session().specification.span(choice.origin);
             let sources = &self.history.session().specification.sources;
             let (line, _) = sources.position(place.file, place.start);
@@ -419,10 +419,10 @@ impl Talk {
                 "  {location} := {after}  {FAINT}(was {before}){FAINT:#}"
             ));
         }
-        for line in step.printed {
+        for line in step.printed() {
             terminal.result(format_args!("  print: {line}"));
         }
-        if step.updates.is_empty() {
+        if step.updates().is_empty() {
             terminal.result(format_args!("  {FAINT}no updates{FAINT:#}"));
         }
     }
@@ -450,7 +450,7 @@ impl Talk {
 fn writes(history: &History, function: FunctionId, arguments: &[Value]) -> bool {
     let machine = &history.session().machine;
     let step = machine.last_step();
-    step.updates.iter().any(|update| {
+    step.updates().iter().any(|update| {
         let location = machine.state().location(machine.program(), update.slot);
         location.is_some_and(|(written, with)| {
             written == function && (arguments.is_empty() || with == arguments)

@@ -90,9 +90,9 @@ impl Sim {
         if self.json {
             return terminal.result(show::step_json(machine, &step));
         }
-        terminal.result(format_args!("{NAME}step {}{NAME:#}", step.number));
+        terminal.result(format_args!("{NAME}step {}{NAME:#}", step.number()));
         let naming = machine.naming();
-        for input in step.inputs {
+        for input in step.inputs() {
             let location = simulate::location(machine, input.slot);
             terminal.result(format_args!(
                 "  {FAINT}{location} = {}{FAINT:#}",
@@ -104,10 +104,10 @@ impl Sim {
                 "  {location} := {after}  {FAINT}(was {before}){FAINT:#}"
             ));
         }
-        for line in step.printed {
+        for line in step.printed() {
             terminal.result(format_args!("  print: {line}"));
         }
-        if step.updates.is_empty() {
+        if step.updates().is_empty() {
             terminal.result(format_args!("  {FAINT}no updates{FAINT:#}"));
         }
     }

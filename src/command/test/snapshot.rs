@@ -193,8 +193,8 @@ fn fault_line(text: &mut String, finding: &Diagnostic) {
 fn step(text: &mut String, machine: &Machine) {
     let step = machine.last_step();
     let naming = machine.naming();
-    line(text, format_args!("step {}", step.number));
-    for input in step.inputs {
+    line(text, format_args!("step {}", step.number()));
+    for input in step.inputs() {
         let location = simulate::location(machine, input.slot);
         line(
             text,
@@ -207,7 +207,7 @@ fn step(text: &mut String, machine: &Machine) {
             format_args!("  {location} := {after}  (was {before})"),
         );
     }
-    for printed in step.printed {
+    for printed in step.printed() {
         line(text, format_args!("  print: {printed}"));
     }
 }

@@ -184,7 +184,7 @@ fn calls(builder: &mut FunctionBuilder<'_>, convention: CallConv) -> Calls {
         endless: call(out::endless as *const () as usize, &[I32, I32, I64], None),
         open: call(out::open as *const () as usize, &[], None),
         apply: call(out::apply as *const () as usize, &[], Some(I8)),
-        restore: call(out::restore as *const () as usize, &[I64], Some(I8)),
+        restore: call(out::restore as *const () as usize, &[], Some(I8)),
         write: call(out::write as *const () as usize, &[I32, I32], None),
         write_through: call(out::write_through as *const () as usize, &[I32, I32], None),
     }

@@ -14,9 +14,9 @@ use super::Detour;
 use crate::fault::FaultKind;
 use crate::machine::Choice;
 use crate::run::{Run, Stopped, Truth, on_enough_stack};
-use crate::updates::{Mark, Update};
+use crate::updates::{Covered, Held, Mark, Update};
 use ir::Origin;
-use std::mem::offset_of;
+use std::mem::{ManuallyDrop, offset_of};
 use value::{Atom, Value};
 
 /// What a native routine takes and gives: 0 when the rule is done, 1 when it stopped.
@@ -32,11 +32,19 @@ pub(super) struct Frame {
     length: usize,
     /// For how many there is room.
     room: usize,
+    held: *mut Held,
+    /// How many slots hold what a sequence wrote.
+    held_length: usize,
+    covered: *mut Covered,
+    /// How many marks are covered.
+    covered_length: usize,
+    /// For how many updates of a sequence there is room in all three lists.
+    sequence_room: usize,
     locals: *mut Value,
     /// What a term gave that was evaluated outside.
     answer: Value,
     /// The scalar that native code has written by a function outside.
-    given: Value,
+    given: ManuallyDrop<Value>,
     epoch: u32,
     /// How deep calls were nested when native code began.
     depth: u32,
@@ -48,13 +56,18 @@ pub(super) struct Frame {
 
 /// Where things are, for code that is generated.
 pub(super) mod at {
-    use super::{Frame, Mark, Run, Update, offset_of};
+    use super::{Covered, Frame, Held, Mark, Run, Update, offset_of};
 
     pub const SLOTS: i32 = offset_of!(Frame, slots) as i32;
     pub const MARKS: i32 = offset_of!(Frame, marks) as i32;
     pub const LIST: i32 = offset_of!(Frame, list) as i32;
     pub const LENGTH: i32 = offset_of!(Frame, length) as i32;
     pub const ROOM: i32 = offset_of!(Frame, room) as i32;
+    pub const HELD: i32 = offset_of!(Frame, held) as i32;
+    pub const HELD_LENGTH: i32 = offset_of!(Frame, held_length) as i32;
+    pub const COVERED: i32 = offset_of!(Frame, covered) as i32;
+    pub const COVERED_LENGTH: i32 = offset_of!(Frame, covered_length) as i32;
+    pub const SEQUENCE_ROOM: i32 = offset_of!(Frame, sequence_room) as i32;
     pub const LOCALS: i32 = offset_of!(Frame, locals) as i32;
     pub const ANSWER: i32 = offset_of!(Frame, answer) as i32;
     pub const GIVEN: i32 = offset_of!(Frame, given) as i32;
@@ -75,12 +88,22 @@ pub(super) mod at {
     pub const UPDATE_ORIGIN: i32 = offset_of!(Update, origin) as i32;
     pub const UPDATE_SIZE: i64 = size_of::<Update>() as i64;
 
+    pub const HELD_SLOT: i32 = offset_of!(Held, slot) as i32;
+    pub const HELD_VALUE: i32 = offset_of!(Held, value) as i32;
+    pub const HELD_SIZE: i64 = size_of::<Held>() as i64;
+
+    pub const COVERED_SLOT: i32 = offset_of!(Covered, slot) as i32;
+    pub const COVERED_EPOCH: i32 = (offset_of!(Covered, mark) + offset_of!(Mark, epoch)) as i32;
+    pub const COVERED_INDEX: i32 = (offset_of!(Covered, mark) + offset_of!(Mark, index)) as i32;
+    pub const COVERED_SIZE: i64 = size_of::<Covered>() as i64;
+
     pub const VALUE_SIZE: i64 = size_of::<value::Value>() as i64;
     pub const PAYLOAD: i32 = value::layout::PAYLOAD as i32;
 }
 
 impl Frame {
     /// Runs native code.
+    #[inline]
     pub fn enter(
         run: &mut Run<'_>,
         entry: Entry,
@@ -93,23 +116,33 @@ impl Frame {
             list: std::ptr::null_mut(),
             length: 0,
             room: 0,
+            held: std::ptr::null_mut(),
+            held_length: 0,
+            covered: std::ptr::null_mut(),
+            covered_length: 0,
+            sequence_room: 0,
             locals: std::ptr::null_mut(),
             answer: Value::Undef,
-            given: Value::Undef,
+            given: ManuallyDrop::new(Value::Undef),
             epoch: 0,
             depth: run.depth,
             run: std::ptr::from_mut(run).cast(),
             detours: detours.as_ptr(),
             needed,
         };
-        frame.refresh();
+        frame.refresh_list();
         // SAFETY: the entry was generated for the program of this run, for a frame of this layout, and
         // its memory lives as long as the detours, which are borrowed here. It reads and writes slots
         // and marks below the number of slots the program fixes, and updates below `room`; it keeps no
         // pointer across a call of the functions below. `run` is not used here meanwhile.
         let stopped = unsafe { entry(&raw mut frame) };
+        if stopped == 0 {
+            // every sequence has ended
+            frame.settle_list();
+            return Ok(());
+        }
         frame.settle();
-        if stopped == 0 { Ok(()) } else { Err(Stopped) }
+        Err(Stopped)
     }
 
     fn run(&mut self) -> &mut Run<'static> {
@@ -120,6 +153,19 @@ impl Frame {
 
     /// Tells the run what native code did.
     fn settle(&mut self) {
+        self.settle_list();
+        let (held, covered) = (self.held_length, self.covered_length);
+        let updates = &mut *self.run().updates;
+        // SAFETY: native code has filled the lists up to these lengths, which are at most the room there
+        // was in each.
+        unsafe {
+            updates.held.set_len(held);
+            updates.covered.set_len(covered);
+        }
+    }
+
+    #[inline]
+    fn settle_list(&mut self) {
         let length = self.length;
         // SAFETY: native code has filled the updates up to `length`, which is at most the room there was.
         unsafe { self.run().updates.list.set_len(length) }
@@ -127,15 +173,31 @@ impl Frame {
 
     /// Finds out what became of the vectors.
     fn refresh(&mut self) {
+        self.refresh_list();
+        let updates = &mut *self.run().updates;
+        let (held, held_length) = (updates.held.as_mut_ptr(), updates.held.len());
+        let (covered, covered_length) = (updates.covered.as_mut_ptr(), updates.covered.len());
+        let room = (updates.list.capacity() - updates.list.len())
+            .min(updates.held.capacity() - held_length)
+            .min(updates.covered.capacity() - covered_length);
+        (self.held, self.held_length) = (held, held_length);
+        (self.covered, self.covered_length) = (covered, covered_length);
+        self.sequence_room = room;
+    }
+
+    /// Finds out what became of all vectors but those of sequences: where native code begins there is
+    /// none.
+    #[inline]
+    fn refresh_list(&mut self) {
         // SAFETY: as in `run`; the borrow of the field and that of the frame's other fields are apart.
         let run = unsafe { &mut *self.run };
         self.slots = run.state.slots.as_mut_ptr();
-        self.marks = run.updates.marks_mut().as_mut_ptr();
-        self.list = run.updates.list.as_mut_ptr();
-        self.length = run.updates.list.len();
-        self.room = run.updates.list.capacity();
         self.locals = run.locals.as_mut_ptr();
-        self.epoch = run.updates.epoch();
+        let updates = &mut *run.updates;
+        self.marks = updates.marks_mut().as_mut_ptr();
+        self.epoch = updates.epoch();
+        (self.list, self.length) = (updates.list.as_mut_ptr(), updates.list.len());
+        self.room = updates.list.capacity();
     }
 
     /// Does some work outside native code, in the frame of locals of an inlined routine.
@@ -338,18 +400,16 @@ pub(super) mod out {
     }
 
     /// Ends a sequence.
-    pub extern "C" fn restore(frame: &mut Frame, place: u64) -> u8 {
-        stopped(
-            frame.outside(place, |run, _| match run.updates.layers.pop() {
-                Some(layer) => run.restore(layer).is_ok(),
-                None => false,
-            }),
-        )
+    pub extern "C" fn restore(frame: &mut Frame) -> u8 {
+        stopped(frame.outside_here(|run| match run.updates.layers.pop() {
+            Some(layer) => run.restore(layer).is_ok(),
+            None => false,
+        }))
     }
 
     /// Adds an update within a sequence; the slot has none yet.
     pub extern "C" fn write(frame: &mut Frame, slot: u32, origin: u32) {
-        let value = frame.given.clone();
+        let value = Value::clone(&frame.given);
         frame.outside_here(|run| {
             // no conflict: generated code has looked at the mark
             let _ = run.updates.write(slot, value, Origin(origin));
@@ -358,13 +418,8 @@ pub(super) mod out {
 
     /// An update of a sequence that is applied at once.
     pub extern "C" fn write_through(frame: &mut Frame, slot: u32, origin: u32) {
-        let value = frame.given.clone();
-        frame.settle();
-        let run = frame.run();
-        run.write_through(slot, value, Origin(origin));
-        let list = &mut run.updates.list;
-        let (pointer, length, room) = (list.as_mut_ptr(), list.len(), list.capacity());
-        (frame.list, frame.length, frame.room) = (pointer, length, room);
+        let value = Value::clone(&frame.given);
+        frame.outside_here(|run| run.write_through(slot, value, Origin(origin)));
     }
 
     impl Frame {

@@ -254,44 +254,102 @@ impl Emitter<'_> {
                 let full = self.builder.ins().icmp(IntCC::Equal, length, room);
                 let odd = self.builder.ins().bor(again, full);
                 self.bail_if(odd);
-                self.store(self.memory.updates, epoch, mark, at::MARK_EPOCH);
-                let index = self.builder.ins().ireduce(I32, length);
-                self.store(self.memory.updates, index, mark, at::MARK_INDEX);
-                let update = self.entry(length);
                 let slot = self.builder.ins().ireduce(I32, slot);
-                self.store(self.memory.updates, slot, update, at::UPDATE_SLOT);
-                self.put_update(update, value, origin);
-                let length = self.builder.ins().iadd_imm_s(length, 1);
-                self.store(self.memory.length, length, self.frame, at::LENGTH);
+                self.add(slot, mark, value, origin);
             }
             Mode::Layer => {
                 self.bail_if(again);
                 self.write_outside(self.calls.write, slot, value, origin);
             }
-            Mode::Sequence => {
-                let (over, first, done) = (self.block(), self.cold_block(), self.block());
-                // what is there must own nothing, for it is overwritten as it is
-                let tag = self.tag(located);
-                let is_scalar = self.compare(
-                    IntCC::UnsignedLessThanOrEqual,
-                    tag,
-                    i64::from(layout::LAST_SCALAR),
-                );
-                let simple = self.builder.ins().band(again, is_scalar);
-                self.branch(simple, over, first);
-                self.begin(over);
-                let index = self.load(self.memory.updates, I32, mark, at::MARK_INDEX);
-                let index = self.builder.ins().uextend(I64, index);
-                let update = self.entry(index);
-                self.put_update(update, value, origin);
-                self.put(self.memory.slots, located.pointer, located.offset, value);
-                self.jump(done);
-                self.begin(first);
-                self.write_outside(self.calls.write_through, slot, value, origin);
-                self.jump(done);
-                self.begin(done);
-            }
+            Mode::Sequence => self.write_through(located, slot, mark, again, value, origin),
         }
+    }
+
+    /// Adds an update to the set of a sequence, and writes the slot at once.
+    fn write_through(
+        &mut self,
+        located: &Located,
+        slot: Ssa,
+        mark: Ssa,
+        again: Ssa,
+        value: Known,
+        origin: Origin,
+    ) {
+        let (over, first, done) = (self.block(), self.block(), self.block());
+        let (scalar, fits, outside) = (self.block(), self.block(), self.cold_block());
+        // what is there must own nothing, for it is moved and overwritten as it is
+        let tag = self.tag(located);
+        let last_scalar = i64::from(layout::LAST_SCALAR);
+        let is_scalar = self.compare(IntCC::UnsignedLessThanOrEqual, tag, last_scalar);
+        self.branch(is_scalar, scalar, outside);
+        self.begin(scalar);
+        self.branch(again, over, first);
+        self.begin(over);
+        let index = self.load(self.memory.updates, I32, mark, at::MARK_INDEX);
+        let index = self.builder.ins().uextend(I64, index);
+        let update = self.entry(index);
+        self.put_update(update, value, origin);
+        self.put(self.memory.slots, located.pointer, located.offset, value);
+        self.jump(done);
+        self.begin(first);
+        let room = self.load(self.memory.length, I64, self.frame, at::SEQUENCE_ROOM);
+        self.branch(room, fits, outside);
+        self.begin(fits);
+        let room = self.builder.ins().iadd_imm_s(room, -1);
+        self.store(self.memory.length, room, self.frame, at::SEQUENCE_ROOM);
+        let slot_number = self.builder.ins().ireduce(I32, slot);
+        self.hold(located, slot_number);
+        self.cover(mark, slot_number);
+        self.add(slot_number, mark, value, origin);
+        self.put(self.memory.slots, located.pointer, located.offset, value);
+        self.jump(done);
+        self.begin(outside);
+        self.write_outside(self.calls.write_through, slot, value, origin);
+        self.jump(done);
+        self.begin(done);
+    }
+
+    /// Keeps what a slot holds until the sequence ends.
+    fn hold(&mut self, located: &Located, slot: Ssa) {
+        let held = self.next(at::HELD, at::HELD_LENGTH, at::HELD_SIZE);
+        let value = self.load(self.memory.slots, I64X2, located.pointer, located.offset);
+        self.store(self.memory.updates, value, held, at::HELD_VALUE);
+        self.store(self.memory.updates, slot, held, at::HELD_SLOT);
+    }
+
+    /// Keeps the mark of a slot until the sequence ends.
+    fn cover(&mut self, mark: Ssa, slot: Ssa) {
+        let covered = self.next(at::COVERED, at::COVERED_LENGTH, at::COVERED_SIZE);
+        self.store(self.memory.updates, slot, covered, at::COVERED_SLOT);
+        for (from, to) in [
+            (at::MARK_EPOCH, at::COVERED_EPOCH),
+            (at::MARK_INDEX, at::COVERED_INDEX),
+        ] {
+            let part = self.load(self.memory.updates, I32, mark, from);
+            self.store(self.memory.updates, part, covered, to);
+        }
+    }
+
+    /// Adds an update to the list and marks its slot.
+    fn add(&mut self, slot: Ssa, mark: Ssa, value: Known, origin: Origin) {
+        let length = self.load(self.memory.length, I64, self.frame, at::LENGTH);
+        let index = self.builder.ins().ireduce(I32, length);
+        let epoch = self.field(I32, at::EPOCH);
+        self.store(self.memory.updates, epoch, mark, at::MARK_EPOCH);
+        self.store(self.memory.updates, index, mark, at::MARK_INDEX);
+        let update = self.next(at::LIST, at::LENGTH, at::UPDATE_SIZE);
+        self.store(self.memory.updates, slot, update, at::UPDATE_SLOT);
+        self.put_update(update, value, origin);
+    }
+
+    /// The next element of a list, for which there is room.
+    fn next(&mut self, list: i32, length: i32, size: i64) -> Ssa {
+        let start = self.field(I64, list);
+        let count = self.load(self.memory.length, I64, self.frame, length);
+        let bytes = self.builder.ins().imul_imm_s(count, size);
+        let more = self.builder.ins().iadd_imm_s(count, 1);
+        self.store(self.memory.length, more, self.frame, length);
+        self.builder.ins().iadd(start, bytes)
     }
 
     /// Writes by a call; the value lies in the frame.

@@ -19,8 +19,7 @@ impl Emitter<'_> {
         let outer = std::mem::replace(&mut self.mode, Mode::Sequence);
         rules(self);
         self.mode = outer;
-        let place = self.place();
-        if let Some(stopped) = self.call(self.calls.restore, &[place]) {
+        if let Some(stopped) = self.call(self.calls.restore, &[]) {
             let stopped = self.compare(IntCC::NotEqual, stopped, 0);
             self.stop_if(stopped);
         }

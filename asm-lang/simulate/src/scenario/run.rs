@@ -206,7 +206,7 @@ impl Running<'_> {
     /// What a rule of the scenario wrote to inputs are their values from now on.
     fn hold_inputs(&mut self) {
         let (state, program) = (self.machine.state(), self.machine.program());
-        for update in self.machine.last_step().updates {
+        for update in self.machine.last_step().updates() {
             if let Some((function, arguments)) = state.location(program, update.slot)
                 && program.functions[function.0 as usize].kind == FunctionKind::Monitored
             {
