@@ -16,6 +16,7 @@ const FLOORS: &[&[&str]] = &[
     // the engine
     &["engine-datum", "engine-bus-broker"],
     &["engine-bus"],
+    &["engine-bus-amqp"],
     &["engine-component"],
     &["engine-coordinator"],
     &["engine-assembly"],

@@ -1,16 +1,18 @@
 //! A bell: wakes the one thread that waits for any of several queues.
 
+use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread::Thread;
 use std::time::{Duration, Instant};
 
 /// Rung when something has come. Ringing never waits.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Bell {
     rung: AtomicBool,
     waiting: AtomicBool,
     thread: Mutex<Option<Thread>>,
+    hammer: Option<Box<dyn Fn() + Send + Sync>>,
 }
 
 impl Bell {
@@ -19,8 +21,19 @@ impl Bell {
         Self::default()
     }
 
+    /// A bell that does something when it is rung, for those who cannot wait in a thread. It must not take long.
+    pub fn that(hammer: impl Fn() + Send + Sync + 'static) -> Self {
+        Self {
+            hammer: Some(Box::new(hammer)),
+            ..Self::default()
+        }
+    }
+
     /// Something has come.
     pub fn ring(&self) {
+        if let Some(hammer) = &self.hammer {
+            hammer();
+        }
         self.rung.store(true, Ordering::SeqCst);
         // The waiter says so before it sleeps, and lets go of the lock at once.
         if self.waiting.swap(false, Ordering::SeqCst)
@@ -43,8 +56,14 @@ impl Bell {
     }
 }
 
+impl fmt::Debug for Bell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Bell {{ rung: {:?} }}", self.rung)
+    }
+}
+
 /// The instant so much later; a year from now, if there is no such instant.
-pub(crate) fn later(by: Duration) -> Instant {
+pub fn later(by: Duration) -> Instant {
     let now = Instant::now();
     let year = Duration::from_secs(365 * 24 * 3600);
     now.checked_add(by).unwrap_or_else(|| now + year)

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::{Bell, Pattern, Payload, Pending, Queue, Serving, Subscription};
+use crate::{
+    Bell, Health, Pattern, Payload, Pending, Queue, Request, Sending, Sent, Serving, Subscription,
+};
 
 /// A bus: topics and addresses shared by processes.
 ///
@@ -16,6 +18,7 @@ pub trait Bus: Send + Sync {
         topic: &str,
         origin: &Origin,
         type_name: &str,
+        sending: Sending,
     ) -> Result<Box<dyn Publisher>, BusError>;
 
     /// All messages of the topics that match a pattern, from now on. The bell is rung for each.
@@ -31,14 +34,21 @@ pub trait Bus: Send + Sync {
 
     /// Sends a request to an address. It ends with an answer, or with a [`CallFailure`](crate::CallFailure): at once
     /// if nobody serves there, else at the deadline.
-    fn call(
-        &self,
-        address: &str,
-        origin: &Origin,
-        argument: Payload,
-        timeout: Duration,
-        bell: Arc<Bell>,
-    ) -> Result<Pending, BusError>;
+    fn call(&self, address: &str, request: Request, bell: Arc<Bell>) -> Result<Pending, BusError>;
+
+    /// Sends a request that has no answer (SCA `@OneWay`). It ends with nothing when the server's queue has it, else
+    /// with a failure; who does not care drops it.
+    fn tell(&self, address: &str, request: Request, bell: Arc<Bell>) -> Result<Pending, BusError>;
+
+    /// The state of the transport.
+    fn health(&self) -> Health;
+
+    /// Rings a bell at every change of the [`health`](Self::health), as long as somebody else holds it too.
+    fn watch(&self, bell: &Arc<Bell>);
+
+    /// Waits until all that was published has left, and was confirmed where that was asked for; or so long. Says
+    /// whether it has.
+    fn drain(&self, at_most: Duration) -> bool;
 }
 
 /// Who publishes or calls.
@@ -63,7 +73,20 @@ impl Origin {
 /// Publishes on one topic; numbers its messages from 1.
 pub trait Publisher: Send {
     /// Publishes a message, sent at `stamp` nanoseconds of the sender's clock. Never waits.
-    fn publish(&mut self, stamp: i64, payload: Payload) -> Result<(), BusError>;
+    fn publish(&mut self, stamp: i64, payload: Payload) -> Result<(), BusError> {
+        self.publish_within(stamp, payload, None)
+    }
+
+    /// Publishes a message that belongs to a trace (W3C `traceparent`).
+    fn publish_within(
+        &mut self,
+        stamp: i64,
+        payload: Payload,
+        trace: Option<Arc<str>>,
+    ) -> Result<(), BusError>;
+
+    /// What has become of the messages so far.
+    fn sent(&self) -> Sent;
 }
 
 /// Why a bus cannot do what is asked.
@@ -75,9 +98,15 @@ pub enum BusError {
         /// The address.
         address: String,
     },
-    /// The transport is not there; what was published meanwhile is lost and counted.
+    /// The transport is not there, and the topic's outage policy keeps nothing more; it is counted.
     #[error("no connection: {reason}")]
     Disconnected {
+        /// Why.
+        reason: String,
+    },
+    /// The transport does not let us.
+    #[error("refused: {reason}")]
+    Refused {
         /// Why.
         reason: String,
     },

@@ -18,6 +18,10 @@ pub struct Envelope {
     pub sequence: u64,
     /// When it was sent: nanoseconds of the sender's clock.
     pub stamp: i64,
+    /// Which clock that is, `wall:rover1`; empty if it is the reader's own.
+    pub clock: Arc<str>,
+    /// The trace it belongs to (W3C `traceparent`).
+    pub trace: Option<Arc<str>>,
     /// The payload's message type, `geometry_msgs/Twist`; empty if unknown.
     pub type_name: Arc<str>,
     /// What it says.

@@ -8,8 +8,8 @@ use std::time::Duration;
 
 use crate::request::Desk;
 use crate::{
-    Bell, Bus, BusError, CallFailure, Envelope, Inlet, Origin, Pattern, Payload, Pending,
-    Publisher, Queue, Serving, Subscription,
+    Bell, Bus, BusError, CallFailure, Envelope, Health, Inlet, Link, Origin, Pattern, Payload,
+    Pending, Publisher, Queue, Request, Sending, Sent, Serving, Subscription,
 };
 
 /// A bus inside one process. Clones are the same bus.
@@ -18,12 +18,24 @@ pub struct Local {
     shared: Arc<Shared>,
 }
 
-#[derive(Default)]
 struct Shared {
     routes: Mutex<Vec<Route>>,
     /// Grows with every change of the routes, so that publishers look at them only then.
     generation: AtomicU64,
     desks: Mutex<BTreeMap<String, Arc<Desk>>>,
+    /// Up from the beginning to the end.
+    health: Health,
+}
+
+impl Default for Shared {
+    fn default() -> Self {
+        Self {
+            routes: Mutex::default(),
+            generation: AtomicU64::new(0),
+            desks: Mutex::default(),
+            health: Health::now(Link::Up),
+        }
+    }
 }
 
 struct Route {
@@ -59,6 +71,7 @@ impl Bus for Local {
         topic: &str,
         origin: &Origin,
         type_name: &str,
+        _: Sending,
     ) -> Result<Box<dyn Publisher>, BusError> {
         Ok(Box::new(LocalPublisher {
             shared: Arc::clone(&self.shared),
@@ -66,6 +79,8 @@ impl Bus for Local {
             origin: origin.clone(),
             type_name: type_name.into(),
             sequence: 0,
+            unheard: 0,
+            clock: "".into(),
             generation: u64::MAX,
             inlets: Vec::new(),
         }))
@@ -104,21 +119,37 @@ impl Bus for Local {
         }))
     }
 
-    fn call(
-        &self,
-        address: &str,
-        origin: &Origin,
-        argument: Payload,
-        timeout: Duration,
-        bell: Arc<Bell>,
-    ) -> Result<Pending, BusError> {
+    fn call(&self, address: &str, request: Request, bell: Arc<Bell>) -> Result<Pending, BusError> {
         let desk = self.shared.desks().get(address).cloned();
-        let (pending, call) = Pending::new(origin.clone(), argument, timeout, bell);
+        let (pending, call) = Pending::new(request, bell);
         match desk {
-            Some(desk) => desk.put(call),
+            // What the desk refuses, it ends.
+            Some(desk) => drop(desk.put(call)),
             None => call.end(Err(CallFailure::Unavailable)),
         }
         Ok(pending)
+    }
+
+    fn tell(&self, address: &str, request: Request, bell: Arc<Bell>) -> Result<Pending, BusError> {
+        let desk = self.shared.desks().get(address).cloned();
+        let (pending, call, delivered) = Pending::one_way(request, bell);
+        delivered.end(match desk {
+            Some(desk) => desk.put(call),
+            None => Err(CallFailure::Unavailable),
+        });
+        Ok(pending)
+    }
+
+    fn health(&self) -> Health {
+        self.shared.health.clone()
+    }
+
+    /// It never changes.
+    fn watch(&self, _: &Arc<Bell>) {}
+
+    /// What is published has arrived.
+    fn drain(&self, _: Duration) -> bool {
+        true
     }
 }
 
@@ -129,6 +160,10 @@ struct LocalPublisher {
     type_name: Arc<str>,
     /// Number of the last message.
     sequence: u64,
+    /// How many found no subscription.
+    unheard: u64,
+    /// The reader's own.
+    clock: Arc<str>,
     /// The routes that `inlets` was made from.
     generation: u64,
     /// The subscriptions that match.
@@ -136,7 +171,12 @@ struct LocalPublisher {
 }
 
 impl Publisher for LocalPublisher {
-    fn publish(&mut self, stamp: i64, payload: Payload) -> Result<(), BusError> {
+    fn publish_within(
+        &mut self,
+        stamp: i64,
+        payload: Payload,
+        trace: Option<Arc<str>>,
+    ) -> Result<(), BusError> {
         let generation = self.shared.generation.load(Ordering::Acquire);
         if generation != self.generation {
             let routes = self.shared.routes();
@@ -147,6 +187,7 @@ impl Publisher for LocalPublisher {
             self.generation = generation;
         }
         self.sequence += 1;
+        self.unheard += u64::from(self.inlets.is_empty());
         for inlet in &self.inlets {
             inlet.push(Envelope {
                 topic: Arc::clone(&self.topic),
@@ -154,10 +195,21 @@ impl Publisher for LocalPublisher {
                 incarnation: self.origin.incarnation,
                 sequence: self.sequence,
                 stamp,
+                clock: Arc::clone(&self.clock),
+                trace: trace.clone(),
                 type_name: Arc::clone(&self.type_name),
                 payload: payload.clone(),
             });
         }
         Ok(())
+    }
+
+    fn sent(&self) -> Sent {
+        Sent {
+            published: self.sequence,
+            arrived: self.sequence,
+            unheard: self.unheard,
+            ..Sent::default()
+        }
     }
 }

@@ -34,6 +34,27 @@ pub enum Overflow {
     DropNewest,
 }
 
+/// What has become of a subscription's messages, apart from those it holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Received {
+    /// Dropped because the queue was full.
+    pub dropped: u64,
+    /// Never came: gaps in their publishers' numbers.
+    pub missed: u64,
+    /// Came again, and were taken out.
+    pub duplicates: u64,
+    /// Came in a way that cannot be read.
+    pub unreadable: u64,
+}
+
+#[derive(Default)]
+struct Counts {
+    dropped: AtomicU64,
+    missed: AtomicU64,
+    duplicates: AtomicU64,
+    unreadable: AtomicU64,
+}
+
 /// The filling end of a subscription's queue, for back ends.
 #[derive(Clone)]
 pub struct Inlet {
@@ -43,7 +64,7 @@ pub struct Inlet {
 struct Kept {
     queue: ArrayQueue<Envelope>,
     policy: Queue,
-    dropped: AtomicU64,
+    counts: Counts,
     bell: Arc<Bell>,
 }
 
@@ -58,7 +79,7 @@ impl Inlet {
             kept: Arc::new(Kept {
                 queue: ArrayQueue::new(size),
                 policy,
-                dropped: AtomicU64::new(0),
+                counts: Counts::default(),
                 bell,
             }),
         }
@@ -82,9 +103,24 @@ impl Inlet {
             } => kept.queue.push(envelope).is_err(),
         };
         if dropped {
-            kept.dropped.fetch_add(1, Ordering::Relaxed);
+            kept.counts.dropped.fetch_add(1, Ordering::Relaxed);
         }
         kept.bell.ring();
+    }
+
+    /// So many messages never came, all in all.
+    pub fn set_missed(&self, missed: u64) {
+        self.kept.counts.missed.store(missed, Ordering::Relaxed);
+    }
+
+    /// A message came again.
+    pub fn count_duplicate(&self) {
+        self.kept.counts.duplicates.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// A message cannot be read.
+    pub fn count_unreadable(&self) {
+        self.kept.counts.unreadable.fetch_add(1, Ordering::Relaxed);
     }
 
     /// The reading end. `leave` is called when it is dropped.
@@ -130,7 +166,18 @@ impl Subscription {
 
     /// How many messages were dropped because the queue was full.
     pub fn dropped(&self) -> u64 {
-        self.kept.dropped.load(Ordering::Relaxed)
+        self.kept.counts.dropped.load(Ordering::Relaxed)
+    }
+
+    /// What has become of the messages that were not handed out.
+    pub fn received(&self) -> Received {
+        let counts = &self.kept.counts;
+        Received {
+            dropped: counts.dropped.load(Ordering::Relaxed),
+            missed: counts.missed.load(Ordering::Relaxed),
+            duplicates: counts.duplicates.load(Ordering::Relaxed),
+            unreadable: counts.unreadable.load(Ordering::Relaxed),
+        }
     }
 }
 

@@ -10,6 +10,38 @@ use crossbeam_queue::ArrayQueue;
 use crate::bell::later;
 use crate::{Bell, Origin, Payload};
 
+/// What is asked of a server.
+#[derive(Debug, Clone)]
+pub struct Request {
+    /// Who calls.
+    pub origin: Origin,
+    /// What is asked.
+    pub argument: Payload,
+    /// After how long the caller gives up; the server does not begin after that.
+    pub timeout: Duration,
+    /// Where the caller serves what the server has to say later, if it does (SCA `@Callback`).
+    pub callback: Option<Arc<str>>,
+}
+
+impl Request {
+    /// A request without callback.
+    pub fn new(origin: Origin, argument: Payload, timeout: Duration) -> Self {
+        Self {
+            origin,
+            argument,
+            timeout,
+            callback: None,
+        }
+    }
+
+    /// The same, with the address where the caller can be called back.
+    #[must_use]
+    pub fn with_callback(mut self, address: impl Into<Arc<str>>) -> Self {
+        self.callback = Some(address.into());
+        self
+    }
+}
+
 /// Why a call has no answer.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum CallFailure {
@@ -22,6 +54,9 @@ pub enum CallFailure {
     /// The server refused.
     #[error(transparent)]
     Refused(#[from] Refusal),
+    /// The caller took it back.
+    #[error("cancelled by the caller")]
+    Cancelled,
 }
 
 /// Why a server cannot do what was asked.
@@ -44,6 +79,14 @@ struct Slot {
 }
 
 impl Slot {
+    fn new(bell: Arc<Bell>) -> Arc<Self> {
+        Arc::new(Self {
+            answer: Mutex::new(None),
+            answered: AtomicBool::new(false),
+            bell,
+        })
+    }
+
     /// The first answer counts.
     fn put(&self, answer: Answer) {
         if self.answered.swap(true, Ordering::AcqRel) {
@@ -62,30 +105,36 @@ pub struct Pending {
 
 impl Pending {
     /// A call and its server's end of it, for back ends.
-    pub fn new(
-        origin: Origin,
-        argument: Payload,
-        timeout: Duration,
-        bell: Arc<Bell>,
-    ) -> (Self, Call) {
-        let slot = Arc::new(Slot {
-            answer: Mutex::new(None),
-            answered: AtomicBool::new(false),
-            bell,
-        });
-        let deadline = later(timeout);
-        let call = Call {
-            origin,
-            argument,
-            deadline,
-            slot: Arc::clone(&slot),
-        };
+    pub fn new(request: Request, bell: Arc<Bell>) -> (Self, Call) {
+        let slot = Slot::new(bell);
+        let call = Call::new(request, Arc::clone(&slot), false);
+        let deadline = call.deadline;
         (Self { slot, deadline }, call)
+    }
+
+    /// A request without answer, and its server's end. `delivered` ends the first.
+    pub fn one_way(request: Request, bell: Arc<Bell>) -> (Self, Call, Delivered) {
+        let call = Call::new(request, Slot::new(Arc::new(Bell::new())), true);
+        let slot = Slot::new(bell);
+        let deadline = call.deadline;
+        let delivered = Delivered(Arc::clone(&slot));
+        (Self { slot, deadline }, call, delivered)
+    }
+
+    /// Takes the call back: it ends with [`CallFailure::Cancelled`], unless it has ended. A server that has not begun
+    /// does not begin any more.
+    pub fn cancel(&self) {
+        self.slot.put(Err(CallFailure::Cancelled));
+    }
+
+    /// Whether the deadline has passed.
+    pub fn is_over(&self) -> bool {
+        Instant::now() >= self.deadline
     }
 
     /// How the call ended, if it has. Handed over once.
     pub fn try_take(&self) -> Option<Answer> {
-        if Instant::now() >= self.deadline {
+        if self.is_over() {
             self.slot.put(Err(CallFailure::Timeout));
         }
         let mut answer = self
@@ -117,10 +166,44 @@ pub struct Call {
     pub argument: Payload,
     /// When the caller gives up.
     pub deadline: Instant,
+    /// Where the caller serves what comes later, if it does.
+    pub callback: Option<Arc<str>>,
     slot: Arc<Slot>,
+    one_way: bool,
+}
+
+/// Ends a request without answer.
+pub struct Delivered(Arc<Slot>);
+
+impl Delivered {
+    /// The server's queue has it, or will never have it.
+    pub fn end(self, end: Result<(), CallFailure>) {
+        self.0.put(end.map(|()| Payload::of(datum::Datum::Null)));
+    }
+
+    /// Whether the sender still wants to know.
+    pub fn is_awaited(&self) -> bool {
+        Arc::strong_count(&self.0) > 1 && !self.0.answered.load(Ordering::Acquire)
+    }
 }
 
 impl Call {
+    fn new(request: Request, slot: Arc<Slot>, one_way: bool) -> Self {
+        Self {
+            origin: request.origin,
+            argument: request.argument,
+            deadline: later(request.timeout),
+            callback: request.callback,
+            slot,
+            one_way,
+        }
+    }
+
+    /// Whether the caller wants no answer.
+    pub fn is_one_way(&self) -> bool {
+        self.one_way
+    }
+
     /// Answers. An answer that nobody waits for any more goes nowhere.
     pub fn reply(self, result: Result<Payload, Refusal>) {
         self.end(result.map_err(CallFailure::Refused));
@@ -133,19 +216,22 @@ impl Call {
 
     /// Whether the caller still waits.
     pub fn is_awaited(&self) -> bool {
-        Instant::now() < self.deadline && Arc::strong_count(&self.slot) > 1
+        let wanted = self.one_way
+            || Arc::strong_count(&self.slot) > 1 && !self.slot.answered.load(Ordering::Acquire);
+        wanted && Instant::now() < self.deadline
     }
 }
 
 /// Where requests wait for their server, for back ends.
-pub(crate) struct Desk {
+pub struct Desk {
     waiting: ArrayQueue<Call>,
     open: AtomicBool,
     bell: Arc<Bell>,
 }
 
 impl Desk {
-    pub(crate) fn new(size: usize, bell: Arc<Bell>) -> Arc<Self> {
+    /// A desk where at most `size` requests wait. The bell is rung for each.
+    pub fn new(size: usize, bell: Arc<Bell>) -> Arc<Self> {
         Arc::new(Self {
             waiting: ArrayQueue::new(size.max(1)),
             open: AtomicBool::new(true),
@@ -153,18 +239,23 @@ impl Desk {
         })
     }
 
-    /// Leaves a request; one too many finds nobody.
-    pub(crate) fn put(&self, call: Call) {
+    /// Leaves a request; one too many finds nobody. Says whether it was taken.
+    pub fn put(&self, call: Call) -> Result<(), CallFailure> {
         if !self.open.load(Ordering::Acquire) {
-            return call.end(Err(CallFailure::Unavailable));
+            call.end(Err(CallFailure::Unavailable));
+            return Err(CallFailure::Unavailable);
         }
-        match self.waiting.push(call) {
-            Ok(()) => self.bell.ring(),
-            Err(call) => call.end(Err(CallFailure::Unavailable)),
+        let taken = self.waiting.push(call).map_err(|call| {
+            call.end(Err(CallFailure::Unavailable));
+            CallFailure::Unavailable
+        });
+        if taken.is_ok() {
+            self.bell.ring();
         }
         if !self.open.load(Ordering::Acquire) {
             self.refuse_all();
         }
+        taken
     }
 
     fn refuse_all(&self) {
@@ -181,7 +272,8 @@ pub struct Serving {
 }
 
 impl Serving {
-    pub(crate) fn new(desk: Arc<Desk>, leave: impl FnOnce() + Send + 'static) -> Self {
+    /// The server's end of a desk. `leave` is called when it is dropped, after which nobody waits any more.
+    pub fn new(desk: Arc<Desk>, leave: impl FnOnce() + Send + 'static) -> Self {
         Self {
             desk,
             leave: Some(Box::new(leave)),
@@ -211,11 +303,11 @@ impl Serving {
 
 impl Drop for Serving {
     fn drop(&mut self) {
+        self.desk.open.store(false, Ordering::Release);
+        self.desk.refuse_all();
         if let Some(leave) = self.leave.take() {
             leave();
         }
-        self.desk.open.store(false, Ordering::Release);
-        self.desk.refuse_all();
     }
 }
 

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use bus::{
-    Bell, Bus, BusError, Local, Origin, Overflow, Pattern, Payload, Pending, Publisher, Queue,
-    Serving, Subscription, contract,
+    Bell, Bus, BusError, Health, Local, Origin, Overflow, Pattern, Payload, Pending, Publisher,
+    Queue, Request, Sending, Sent, Serving, Subscription, contract,
 };
 use datum::Datum;
 
@@ -21,7 +21,12 @@ struct Forgetful(Local);
 struct ForgetfulPublisher(Box<dyn Publisher>, u64);
 
 impl Publisher for ForgetfulPublisher {
-    fn publish(&mut self, stamp: i64, payload: Payload) -> Result<(), BusError> {
+    fn publish_within(
+        &mut self,
+        stamp: i64,
+        payload: Payload,
+        _: Option<Arc<str>>,
+    ) -> Result<(), BusError> {
         self.1 += 1;
         match self.1 % 3 {
             0 => Ok(()),
@@ -32,6 +37,10 @@ impl Publisher for ForgetfulPublisher {
             }
         }
     }
+
+    fn sent(&self) -> Sent {
+        self.0.sent()
+    }
 }
 
 impl Bus for Forgetful {
@@ -40,8 +49,9 @@ impl Bus for Forgetful {
         topic: &str,
         origin: &Origin,
         type_name: &str,
+        sending: Sending,
     ) -> Result<Box<dyn Publisher>, BusError> {
-        let inner = self.0.publisher(topic, origin, type_name)?;
+        let inner = self.0.publisher(topic, origin, type_name, sending)?;
         Ok(Box::new(ForgetfulPublisher(inner, 0)))
     }
 
@@ -61,12 +71,27 @@ impl Bus for Forgetful {
     fn call(
         &self,
         address: &str,
-        origin: &Origin,
-        argument: Payload,
-        _: Duration,
+        mut request: Request,
         bell: Arc<Bell>,
     ) -> Result<Pending, BusError> {
-        self.0.call(address, origin, argument, Duration::ZERO, bell)
+        request.timeout = Duration::ZERO;
+        self.0.call(address, request, bell)
+    }
+
+    fn tell(&self, address: &str, request: Request, bell: Arc<Bell>) -> Result<Pending, BusError> {
+        self.0.call(address, request, bell)
+    }
+
+    fn health(&self) -> Health {
+        self.0.health()
+    }
+
+    fn watch(&self, bell: &Arc<Bell>) {
+        self.0.watch(bell);
+    }
+
+    fn drain(&self, at_most: Duration) -> bool {
+        self.0.drain(at_most)
     }
 }
 
@@ -80,6 +105,7 @@ fn the_contract_finds_out_a_bus_that_breaks_it() {
         "drops the oldest and counts",
         "answers a request",
         "ends a call at its deadline",
+        "tells and waits for no answer",
     ] {
         assert!(cases.contains(&case), "{case} is not among {cases:?}");
     }
@@ -102,7 +128,7 @@ fn one_bell_rings_for_several_subscriptions() {
     let publishing = std::thread::spawn(move || {
         let origin = Origin::new("Elsewhere", 1);
         std::thread::sleep(Duration::from_millis(50));
-        let mut publisher = bus.publisher("b", &origin, "").unwrap();
+        let mut publisher = bus.publisher("b", &origin, "", Sending::default()).unwrap();
         publisher.publish(0, Payload::of(Datum::Int(1))).unwrap();
     });
     assert!(bell.wait(Duration::from_secs(10)));
@@ -118,7 +144,9 @@ fn payloads_are_shared_not_copied() {
         .subscribe(&Pattern::all(), Queue::Latest, Arc::new(Bell::new()))
         .unwrap();
     let sample: Arc<dyn datum::Sample> = Arc::new(Datum::text("a big map"));
-    let mut publisher = bus.publisher("map", &Origin::new("Maps", 1), "").unwrap();
+    let mut publisher = bus
+        .publisher("map", &Origin::new("Maps", 1), "", Sending::default())
+        .unwrap();
     publisher
         .publish(0, Payload::Sample(Arc::clone(&sample)))
         .unwrap();

@@ -4,7 +4,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use bus::{
-    Bell, Bus, BusError, Origin, Overflow, Pattern, Payload, Publisher, Queue, Subscription,
+    Bell, Bus, BusError, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending,
+    Subscription,
 };
 use datum::{DatumError, Problem, Sample};
 
@@ -103,7 +104,7 @@ fn publish(
     let origin = Origin::new(Arc::clone(&unit.name), incarnation);
     let output = &mut unit.body.outputs[output];
     let type_name = output.schema().name.clone();
-    let publisher = bus.publisher(topic, &origin, &type_name)?;
+    let publisher = bus.publisher(topic, &origin, &type_name, Sending::default())?;
     output.join(
         Box::new(BusSender(publisher)),
         Link::to_bus(format!("bus topic {topic}")),

@@ -6,7 +6,7 @@ mod common;
 use std::sync::Arc;
 use std::time::Duration;
 
-use bus::{Bell, Bus, Local, Origin, Overflow, Pattern, Payload, Queue, Subscription};
+use bus::{Bell, Bus, Local, Origin, Overflow, Pattern, Payload, Queue, Sending, Subscription};
 use common::{Number, Words, behaviour, counter, number};
 use component::{
     Activity, Component, Event, Interface, Log, OnStale, Policy, Run, Span, System, Time,
@@ -90,7 +90,12 @@ fn what_others_publish_comes_in_typed_or_encoded_and_what_does_not_fit_is_counte
     run.transition("Counter", component::Transition::Stop)
         .unwrap();
     let mut elsewhere = bus
-        .publisher("numbers", &Origin::new("Elsewhere", 8), "test/Number")
+        .publisher(
+            "numbers",
+            &Origin::new("Elsewhere", 8),
+            "test/Number",
+            Sending::default(),
+        )
         .unwrap();
     let encoded = |value: Datum| Payload::Bytes {
         codec: Codec::Json,
@@ -138,7 +143,12 @@ fn what_comes_in_is_kept_by_the_subscribers_policy() {
     system.attach(&bus, 7).unwrap();
     let mut run = system.simulate();
     let mut elsewhere = bus
-        .publisher("numbers", &Origin::new("Elsewhere", 8), "test/Number")
+        .publisher(
+            "numbers",
+            &Origin::new("Elsewhere", 8),
+            "test/Number",
+            Sending::default(),
+        )
         .unwrap();
     for n in 1..=3 {
         elsewhere.publish(0, Payload::of(number(n))).unwrap();

@@ -3,6 +3,7 @@
 use std::io::{self, Read, Write};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
 use std::process::Child;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::files::{Files, PASSWORD, USER};
@@ -15,7 +16,8 @@ const START: Duration = Duration::from_secs(90);
 pub struct Broker {
     pub(crate) ports: Ports,
     pub(crate) files: Files,
-    server: Child,
+    /// Another after each [`revive`](Self::revive).
+    server: Mutex<Child>,
     epmd: Child,
     reaper: Child,
 }
@@ -56,14 +58,12 @@ pub enum BrokerError {
 impl Ports {
     fn free() -> io::Result<Self> {
         // Held together, so that they differ.
-        let held = [(); 3].map(|()| TcpListener::bind((Ipv4Addr::LOCALHOST, 0)));
-        let [amqp, distribution, epmd] = held.map(|listener| Ok(listener?.local_addr()?.port()));
-        let (amqp, distribution, epmd): (io::Result<u16>, io::Result<u16>, io::Result<u16>) =
-            (amqp, distribution, epmd);
+        let bind = || TcpListener::bind((Ipv4Addr::LOCALHOST, 0));
+        let (amqp, distribution, epmd) = (bind()?, bind()?, bind()?);
         Ok(Self {
-            amqp: amqp?,
-            distribution: distribution?,
-            epmd: epmd?,
+            amqp: amqp.local_addr()?.port(),
+            distribution: distribution.local_addr()?.port(),
+            epmd: epmd.local_addr()?.port(),
         })
     }
 }
@@ -87,7 +87,7 @@ impl Broker {
         let broker = Self {
             ports,
             files,
-            server,
+            server: Mutex::new(server),
             epmd,
             reaper,
         };
@@ -112,16 +112,17 @@ impl Broker {
     }
 
     /// Kills it, as a power failure would.
-    pub fn kill(&mut self) -> Result<(), BrokerError> {
-        self.server.kill()?;
-        self.server.wait()?;
+    pub fn kill(&self) -> Result<(), BrokerError> {
+        let mut server = self.server();
+        server.kill()?;
+        server.wait()?;
         Ok(())
     }
 
     /// Starts it again where it was killed, with what it has on disk.
-    pub fn revive(&mut self) -> Result<(), BrokerError> {
-        if self.server.try_wait()?.is_some() {
-            self.server = process::server(&self.files, self.ports)?;
+    pub fn revive(&self) -> Result<(), BrokerError> {
+        if !self.is_running()? {
+            *self.server() = process::server(&self.files, self.ports)?;
             self.write_pids()?;
         }
         self.wait_until_up()
@@ -129,18 +130,18 @@ impl Broker {
 
     /// Stops its process where it stands, connections open: a peer that has gone mute.
     pub fn freeze(&self) -> Result<(), BrokerError> {
-        Ok(process::signal("-STOP", &self.server)?)
+        Ok(process::signal("-STOP", &self.server())?)
     }
 
     /// Lets a frozen broker go on.
     pub fn thaw(&self) -> Result<(), BrokerError> {
-        Ok(process::signal("-CONT", &self.server)?)
+        Ok(process::signal("-CONT", &self.server())?)
     }
 
     /// The broker as it should be, whatever a test has left of it.
-    pub(crate) fn mend(&mut self) -> Result<(), BrokerError> {
+    pub(crate) fn mend(&self) -> Result<(), BrokerError> {
         self.thaw()?;
-        if self.server.try_wait()?.is_none() {
+        if self.is_running()? {
             self.start_app()?;
             self.clear_alarm()?;
         }
@@ -161,6 +162,14 @@ impl Broker {
         Ok(())
     }
 
+    fn is_running(&self) -> io::Result<bool> {
+        Ok(self.server().try_wait()?.is_none())
+    }
+
+    fn server(&self) -> MutexGuard<'_, Child> {
+        self.server.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn greets(&self) -> bool {
         let second = Duration::from_secs(1);
         let greeted = || {
@@ -174,7 +183,7 @@ impl Broker {
 
     /// For the reaper.
     fn write_pids(&self) -> io::Result<()> {
-        let pids = format!("{} {}\n", self.server.id(), self.epmd.id());
+        let pids = format!("{} {}\n", self.server().id(), self.epmd.id());
         std::fs::write(self.files.path("pids"), pids)
     }
 }

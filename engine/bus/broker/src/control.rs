@@ -86,13 +86,4 @@ impl Broker {
     pub fn clear_alarm(&self) -> Result<(), BrokerError> {
         self.command(&format!("rabbit_alarm:clear_alarm({ALARM})"))
     }
-
-    /// How many clients are connected.
-    pub fn connections(&self) -> Result<usize, BrokerError> {
-        let count = self.evaluate("length(rabbit_networking:connections())")?;
-        count.parse().map_err(|_| BrokerError::Refused {
-            command: "connections".to_owned(),
-            answer: count,
-        })
-    }
 }

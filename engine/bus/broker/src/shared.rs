@@ -1,7 +1,7 @@
 //! One broker for a test run: shared by those who leave it alone, held alone by those who break it.
 
 use std::io::Write;
-use std::ops::{Deref, DerefMut};
+use std::ops::Deref;
 use std::sync::{Once, OnceLock, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 use crate::Broker;
@@ -70,12 +70,6 @@ impl Deref for Alone {
 
     fn deref(&self) -> &Broker {
         &self.0
-    }
-}
-
-impl DerefMut for Alone {
-    fn deref_mut(&mut self) -> &mut Broker {
-        &mut self.0
     }
 }
 

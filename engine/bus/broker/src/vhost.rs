@@ -65,6 +65,18 @@ impl Vhost<'_> {
             .map(drop)
     }
 
+    /// How many connections it has.
+    pub fn connections(&self) -> Result<usize, BrokerError> {
+        let vhost = &self.name;
+        let command = format!(
+            "length([1 || [{{vhost, V}}] <- rabbit_networking:connection_info_all([vhost]), V == <<\"{vhost}\">>])"
+        );
+        let answer = self.broker.evaluate(&command)?;
+        answer
+            .parse()
+            .map_err(|_| BrokerError::Refused { command, answer })
+    }
+
     /// The names of its queues.
     pub fn queues(&self) -> Result<Vec<String>, BrokerError> {
         let vhost = &self.name;

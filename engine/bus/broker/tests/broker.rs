@@ -16,15 +16,15 @@ fn it_obeys_and_keeps_tests_apart() {
 #[test]
 fn it_is_mended_after_each_fault() {
     for fault in [
-        (|broker| broker.kill().unwrap()) as fn(&mut broker::Broker),
+        (|broker| broker.kill().unwrap()) as fn(&broker::Broker),
         |broker| broker.stop_app().unwrap(),
         |broker| broker.raise_alarm().unwrap(),
         |broker| broker.freeze().unwrap(),
     ] {
-        let Some(mut broker) = broker::alone() else {
+        let Some(broker) = broker::alone() else {
             return;
         };
-        fault(&mut broker);
+        fault(&broker);
         drop(broker);
         let broker = broker::calm().unwrap();
         assert_eq!(broker.evaluate("rabbit_alarm:get_alarms()").unwrap(), "[]");

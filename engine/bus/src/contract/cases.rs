@@ -1,5 +1,6 @@
 //! The cases of the contract.
 
+use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -7,7 +8,7 @@ use datum::{Codec, Datum};
 
 use crate::{
     Bell, Bus, BusError, CallFailure, Envelope, Origin, Overflow, Pattern, Payload, Pending,
-    Publisher, Queue, Refusal, Serving, Subscription,
+    Publisher, Queue, Refusal, Request, Sending, Serving, Subscription,
 };
 
 /// A case: a bus and a name of its own in; what went wrong out.
@@ -40,6 +41,12 @@ pub(super) const CASES: &[(&str, Case)] = &[
     ("has one server at an address", one_server),
     ("bounds the requests that wait", bounds_requests),
     ("drops requests that nobody waits for", drops_expired),
+    ("takes a call back", takes_back),
+    ("tells and waits for no answer", tells),
+    ("calls back", calls_back),
+    ("carries a trace", carries_trace),
+    ("confirms what it is to confirm", confirms),
+    ("is well", is_well),
 ];
 
 /// Long enough for a message to cross any bus.
@@ -61,7 +68,16 @@ fn origin() -> Origin {
 }
 
 fn publisher(bus: &dyn Bus, topic: &str) -> Result<Box<dyn Publisher>, String> {
-    bus.publisher(topic, &origin(), "test/Number").map_err(said)
+    publisher_of(bus, topic, Sending::default())
+}
+
+fn publisher_of(
+    bus: &dyn Bus,
+    topic: &str,
+    sending: Sending,
+) -> Result<Box<dyn Publisher>, String> {
+    bus.publisher(topic, &origin(), "test/Number", sending)
+        .map_err(said)
 }
 
 fn subscribe(bus: &dyn Bus, pattern: &str, queue: Queue) -> Result<Subscription, String> {
@@ -282,9 +298,12 @@ fn serve(bus: &dyn Bus, address: &str, size: usize) -> Result<Serving, String> {
 }
 
 fn call(bus: &dyn Bus, address: &str, n: i64, timeout: Duration) -> Result<Pending, String> {
-    let argument = Payload::of(Datum::Int(n));
-    bus.call(address, &origin(), argument, timeout, Arc::new(Bell::new()))
+    bus.call(address, request(n, timeout), Arc::new(Bell::new()))
         .map_err(said)
+}
+
+fn request(n: i64, timeout: Duration) -> Request {
+    Request::new(origin(), Payload::of(Datum::Int(n)), timeout)
 }
 
 /// The end of a call, as something to compare.
@@ -397,4 +416,80 @@ fn drops_expired(bus: &dyn Bus, name: &str) -> Result<(), String> {
         None => Ok(()),
         Some(call) => Err(format!("an expired request was handed out: {call:?}")),
     }
+}
+
+fn takes_back(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let serving = serve(bus, name, 8)?;
+    let pending = call(bus, name, 1, CROSSING)?;
+    let begun = next_call(&serving)?;
+    pending.cancel();
+    expect(end(pending), Err(CallFailure::Cancelled))?;
+    let until = Instant::now() + CROSSING;
+    while begun.is_awaited() {
+        if Instant::now() > until {
+            return Err("the server never learnt that nobody waits".to_owned());
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    Ok(())
+}
+
+fn tells(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let tell = |n| {
+        bus.tell(name, request(n, CROSSING), Arc::new(Bell::new()))
+            .map_err(said)
+    };
+    expect(end(tell(0)?), Err(CallFailure::Unavailable))?;
+    let serving = serve(bus, name, 8)?;
+    expect(end(tell(1)?), Ok(None))?;
+    let call = next_call(&serving)?;
+    expect(call.is_one_way(), true)?;
+    // Who does not ask what became of it has still told it.
+    drop(tell(2)?);
+    let told = next_call(&serving)?.argument.to_datum();
+    expect(told.ok().and_then(|datum| datum.as_int()), Some(2))
+}
+
+fn calls_back(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let back = below(name, "back");
+    let (serving, hearing) = (serve(bus, name, 8)?, serve(bus, &back, 8)?);
+    let request = request(1, CROSSING).with_callback(&*back);
+    let pending = bus
+        .call(name, request, Arc::new(Bell::new()))
+        .map_err(said)?;
+    let call = next_call(&serving)?;
+    let callback = call.callback.clone().ok_or("no callback came")?;
+    call.reply(Ok(Payload::of(Datum::Int(2))));
+    expect(end(pending), Ok(Some(2)))?;
+    let later = self::request(3, CROSSING);
+    let told = bus
+        .tell(&callback, later, Arc::new(Bell::new()))
+        .map_err(said)?;
+    expect(end(told), Ok(None))?;
+    let heard = next_call(&hearing)?.argument.to_datum();
+    expect(heard.ok().and_then(|datum| datum.as_int()), Some(3))
+}
+
+fn carries_trace(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let subscription = subscribe(bus, name, EVERY)?;
+    let trace: Arc<str> = "00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01".into();
+    publisher(bus, name)?
+        .publish_within(0, Payload::of(Datum::Int(1)), Some(Arc::clone(&trace)))
+        .map_err(said)?;
+    expect(next(&subscription)?.trace, Some(trace))
+}
+
+fn confirms(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let subscription = subscribe(bus, name, EVERY)?;
+    let sending = Sending::events(NonZeroUsize::MIN.saturating_add(999));
+    let mut publisher = publisher_of(bus, name, sending)?;
+    send(&mut *publisher, 0..300)?;
+    expect(bus.drain(CROSSING), true)?;
+    let sent = publisher.sent();
+    expect((sent.published, sent.arrived, sent.open()), (300, 300, 0))?;
+    expect(receive(&subscription, 300)?, (0..300).collect())
+}
+
+fn is_well(bus: &dyn Bus, _: &str) -> Result<(), String> {
+    expect(bus.health().is_up(), true)
 }

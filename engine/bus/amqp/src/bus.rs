@@ -1,0 +1,247 @@
+//! The face of the bus: synchronous, handing over to tasks in a thread of its own.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::sync_channel;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use bus::{
+    Bell, Bus, BusError, Health, Inlet, Origin, Pattern, Pending, Publisher, Queue, Request,
+    Sending, Serving, Subscription,
+};
+use tokio::runtime::{Builder, Handle};
+use tokio::sync::oneshot;
+
+use crate::channel::Broken;
+use crate::link::{self, Link};
+use crate::names::{Names, short};
+use crate::publisher::{self, AmqpPublisher, Lane};
+use crate::service::Services;
+use crate::wire::Author;
+use crate::{Settings, subscriber};
+
+/// Tells lives of one process apart.
+static LIVES: AtomicU64 = AtomicU64::new(1);
+
+/// The bus over RabbitMQ. Dropping it sends what is under way, for a while, and closes its connections.
+pub struct AmqpBus {
+    link: Arc<Link>,
+    names: Names,
+    /// Unique among all buses there are.
+    life: String,
+    /// Numbers publishers and subscriptions.
+    number: AtomicU64,
+    lanes: Mutex<Vec<Weak<Lane>>>,
+    services: Services,
+    tasks: Handle,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl AmqpBus {
+    /// A bus that begins to connect, and keeps doing so: see its [`health`](Bus::health).
+    pub fn open(settings: Settings) -> Result<Self, BusError> {
+        for name in [&settings.process, &settings.services(), &settings.vhost] {
+            // The longest name made of it is a queue's, which is cut.
+            short(name, &format!("{name} (publishers)"))?;
+        }
+        let disconnected = |error: std::io::Error| BusError::Disconnected {
+            reason: error.to_string(),
+        };
+        let runtime = Builder::new_current_thread()
+            .enable_all()
+            .build()
+            .map_err(disconnected)?;
+        let life = life();
+        let client = format!("{}.{life}", settings.process);
+        let names = Names::new(settings.robot.clone(), client);
+        let link = Arc::new(Link::new(settings));
+        let tasks = runtime.handle().clone();
+        let supervisor = link::supervise(Arc::clone(&link));
+        let thread = std::thread::Builder::new()
+            .name("amqp".to_owned())
+            .spawn(move || runtime.block_on(supervisor))
+            .map_err(disconnected)?;
+        let services = Services::new(
+            Arc::clone(&link),
+            names.clone(),
+            life.clone(),
+            tasks.clone(),
+        );
+        Ok(Self {
+            link,
+            names,
+            life,
+            number: AtomicU64::new(1),
+            lanes: Mutex::default(),
+            services,
+            tasks,
+            thread: Some(thread),
+        })
+    }
+
+    /// A bus that is connected, or why it is not within so long. A wrong password is known at once.
+    pub fn connect(settings: Settings, within: Duration) -> Result<Self, BusError> {
+        let bus = Self::open(settings)?;
+        let bell = Arc::new(Bell::new());
+        bus.watch(&bell);
+        let until = Instant::now() + within;
+        loop {
+            let reason = match bus.health().link {
+                bus::Link::Up => return Ok(bus),
+                bus::Link::Blocked { reason } | bus::Link::Down { reason } => reason,
+            };
+            if let Some(reason) = reason.strip_prefix("refused: ") {
+                let reason = reason.to_owned();
+                return Err(BusError::Refused { reason });
+            }
+            let left = until.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                let reason = reason.to_string();
+                return Err(BusError::Disconnected { reason });
+            }
+            bell.wait(left);
+        }
+    }
+
+    fn next_number(&self) -> u64 {
+        self.number.fetch_add(1, Ordering::Relaxed)
+    }
+}
+
+/// When and where: no other bus has it.
+fn life() -> String {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH);
+    let nanos = now.unwrap_or_default().as_nanos();
+    let count = LIVES.fetch_add(1, Ordering::Relaxed);
+    format!("{nanos:x}-{:x}-{count:x}", std::process::id())
+}
+
+impl Bus for AmqpBus {
+    fn publisher(
+        &self,
+        topic: &str,
+        origin: &Origin,
+        type_name: &str,
+        sending: Sending,
+    ) -> Result<Box<dyn Publisher>, BusError> {
+        let key = self.names.key(topic)?;
+        short(type_name, type_name)?;
+        let lane = Lane::new(sending);
+        let settings = &self.link.settings;
+        let task = publisher::Task {
+            link: Arc::clone(&self.link),
+            lane: Arc::clone(&lane),
+            key,
+            author: Author {
+                source: Arc::clone(&origin.source),
+                incarnation: origin.incarnation,
+                stream: format!("{}.{}", self.life, self.next_number()),
+                clock: settings.clock.clone(),
+                user: settings.credentials.user().to_owned(),
+                type_name: type_name.to_owned(),
+                persistent: sending.assurance == bus::Assurance::Confirmed,
+                codec: sending.codec,
+            },
+        };
+        let mut lanes = self.lanes.lock().unwrap_or_else(PoisonError::into_inner);
+        lanes.retain(|lane| lane.strong_count() > 0);
+        lanes.push(Arc::downgrade(&lane));
+        drop(lanes);
+        self.link.spawn(&self.tasks, task.run());
+        Ok(Box::new(AmqpPublisher {
+            link: Arc::clone(&self.link),
+            lane,
+            sequence: 0,
+        }))
+    }
+
+    /// Returns when the broker has the queue; without a broker at once, and the queue is made when there is one.
+    fn subscribe(
+        &self,
+        pattern: &Pattern,
+        queue: Queue,
+        bell: Arc<Bell>,
+    ) -> Result<Subscription, BusError> {
+        let binding = self.names.binding(pattern)?;
+        let inlet = Inlet::new(queue, bell);
+        let (leaving, leave) = oneshot::channel();
+        let (ready, told) = sync_channel(1);
+        let task = subscriber::Task {
+            link: Arc::clone(&self.link),
+            names: self.names.clone(),
+            pattern: pattern.clone(),
+            binding,
+            queue: self.names.queue(self.next_number(), pattern),
+            policy: queue,
+            inlet: inlet.clone(),
+            leave,
+            ready: Some(ready),
+        };
+        let is_open = self.link.is_open();
+        self.link.spawn(&self.tasks, task.run());
+        if is_open
+            && let Ok(Err(Broken::Closed { reason, .. })) =
+                told.recv_timeout(self.link.settings.timing.connect)
+        {
+            return Err(BusError::Refused { reason });
+        }
+        Ok(inlet.subscription(move || {
+            // A task that has ended needs not be told.
+            let _ = leaving.send(());
+        }))
+    }
+
+    /// Returns when the broker has the queue of requests; without a broker at once, and it is made when there is one.
+    fn serve(&self, address: &str, size: usize, bell: Arc<Bell>) -> Result<Serving, BusError> {
+        self.services.serve(address, size, bell)
+    }
+
+    fn call(&self, address: &str, request: Request, bell: Arc<Bell>) -> Result<Pending, BusError> {
+        self.services.call(address, request, bell)
+    }
+
+    fn tell(&self, address: &str, request: Request, bell: Arc<Bell>) -> Result<Pending, BusError> {
+        self.services.tell(address, request, bell)
+    }
+
+    fn health(&self) -> Health {
+        self.link.health()
+    }
+
+    fn watch(&self, bell: &Arc<Bell>) {
+        self.link.watch(bell);
+    }
+
+    fn drain(&self, at_most: Duration) -> bool {
+        let until = Instant::now() + at_most;
+        loop {
+            let lanes = self.lanes.lock().unwrap_or_else(PoisonError::into_inner);
+            let open = lanes
+                .iter()
+                .filter_map(Weak::upgrade)
+                .any(|lane| lane.open() > 0);
+            drop(lanes);
+            if !open {
+                return true;
+            }
+            if Instant::now() >= until {
+                return false;
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+}
+
+impl Drop for AmqpBus {
+    fn drop(&mut self) {
+        if self.link.is_open() {
+            self.drain(self.link.settings.timing.drain);
+        }
+        self.link.close();
+        if let Some(thread) = self.thread.take() {
+            // It runs none but our own code.
+            let _ = thread.join();
+        }
+    }
+}

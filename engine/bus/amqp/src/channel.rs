@@ -1,0 +1,118 @@
+//! A channel and what the broker says on it, in the order it says it.
+
+use amqprs::callbacks::ChannelCallback;
+use amqprs::channel::{BasicQosArguments, Channel};
+use amqprs::connection::Connection;
+use amqprs::{Ack, BasicProperties, Cancel, CloseChannel, Nack, Return};
+use async_trait::async_trait;
+use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
+
+/// What the client's calls end with.
+pub(crate) type Ends<T> = Result<T, amqprs::error::Error>;
+
+/// What the broker says on a channel of its own accord.
+#[derive(Debug)]
+pub(crate) enum Word {
+    /// It has this publication, and all before it if `multiple`.
+    Ack { tag: u64, multiple: bool },
+    /// It will not take it.
+    Nack { tag: u64, multiple: bool },
+    /// Nobody reads where this one was to go.
+    Returned { message: Option<String> },
+    /// A queue that we read is gone.
+    Cancelled,
+    /// It has closed the channel.
+    Closed { code: u16, reason: String },
+}
+
+/// What RabbitMQ closes a channel with when somebody else holds the queue alone.
+pub(crate) const LOCKED: u16 = 405;
+
+struct Ear(UnboundedSender<Word>);
+
+impl Ear {
+    /// Whoever does not listen any more has left the channel.
+    fn tell(&self, word: Word) {
+        let _ = self.0.send(word);
+    }
+}
+
+#[async_trait]
+impl ChannelCallback for Ear {
+    async fn close(&mut self, _: &Channel, close: CloseChannel) -> Ends<()> {
+        self.tell(Word::Closed {
+            code: close.reply_code(),
+            reason: close.reply_text().to_owned(),
+        });
+        Ok(())
+    }
+
+    async fn cancel(&mut self, _: &Channel, _: Cancel) -> Ends<()> {
+        self.tell(Word::Cancelled);
+        Ok(())
+    }
+
+    async fn flow(&mut self, _: &Channel, active: bool) -> Ends<bool> {
+        Ok(active)
+    }
+
+    async fn publish_ack(&mut self, _: &Channel, ack: Ack) {
+        self.tell(Word::Ack {
+            tag: ack.delivery_tag(),
+            multiple: ack.mutiple(),
+        });
+    }
+
+    async fn publish_nack(&mut self, _: &Channel, nack: Nack) {
+        self.tell(Word::Nack {
+            tag: nack.delivery_tag(),
+            multiple: nack.multiple(),
+        });
+    }
+
+    async fn publish_return(
+        &mut self,
+        _: &Channel,
+        _: Return,
+        properties: BasicProperties,
+        _: Vec<u8>,
+    ) {
+        self.tell(Word::Returned {
+            message: properties.message_id().cloned(),
+        });
+    }
+}
+
+/// Opens a channel and listens.
+pub(crate) async fn open(connection: &Connection) -> Ends<(Channel, UnboundedReceiver<Word>)> {
+    let channel = connection.open_channel(None).await?;
+    let (ear, words) = unbounded_channel();
+    channel.register_callback(Ear(ear)).await?;
+    Ok((channel, words))
+}
+
+/// Asks something harmless: its answer says that the broker has read everything before it on this channel.
+pub(crate) async fn barrier(channel: Channel) -> Ends<()> {
+    channel.basic_qos(BasicQosArguments::new(0, 0, false)).await
+}
+
+/// Why a call on the channel failed, in the broker's words if it had any.
+pub(crate) fn why(words: &mut UnboundedReceiver<Word>) -> Broken {
+    while let Ok(word) = words.try_recv() {
+        if let Word::Closed { code, reason } = word {
+            return Broken::Closed { code, reason };
+        }
+    }
+    Broken::Lost
+}
+
+/// Why a channel is of no use any more.
+#[derive(Debug, Clone)]
+pub(crate) enum Broken {
+    /// The broker closed it.
+    Closed { code: u16, reason: String },
+    /// A queue was taken away.
+    Cancelled,
+    /// The connection is gone.
+    Lost,
+}

@@ -1,0 +1,87 @@
+//! Names that AMQP can carry: at most 255 bytes. The client breaks at longer ones.
+
+use bus::{BusError, Pattern};
+
+/// What a short string of AMQP holds.
+pub(crate) const LONGEST: usize = 255;
+
+/// How names become keys: below the robot's, if there is one.
+#[derive(Debug, Clone)]
+pub(crate) struct Names {
+    robot: Option<String>,
+    /// Begins the name of every queue; no other client has it.
+    client: String,
+}
+
+impl Names {
+    pub(crate) fn new(robot: Option<String>, client: String) -> Self {
+        Self { robot, client }
+    }
+
+    /// The routing key of a topic, or the queue of an address.
+    pub(crate) fn key(&self, name: &str) -> Result<String, BusError> {
+        let key = match &self.robot {
+            Some(robot) => format!("{robot}.{name}"),
+            None => name.to_owned(),
+        };
+        short(name, &key)?;
+        Ok(key)
+    }
+
+    /// The binding key of a pattern.
+    pub(crate) fn binding(&self, pattern: &Pattern) -> Result<String, BusError> {
+        self.key(pattern.as_str())
+    }
+
+    /// The topic of a routing key: another robot's has its whole key.
+    pub(crate) fn topic<'a>(&self, key: &'a str) -> &'a str {
+        let robot = self.robot.as_deref();
+        let own = robot.and_then(|robot| key.strip_prefix(robot)?.strip_prefix('.'));
+        own.unwrap_or(key)
+    }
+
+    /// The name of a subscription's queue: whose it is, which of its lives, what it reads.
+    pub(crate) fn queue(&self, number: u64, pattern: &Pattern) -> String {
+        let mut name = format!("{}.{number}.{pattern}", self.client);
+        while name.len() > LONGEST {
+            name.pop();
+        }
+        name
+    }
+}
+
+/// Refuses what does not fit.
+pub(crate) fn short(name: &str, text: &str) -> Result<(), BusError> {
+    if text.len() <= LONGEST {
+        return Ok(());
+    }
+    Err(BusError::BadName {
+        name: name.to_owned(),
+        reason: format!("{} bytes, and AMQP has {LONGEST}", text.len()),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_below_the_robot_and_come_back_as_topics() {
+        let names = Names::new(Some("rover1".into()), "c".into());
+        assert_eq!(names.key("odom").unwrap(), "rover1.odom");
+        assert_eq!(names.topic("rover1.odom"), "odom");
+        assert_eq!(names.topic("rover10.odom"), "rover10.odom");
+        let tool = Names::new(None, "c".into());
+        assert_eq!(tool.key("rover1.odom").unwrap(), "rover1.odom");
+        assert_eq!(tool.topic("rover1.odom"), "rover1.odom");
+    }
+
+    #[test]
+    fn a_name_too_long_is_refused_and_a_queue_of_it_cut() {
+        let names = Names::new(Some("rover1".into()), "c".into());
+        assert!(names.key(&"x".repeat(248)).is_ok());
+        assert!(names.key(&"x".repeat(249)).is_err());
+        let pattern = Pattern::new("ü".repeat(200));
+        assert!(names.queue(1, &pattern).len() <= LONGEST);
+    }
+}

@@ -1,0 +1,61 @@
+//! What a bus has to say that no call returns: for a log.
+
+use std::fmt;
+
+/// An event in the life of a bus.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Notice {
+    /// Connected, with everything declared again.
+    Connected {
+        /// The broker's address.
+        broker: String,
+    },
+    /// No connection any more, or still none.
+    Disconnected {
+        /// Why.
+        reason: String,
+    },
+    /// The broker takes nothing from us.
+    Blocked,
+    /// It does again.
+    Unblocked,
+    /// The broker closed a channel, or took a queue away. It is made again.
+    Refused {
+        /// The topic, pattern or address.
+        what: String,
+        /// Why.
+        reason: String,
+    },
+    /// A message that cannot be read.
+    Unreadable {
+        /// Its topic or address.
+        what: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A message of ours that cannot be written.
+    Unwritable {
+        /// Its topic or address.
+        what: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+}
+
+impl fmt::Display for Notice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Connected { broker } => write!(f, "connected to {broker}"),
+            Self::Disconnected { reason } => write!(f, "no connection: {reason}"),
+            Self::Blocked => f.write_str("the broker takes no messages"),
+            Self::Unblocked => f.write_str("the broker takes messages again"),
+            Self::Refused { what, reason } => write!(f, "`{what}` was refused: {reason}"),
+            Self::Unreadable { what, reason } => {
+                write!(f, "a message on `{what}` cannot be read: {reason}")
+            }
+            Self::Unwritable { what, reason } => {
+                write!(f, "a message on `{what}` cannot be written: {reason}")
+            }
+        }
+    }
+}

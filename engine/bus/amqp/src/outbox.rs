@@ -1,0 +1,321 @@
+//! A publisher's outbox: what waits, what is under way, and what has become of the rest.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use amqprs::BasicProperties;
+use bus::{Assurance, Outage, Payload, Sending, Sent};
+
+/// How many messages may wait while the link is open: a burst, not an outage.
+const BURST: usize = 4096;
+/// How many messages may be under way.
+const WINDOW: usize = 512;
+/// How many bytes may be under way.
+const WINDOW_BYTES: usize = 2 << 20;
+
+/// A message of ours.
+pub(crate) struct Item {
+    pub sequence: u64,
+    pub stamp: i64,
+    pub payload: Payload,
+    pub trace: Option<Arc<str>>,
+}
+
+/// What a message has become once it is written; kept until it is known to have arrived.
+pub(crate) struct Written {
+    pub properties: Box<BasicProperties>,
+    pub bytes: Arc<[u8]>,
+}
+
+struct Underway {
+    tag: u64,
+    written: Written,
+}
+
+/// A publisher's outbox.
+pub(crate) struct Outbox {
+    sending: Sending,
+    waiting: VecDeque<Item>,
+    /// Written, and to be sent again before anything else.
+    again: VecDeque<Written>,
+    /// In the order of their tags.
+    underway: VecDeque<Underway>,
+    underway_bytes: usize,
+    /// How many go one by one, to find out which of them the broker refuses.
+    careful: usize,
+    pub sent: Sent,
+}
+
+/// The next thing to send.
+pub(crate) enum Next {
+    /// A message that has not been written yet.
+    Fresh(Item),
+    /// One that goes again.
+    Again(Written),
+}
+
+impl Outbox {
+    pub(crate) fn new(sending: Sending) -> Self {
+        Self {
+            sending,
+            waiting: VecDeque::new(),
+            again: VecDeque::new(),
+            underway: VecDeque::new(),
+            underway_bytes: 0,
+            careful: 0,
+            sent: Sent::default(),
+        }
+    }
+
+    pub(crate) fn is_confirmed(&self) -> bool {
+        self.sending.assurance == Assurance::Confirmed
+    }
+
+    /// Takes a message in, if the policy does. What is dropped is counted.
+    pub(crate) fn put(&mut self, item: Item, open: bool) -> bool {
+        self.sent.published += 1;
+        let kept = match self.sending.outage {
+            Outage::Drop | Outage::KeepLatest if open => BURST,
+            Outage::Drop => 0,
+            Outage::KeepLatest => 1,
+            Outage::Queue(size) if open => size.get().max(BURST),
+            Outage::Queue(size) => size.get(),
+        };
+        if self.waiting.len() < kept {
+            self.waiting.push_back(item);
+            return true;
+        }
+        self.sent.dropped += 1;
+        match self.sending.outage {
+            Outage::KeepLatest => {
+                self.waiting.pop_front();
+                self.waiting.push_back(item);
+                true
+            }
+            Outage::Drop | Outage::Queue(_) => false,
+        }
+    }
+
+    /// The link has closed: what must not wait for it goes.
+    pub(crate) fn close(&mut self) {
+        let kept = match self.sending.outage {
+            Outage::Drop => 0,
+            Outage::KeepLatest => 1,
+            Outage::Queue(_) => usize::MAX,
+        };
+        while self.waiting.len() > kept {
+            self.waiting.pop_front();
+            self.sent.dropped += 1;
+        }
+    }
+
+    /// The next to send, if there is room under way.
+    pub(crate) fn next(&mut self) -> Option<Next> {
+        let window = if self.careful > 0 { 1 } else { WINDOW };
+        if self.underway.len() >= window || self.underway_bytes > WINDOW_BYTES {
+            return None;
+        }
+        let again = self.again.pop_front().map(Next::Again);
+        again.or_else(|| self.waiting.pop_front().map(Next::Fresh))
+    }
+
+    /// Something was sent.
+    pub(crate) fn went(&mut self, tag: u64, written: Written) {
+        self.underway_bytes += written.bytes.len();
+        self.underway.push_back(Underway { tag, written });
+    }
+
+    /// Something could not be sent: it is the next again.
+    pub(crate) fn stayed(&mut self, written: Written) {
+        self.again.push_front(written);
+    }
+
+    /// These have arrived.
+    pub(crate) fn arrived(&mut self, tag: u64, multiple: bool) {
+        self.sent.arrived += self.settle(tag, multiple);
+    }
+
+    /// The broker will not have these. To send them again would put them behind others.
+    pub(crate) fn refused(&mut self, tag: u64, multiple: bool) {
+        self.sent.refused += self.settle(tag, multiple);
+    }
+
+    fn settle(&mut self, tag: u64, multiple: bool) -> u64 {
+        let from = self.underway.partition_point(|underway| underway.tag < tag);
+        let first = if multiple { 0 } else { from };
+        let last = from + usize::from(self.underway.get(from).is_some_and(|one| one.tag == tag));
+        let settled = self.underway.drain(first..last);
+        let mut count = 0;
+        for one in settled {
+            self.underway_bytes -= one.written.bytes.len();
+            count += 1;
+        }
+        self.careful = self.careful.saturating_sub(count);
+        count as u64
+    }
+
+    /// The channel is gone, and with it what is known of those under way. Confirmed ones go again, in order; of others
+    /// nobody knows. If the broker `refused` one of them, they go one by one; and one that went alone was it.
+    pub(crate) fn broke(&mut self, refused: bool) {
+        self.underway_bytes = 0;
+        let count = self.underway.len();
+        if !self.is_confirmed() {
+            self.underway.clear();
+            self.sent.lost += count as u64;
+            return;
+        }
+        if refused && count == 1 {
+            self.underway.clear();
+            self.sent.refused += 1;
+            self.careful = self.careful.saturating_sub(1);
+            return;
+        }
+        if refused {
+            self.careful = self.careful.max(count);
+        }
+        while let Some(one) = self.underway.pop_back() {
+            self.again.push_front(one.written);
+        }
+    }
+
+    /// A message that cannot be written.
+    pub(crate) fn unwritable(&mut self) {
+        self.sent.dropped += 1;
+    }
+
+    /// The bus is closed: nothing goes any more.
+    pub(crate) fn give_up(&mut self) {
+        self.broke(false);
+        let left = self.waiting.len() + self.again.len();
+        self.waiting.clear();
+        self.again.clear();
+        self.sent.dropped += left as u64;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::num::NonZeroUsize;
+
+    use datum::Datum;
+
+    use super::*;
+
+    fn item(sequence: u64) -> Item {
+        Item {
+            sequence,
+            stamp: 0,
+            payload: Payload::of(Datum::Null),
+            trace: None,
+        }
+    }
+
+    fn outbox(sending: Sending, messages: u64, open: bool) -> Outbox {
+        let mut outbox = Outbox::new(sending);
+        for sequence in 1..=messages {
+            outbox.put(item(sequence), open);
+        }
+        outbox
+    }
+
+    fn waiting(outbox: &Outbox) -> Vec<u64> {
+        outbox.waiting.iter().map(|item| item.sequence).collect()
+    }
+
+    fn send(outbox: &mut Outbox, tags: std::ops::RangeInclusive<u64>) {
+        for tag in tags {
+            let next = outbox.next().expect("there is room");
+            let written = match next {
+                Next::Again(written) => written,
+                Next::Fresh(item) => Written {
+                    properties: Box::default(),
+                    bytes: vec![0; item.sequence as usize].into(),
+                },
+            };
+            outbox.went(tag, written);
+        }
+    }
+
+    /// The sizes of those that go again name them.
+    fn again(outbox: &Outbox) -> Vec<usize> {
+        outbox.again.iter().map(|one| one.bytes.len()).collect()
+    }
+
+    fn events(size: usize) -> Sending {
+        Sending::events(NonZeroUsize::new(size).expect("a size"))
+    }
+
+    #[test]
+    fn each_outage_policy_keeps_what_it_says_and_counts_the_rest() {
+        for (sending, kept, dropped) in [
+            (Sending::default(), vec![], 5),
+            (Sending::state(), vec![5], 4),
+            (events(3), vec![1, 2, 3], 2),
+        ] {
+            let outbox = outbox(sending, 5, false);
+            assert_eq!((waiting(&outbox), outbox.sent.dropped), (kept, dropped));
+            assert_eq!(outbox.sent.published, 5);
+        }
+    }
+
+    #[test]
+    fn a_link_that_closes_leaves_what_the_policy_keeps() {
+        for (sending, kept) in [
+            (Sending::default(), vec![]),
+            (Sending::state(), vec![5]),
+            (events(3), vec![1, 2, 3, 4, 5]),
+        ] {
+            let mut outbox = outbox(sending, 5, true);
+            outbox.close();
+            assert_eq!(waiting(&outbox), kept);
+        }
+    }
+
+    #[test]
+    fn confirmed_messages_go_again_in_order_and_others_are_lost() {
+        let mut confirmed = outbox(events(9), 5, true);
+        send(&mut confirmed, 1..=4);
+        confirmed.arrived(2, false);
+        confirmed.broke(false);
+        assert_eq!(again(&confirmed), [1, 3, 4]);
+        assert_eq!((confirmed.sent.arrived, confirmed.sent.open()), (1, 4));
+        let mut once = outbox(Sending::default(), 5, true);
+        send(&mut once, 1..=4);
+        once.arrived(2, true);
+        once.broke(false);
+        assert_eq!(
+            (once.sent.arrived, once.sent.lost, once.sent.open()),
+            (2, 2, 1)
+        );
+    }
+
+    #[test]
+    fn the_one_that_is_refused_is_found_and_the_others_go() {
+        let mut outbox = outbox(events(9), 3, true);
+        send(&mut outbox, 1..=3);
+        outbox.broke(true);
+        send(&mut outbox, 1..=1);
+        assert!(outbox.next().is_none(), "one by one");
+        outbox.arrived(1, false);
+        send(&mut outbox, 2..=2);
+        outbox.broke(true);
+        assert_eq!((outbox.sent.refused, again(&outbox)), (1, vec![3]));
+    }
+
+    #[test]
+    fn what_is_under_way_is_bounded_in_number_and_in_bytes() {
+        let mut many = outbox(events(9), 2 * WINDOW as u64, true);
+        send(&mut many, 1..=WINDOW as u64);
+        assert!(many.next().is_none());
+        many.arrived(1, false);
+        assert!(many.next().is_some());
+        let mut big = outbox(events(9), 2, true);
+        big.next();
+        let written = Written {
+            properties: Box::default(),
+            bytes: vec![0; WINDOW_BYTES + 1].into(),
+        };
+        big.went(1, written);
+        assert!(big.next().is_none());
+    }
+}

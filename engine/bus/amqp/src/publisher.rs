@@ -1,0 +1,294 @@
+//! A publisher: its handle in the component's thread, and its task, which owns a channel.
+//!
+//! What is known to have arrived is known in one of two ways. Confirmed messages are each confirmed by the broker. Others
+//! have a barrier behind them now and then: a question on the same channel, whose answer says that all before it was
+//! read. Either way no more is under way than the outbox's window.
+
+use std::pin::Pin;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use amqprs::channel::{BasicPublishArguments, Channel, ConfirmSelectArguments};
+use bus::{BusError, Payload, Publisher, Sending, Sent};
+use tokio::sync::Notify;
+use tokio::sync::mpsc::UnboundedReceiver;
+use tokio::time::{Instant, sleep, sleep_until};
+
+use crate::Notice;
+use crate::channel::{self, Broken, Ends, Word};
+use crate::link::{Link, Pair};
+use crate::outbox::{Item, Next, Outbox, Written};
+use crate::wire::Author;
+
+/// A barrier is set behind so many messages,
+const BARRIER: u64 = 256;
+/// or after so long.
+const BARRIER_AFTER: Duration = Duration::from_millis(250);
+/// How long to let a refused channel be.
+const REFUSED_REST: Duration = Duration::from_millis(200);
+
+/// What a publisher's handle and its task share.
+pub(crate) struct Lane {
+    outbox: Mutex<Outbox>,
+    /// There is something to send, or nobody to send it any more.
+    wake: Notify,
+    /// The handle is gone.
+    left: AtomicBool,
+}
+
+impl Lane {
+    pub(crate) fn new(sending: Sending) -> Arc<Self> {
+        Arc::new(Self {
+            outbox: Mutex::new(Outbox::new(sending)),
+            wake: Notify::new(),
+            left: AtomicBool::new(false),
+        })
+    }
+
+    fn outbox(&self) -> MutexGuard<'_, Outbox> {
+        self.outbox.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// How many messages still wait or are under way.
+    pub(crate) fn open(&self) -> u64 {
+        self.outbox().sent.open()
+    }
+}
+
+/// The handle.
+pub(crate) struct AmqpPublisher {
+    pub link: Arc<Link>,
+    pub lane: Arc<Lane>,
+    pub sequence: u64,
+}
+
+impl Publisher for AmqpPublisher {
+    fn publish_within(
+        &mut self,
+        stamp: i64,
+        payload: Payload,
+        trace: Option<Arc<str>>,
+    ) -> Result<(), BusError> {
+        self.sequence += 1;
+        let item = Item {
+            sequence: self.sequence,
+            stamp,
+            payload,
+            trace,
+        };
+        if !self.lane.outbox().put(item, self.link.is_open()) {
+            let reason = match self.link.health().link {
+                bus::Link::Up => "more comes than goes".to_owned(),
+                bus::Link::Blocked { reason } | bus::Link::Down { reason } => reason.to_string(),
+            };
+            return Err(BusError::Disconnected { reason });
+        }
+        self.lane.wake.notify_one();
+        Ok(())
+    }
+
+    fn sent(&self) -> Sent {
+        self.lane.outbox().sent
+    }
+}
+
+impl Drop for AmqpPublisher {
+    fn drop(&mut self) {
+        self.lane.left.store(true, Ordering::Release);
+        self.lane.wake.notify_one();
+    }
+}
+
+/// The task.
+pub(crate) struct Task {
+    pub link: Arc<Link>,
+    pub lane: Arc<Lane>,
+    pub key: String,
+    pub author: Author,
+}
+
+/// What a session on one channel keeps.
+struct Session {
+    channel: Channel,
+    words: UnboundedReceiver<Word>,
+    confirmed: bool,
+    /// The tag of the last publication. The broker counts them from 1 on each channel, and so do we.
+    tag: u64,
+    /// The last tag that a barrier covers.
+    covered: u64,
+    /// When those after it shall have a barrier behind them.
+    barrier_due: Instant,
+    barrier: Option<Pin<Box<dyn Future<Output = Ends<()>> + Send>>>,
+}
+
+impl Task {
+    pub(crate) async fn run(self) {
+        while let Some(pair) = self.link.pair().await {
+            let end = tokio::select! {
+                end = self.session(&pair) => end,
+                () = self.link.gone(&pair) => Err(Broken::Lost),
+                () = self.link.closing() => break,
+            };
+            match end {
+                Ok(()) => return,
+                Err(Broken::Closed { reason, .. }) => {
+                    self.lane.outbox().broke(true);
+                    let what = self.key.clone();
+                    self.link.note(Notice::Refused { what, reason });
+                    sleep(REFUSED_REST).await;
+                }
+                Err(Broken::Cancelled | Broken::Lost) => {
+                    self.lane.outbox().broke(false);
+                    self.lane.outbox().close();
+                    // The supervisor may need a moment to see it too.
+                    sleep(Duration::from_millis(10)).await;
+                }
+            }
+        }
+        self.lane.outbox().give_up();
+    }
+
+    /// Publishes on one channel until the handle is gone and everything has arrived.
+    async fn session(&self, pair: &Pair) -> Result<(), Broken> {
+        let confirmed = self.lane.outbox().is_confirmed();
+        let mut session = Session::open(pair, confirmed).await?;
+        let mut state = self.link.state();
+        loop {
+            if state.borrow_and_update().open().is_some() {
+                self.send(&mut session).await?;
+            } else {
+                self.lane.outbox().close();
+            }
+            if self.lane.left.load(Ordering::Acquire) && self.lane.open() == 0 {
+                // A channel that does not close is closed with its connection.
+                let _ = session.channel.close().await;
+                return Ok(());
+            }
+            tokio::select! {
+                word = session.words.recv() => self.hear(word, &mut session)?,
+                end = pending_or(&mut session.barrier) => self.pass(end, &mut session)?,
+                () = self.lane.wake.notified() => {}
+                _ = state.changed() => {}
+                () = sleep_until(session.barrier_due), if session.may_set_barrier() => {
+                    session.set_barrier();
+                }
+            }
+        }
+    }
+
+    /// Sends what there is room for.
+    async fn send(&self, session: &mut Session) -> Result<(), Broken> {
+        loop {
+            let next = self.lane.outbox().next();
+            let written = match next {
+                Some(Next::Again(written)) => written,
+                Some(Next::Fresh(item)) => match self.write(&item) {
+                    Ok(written) => written,
+                    Err(reason) => {
+                        self.lane.outbox().unwritable();
+                        let what = self.key.clone();
+                        self.link.note(Notice::Unwritable { what, reason });
+                        continue;
+                    }
+                },
+                None => return Ok(()),
+            };
+            if !session.channel.is_open() {
+                // The client would say that it went.
+                self.lane.outbox().stayed(written);
+                return Err(session.why_closed());
+            }
+            let mut arguments = BasicPublishArguments::new(&self.link.settings.exchange, &self.key);
+            arguments.mandatory(session.confirmed);
+            let (properties, bytes) = (*written.properties.clone(), written.bytes.to_vec());
+            if session.tag == session.covered {
+                session.barrier_due = Instant::now() + BARRIER_AFTER;
+            }
+            session.tag += 1;
+            self.lane.outbox().went(session.tag, written);
+            (session.channel)
+                .basic_publish(properties, bytes, arguments)
+                .await
+                .map_err(|_| channel::why(&mut session.words))?;
+            if session.may_set_barrier() && session.tag >= session.covered + BARRIER {
+                session.set_barrier();
+            }
+        }
+    }
+
+    fn write(&self, item: &Item) -> Result<Written, String> {
+        let bytes = (item.payload)
+            .encode(self.author.codec)
+            .map_err(|error| error.to_string())?;
+        let properties = self
+            .author
+            .properties(item.sequence, item.stamp, item.trace.as_deref());
+        let properties = Box::new(properties);
+        Ok(Written { properties, bytes })
+    }
+
+    fn hear(&self, word: Option<Word>, session: &mut Session) -> Result<(), Broken> {
+        let mut outbox = self.lane.outbox();
+        match word {
+            Some(Word::Ack { tag, multiple }) => outbox.arrived(tag, multiple),
+            Some(Word::Nack { tag, multiple }) => outbox.refused(tag, multiple),
+            Some(Word::Returned { .. }) => outbox.sent.unheard += 1,
+            Some(Word::Cancelled) => {}
+            Some(Word::Closed { code, reason }) => return Err(Broken::Closed { code, reason }),
+            None => return Err(session.why_closed()),
+        }
+        Ok(())
+    }
+
+    /// A barrier was answered: all before it has arrived.
+    fn pass(&self, end: Ends<()>, session: &mut Session) -> Result<(), Broken> {
+        session.barrier = None;
+        end.map_err(|_| channel::why(&mut session.words))?;
+        self.lane.outbox().arrived(session.covered, true);
+        Ok(())
+    }
+}
+
+impl Session {
+    async fn open(pair: &Pair, confirmed: bool) -> Result<Self, Broken> {
+        let lost = |_| Broken::Lost;
+        let (channel, words) = channel::open(&pair.publishers).await.map_err(lost)?;
+        if confirmed {
+            channel
+                .confirm_select(ConfirmSelectArguments::new(false))
+                .await
+                .map_err(lost)?;
+        }
+        Ok(Self {
+            channel,
+            words,
+            confirmed,
+            tag: 0,
+            covered: 0,
+            barrier_due: Instant::now(),
+            barrier: None,
+        })
+    }
+
+    /// Whether there are messages that nothing will tell of.
+    fn may_set_barrier(&self) -> bool {
+        !self.confirmed && self.barrier.is_none() && self.tag > self.covered
+    }
+
+    fn set_barrier(&mut self) {
+        self.covered = self.tag;
+        self.barrier = Some(Box::pin(channel::barrier(self.channel.clone())));
+    }
+
+    fn why_closed(&mut self) -> Broken {
+        channel::why(&mut self.words)
+    }
+}
+
+async fn pending_or<T>(future: &mut Option<Pin<Box<dyn Future<Output = T> + Send>>>) -> T {
+    match future {
+        Some(future) => future.await,
+        None => std::future::pending().await,
+    }
+}

@@ -1,0 +1,169 @@
+//! Services: requests to an address, answered once, by their deadline or not at all.
+//!
+//! A request goes through the direct exchange to the queue of its address, mandatory: where nobody serves, the broker
+//! returns it at once. The answer comes over RabbitMQ's direct reply-to. While a call is open its caller asks now and
+//! then whether it is still known; a provider that is gone or has forgotten it ends the call before its deadline. When
+//! the link breaks, open calls are sent again with their ids, and providers execute an id once.
+
+mod caller;
+mod message;
+mod provider;
+
+use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::sync_channel;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use bus::{Bell, BusError, CallFailure, Desk, Pending, Request, Serving};
+use tokio::runtime::Handle;
+use tokio::sync::mpsc::{UnboundedSender, unbounded_channel};
+use tokio::sync::oneshot;
+
+use crate::channel::{Broken, LOCKED};
+use crate::link::Link;
+use crate::names::{Names, short};
+use caller::{Open, Wait};
+
+/// How long a server that leaves waits for the broker to have forgotten it.
+const FAREWELL: Duration = Duration::from_secs(2);
+
+/// The services' side of a bus.
+pub(crate) struct Services {
+    link: Arc<Link>,
+    names: Names,
+    life: String,
+    number: AtomicU64,
+    tasks: Handle,
+    calls: UnboundedSender<Open>,
+    served: Arc<Mutex<BTreeSet<String>>>,
+}
+
+impl Services {
+    pub(crate) fn new(link: Arc<Link>, names: Names, life: String, tasks: Handle) -> Self {
+        let (calls, opened) = unbounded_channel();
+        link.spawn(&tasks, caller::Task::new(Arc::clone(&link), opened).run());
+        Self {
+            link,
+            names,
+            life,
+            number: AtomicU64::new(1),
+            tasks,
+            calls,
+            served: Arc::default(),
+        }
+    }
+
+    pub(crate) fn serve(
+        &self,
+        address: &str,
+        size: usize,
+        bell: Arc<Bell>,
+    ) -> Result<Serving, BusError> {
+        let served = || BusError::Served {
+            address: address.to_owned(),
+        };
+        let key = self.names.key(address)?;
+        let queue = format!("{}.{key}", self.link.settings.services());
+        short(address, &queue)?;
+        if !lock(&self.served).insert(key.clone()) {
+            return Err(served());
+        }
+        let desk = Desk::new(size, bell);
+        let (leaving, leave) = oneshot::channel();
+        let (gone, left) = sync_channel(1);
+        let (ready, told) = sync_channel(1);
+        let task = provider::Task::new(provider::Post {
+            link: Arc::clone(&self.link),
+            key: key.clone(),
+            queue,
+            size,
+            desk: Arc::clone(&desk),
+            ready: Some(ready),
+        });
+        let is_open = self.link.is_open();
+        self.link.spawn(&self.tasks, async move {
+            task.run(leave).await;
+            // Who does not wait for it any more has waited long enough.
+            let _ = gone.try_send(());
+        });
+        if is_open
+            && let Ok(Err(Broken::Closed { code, reason })) =
+                told.recv_timeout(self.link.settings.timing.connect)
+        {
+            lock(&self.served).remove(&key);
+            return Err(if code == LOCKED {
+                served()
+            } else {
+                BusError::Refused { reason }
+            });
+        }
+        let all = Arc::clone(&self.served);
+        Ok(Serving::new(desk, move || {
+            if leaving.send(()).is_ok() {
+                // Then the address is free; a broker that does not answer frees it when it can.
+                let _ = left.recv_timeout(FAREWELL);
+            }
+            lock(&all).remove(&key);
+        }))
+    }
+
+    pub(crate) fn call(
+        &self,
+        address: &str,
+        request: Request,
+        bell: Arc<Bell>,
+    ) -> Result<Pending, BusError> {
+        let message = self.message(address, &request)?;
+        let (pending, call) = Pending::new(request, bell);
+        self.open(message, Wait::Answer(call));
+        Ok(pending)
+    }
+
+    pub(crate) fn tell(
+        &self,
+        address: &str,
+        request: Request,
+        bell: Arc<Bell>,
+    ) -> Result<Pending, BusError> {
+        let message = self.message(address, &request)?;
+        let (pending, _call, delivered) = Pending::one_way(request, bell);
+        self.open(message, Wait::Delivery(delivered));
+        Ok(pending)
+    }
+
+    fn message(&self, address: &str, request: &Request) -> Result<message::Asking, BusError> {
+        let key = self.names.key(address)?;
+        let codec = datum::Codec::Cbor;
+        let bytes = request.argument.encode(codec);
+        let number = self.number.fetch_add(1, Ordering::Relaxed);
+        Ok(message::Asking {
+            id: format!("{}.{number}", self.life),
+            key,
+            codec,
+            bytes: bytes.map_err(|error| BusError::Refused {
+                reason: error.to_string(),
+            })?,
+            source: Arc::clone(&request.origin.source),
+            incarnation: request.origin.incarnation,
+            timeout: request.timeout,
+            deadline: message::deadline(request.timeout),
+            callback: request.callback.clone(),
+            user: self.link.settings.credentials.user().to_owned(),
+        })
+    }
+
+    /// Without a link nobody is there.
+    fn open(&self, message: message::Asking, wait: Wait) {
+        if !self.link.is_connected() {
+            return wait.end(Err(CallFailure::Unavailable));
+        }
+        if let Err(unsent) = self.calls.send(Open::new(message, wait)) {
+            unsent.0.end(Err(CallFailure::Unavailable));
+        }
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,323 @@
+//! The caller: one task with one channel for all calls of a bus.
+
+use std::collections::{HashMap, VecDeque};
+use std::sync::Arc;
+use std::time::Duration;
+
+use amqprs::BasicProperties;
+use amqprs::channel::{
+    BasicConsumeArguments, BasicPublishArguments, Channel, ConfirmSelectArguments, ConsumerMessage,
+};
+use bus::{Call, CallFailure, Delivered, Payload};
+use tokio::sync::mpsc::UnboundedReceiver;
+use tokio::time::{Instant, MissedTickBehavior, interval, sleep};
+
+use super::message::{self, Asking, REPLY_TO};
+use crate::Notice;
+use crate::channel::{self, Broken, Ends, Word};
+use crate::link::{Link, Pair};
+use crate::wire;
+
+/// How often open calls are looked after.
+const TICK: Duration = Duration::from_millis(25);
+/// How often a provider is asked whether it still knows a call.
+const ENQUIRY: Duration = Duration::from_millis(250);
+/// How long a provider may take to be back after the link broke.
+const GRACE: Duration = Duration::from_secs(5);
+/// How long to let a refused channel be.
+const REST: Duration = Duration::from_millis(200);
+
+/// What a call waits for.
+pub(crate) enum Wait {
+    /// The answer.
+    Answer(Call),
+    /// The server's queue to have it.
+    Delivery(Delivered),
+}
+
+impl Wait {
+    pub(crate) fn end(self, end: Result<Payload, CallFailure>) {
+        match self {
+            Self::Answer(call) => call.end(end),
+            Self::Delivery(delivered) => delivered.end(end.map(drop)),
+        }
+    }
+
+    fn is_awaited(&self) -> bool {
+        match self {
+            Self::Answer(call) => call.is_awaited(),
+            Self::Delivery(delivered) => delivered.is_awaited(),
+        }
+    }
+
+    fn kind(&self) -> &'static str {
+        match self {
+            Self::Answer(_) => wire::REQUEST,
+            Self::Delivery(_) => wire::TELLING,
+        }
+    }
+}
+
+/// An open call.
+pub(crate) struct Open {
+    message: Asking,
+    wait: Wait,
+    /// When its provider was last asked after it.
+    enquired: Instant,
+    /// Until when it is sent again where nobody serves: the link broke, and its provider may be on its way back.
+    grace: Option<Instant>,
+    /// Whether it has to be sent again.
+    unsent: bool,
+}
+
+impl Open {
+    pub(crate) fn new(message: Asking, wait: Wait) -> Self {
+        Self {
+            message,
+            wait,
+            enquired: Instant::now(),
+            grace: None,
+            unsent: false,
+        }
+    }
+
+    pub(crate) fn end(self, end: Result<Payload, CallFailure>) {
+        self.wait.end(end);
+    }
+}
+
+/// The task.
+pub(crate) struct Task {
+    link: Arc<Link>,
+    opened: UnboundedReceiver<Open>,
+    open: HashMap<String, Open>,
+}
+
+/// What a session on one channel keeps.
+struct Session {
+    channel: Channel,
+    exchange: String,
+    /// The tag of the last publication.
+    tag: u64,
+    /// Which tags are tellings, in order.
+    tellings: VecDeque<(u64, String)>,
+}
+
+impl Task {
+    pub(crate) fn new(link: Arc<Link>, opened: UnboundedReceiver<Open>) -> Self {
+        Self {
+            link,
+            opened,
+            open: HashMap::new(),
+        }
+    }
+
+    pub(crate) async fn run(mut self) {
+        let link = Arc::clone(&self.link);
+        while let Some(pair) = link.pair().await {
+            let end = tokio::select! {
+                end = self.session(&pair) => end,
+                () = link.gone(&pair) => Err(Broken::Lost),
+                () = link.closing() => break,
+            };
+            match end {
+                Ok(()) => return,
+                Err(Broken::Closed { reason, .. }) => {
+                    let what = "calls".to_owned();
+                    link.note(Notice::Refused { what, reason });
+                    self.fail_all();
+                    sleep(REST).await;
+                }
+                Err(Broken::Cancelled | Broken::Lost) => sleep(TICK).await,
+            }
+        }
+        self.fail_all();
+    }
+
+    /// There is no way to call any more.
+    fn fail_all(&mut self) {
+        for (_, open) in self.open.drain() {
+            open.end(Err(CallFailure::Unavailable));
+        }
+    }
+
+    async fn session(&mut self, pair: &Pair) -> Result<(), Broken> {
+        let lost = |_| Broken::Lost;
+        let (channel, mut words) = channel::open(&pair.publishers).await.map_err(lost)?;
+        let begun = begin(&channel).await;
+        let mut answers = begun.map_err(|_| channel::why(&mut words))?;
+        let mut session = Session {
+            channel,
+            exchange: self.link.settings.services(),
+            tag: 0,
+            tellings: VecDeque::new(),
+        };
+        for open in self.open.values_mut() {
+            open.grace = Some(Instant::now() + GRACE);
+            open.unsent = true;
+        }
+        let mut ticks = interval(TICK);
+        ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        loop {
+            let end = tokio::select! {
+                opened = self.opened.recv() => match opened {
+                    Some(open) => self.begin(open, &mut session).await,
+                    None => return Ok(()),
+                },
+                word = words.recv() => match word {
+                    Some(Word::Closed { code, reason }) => {
+                        return Err(Broken::Closed { code, reason });
+                    }
+                    Some(word) => {
+                        self.hear(word, &mut session);
+                        Ok(())
+                    }
+                    None => return Err(Broken::Lost),
+                },
+                answer = answers.recv() => match answer {
+                    Some(answer) => {
+                        self.answered(answer);
+                        Ok(())
+                    }
+                    None => return Err(Broken::Lost),
+                },
+                _ = ticks.tick(), if !self.open.is_empty() => self.look_after(&mut session).await,
+            };
+            end.map_err(|_| channel::why(&mut words))?;
+        }
+    }
+
+    async fn begin(&mut self, open: Open, session: &mut Session) -> Ends<()> {
+        let end = session.send(&open).await;
+        // A telling that nobody asks after has been told.
+        if open.wait.is_awaited() {
+            self.open.insert(open.message.id.clone(), open);
+        }
+        end
+    }
+
+    fn hear(&mut self, word: Word, session: &mut Session) {
+        match word {
+            Word::Ack { tag, multiple } => {
+                for id in session.settle(tag, multiple) {
+                    if let Some(open) = self.open.remove(&id) {
+                        open.end(Ok(Payload::of(datum::Datum::Null)));
+                    }
+                }
+            }
+            Word::Nack { tag, multiple } => {
+                for id in session.settle(tag, multiple) {
+                    self.nobody(&id);
+                }
+            }
+            // It comes before its acknowledgement.
+            Word::Returned { message } => {
+                let id = message.unwrap_or_default();
+                session.tellings.retain(|(_, telling)| *telling != id);
+                self.nobody(&id);
+            }
+            Word::Cancelled | Word::Closed { .. } => {}
+        }
+    }
+
+    /// Nobody serves there.
+    fn nobody(&mut self, id: &str) {
+        let Some(mut open) = self.open.remove(id) else {
+            return;
+        };
+        if open.grace.is_some_and(|grace| Instant::now() < grace) {
+            open.unsent = true;
+            self.open.insert(id.to_owned(), open);
+        } else {
+            open.end(Err(CallFailure::Unavailable));
+        }
+    }
+
+    fn answered(&mut self, message: ConsumerMessage) {
+        let properties = message.basic_properties.unwrap_or_default();
+        let id = properties.correlation_id();
+        // An answer that nobody waits for any more goes nowhere.
+        if let Some(open) = id.and_then(|id| self.open.remove(id)) {
+            let content = message.content.unwrap_or_default();
+            open.end(message::read_answer(&properties, content));
+        }
+    }
+
+    /// Takes back what nobody waits for, sends again what was not sent, asks after the rest.
+    async fn look_after(&mut self, session: &mut Session) -> Ends<()> {
+        let (awaited, given_up): (HashMap<_, _>, HashMap<_, _>) =
+            (self.open.drain()).partition(|(_, open)| open.wait.is_awaited());
+        self.open = awaited;
+        for open in given_up.values() {
+            if let Wait::Answer(_) = open.wait {
+                session.mention(&open.message, wire::CANCEL, false).await?;
+            }
+        }
+        for open in self.open.values_mut() {
+            if open.unsent {
+                open.unsent = false;
+                session.send(open).await?;
+            } else if let Wait::Answer(_) = open.wait
+                && open.enquired.elapsed() > ENQUIRY
+            {
+                open.enquired = Instant::now();
+                session.mention(&open.message, wire::ENQUIRY, true).await?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Confirms for tellings, and a consumer for answers: RabbitMQ wants it on the channel of the requests, before them.
+async fn begin(channel: &Channel) -> Ends<UnboundedReceiver<ConsumerMessage>> {
+    channel
+        .confirm_select(ConfirmSelectArguments::new(false))
+        .await?;
+    let mut consume = BasicConsumeArguments::new(REPLY_TO, "");
+    consume.auto_ack(true);
+    let (_, answers) = channel.basic_consume_rx(consume).await?;
+    Ok(answers)
+}
+
+impl Session {
+    async fn send(&mut self, open: &Open) -> Ends<()> {
+        let message = &open.message;
+        let kind = open.wait.kind();
+        let bytes = message.bytes.to_vec();
+        self.publish(message, message.request(kind), bytes, true)
+            .await?;
+        if let Wait::Delivery(_) = open.wait {
+            self.tellings.push_back((self.tag, message.id.clone()));
+        }
+        Ok(())
+    }
+
+    /// Sends a message about a request.
+    async fn mention(&mut self, message: &Asking, kind: &str, mandatory: bool) -> Ends<()> {
+        self.publish(message, message.about(kind), Vec::new(), mandatory)
+            .await
+    }
+
+    async fn publish(
+        &mut self,
+        message: &Asking,
+        properties: BasicProperties,
+        bytes: Vec<u8>,
+        mandatory: bool,
+    ) -> Ends<()> {
+        let mut arguments = BasicPublishArguments::new(&self.exchange, &message.key);
+        arguments.mandatory(mandatory);
+        self.tag += 1;
+        (self.channel)
+            .basic_publish(properties, bytes, arguments)
+            .await
+    }
+
+    /// The tellings that a confirmation settles.
+    fn settle(&mut self, tag: u64, multiple: bool) -> Vec<String> {
+        let from = self.tellings.partition_point(|(telling, _)| *telling < tag);
+        let first = if multiple { 0 } else { from };
+        let last = from + usize::from(self.tellings.get(from).is_some_and(|(one, _)| *one == tag));
+        self.tellings.drain(first..last).map(|(_, id)| id).collect()
+    }
+}

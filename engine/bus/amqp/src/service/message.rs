@@ -1,0 +1,163 @@
+//! The messages of services.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use amqprs::BasicProperties;
+use bus::{CallFailure, Origin, Payload, Refusal, Request};
+use datum::Codec;
+
+use crate::wire::{self, Headers};
+
+/// RabbitMQ's name for "the channel that this came on".
+pub(crate) const REPLY_TO: &str = "amq.rabbitmq.reply-to";
+
+/// A request on its way.
+pub(crate) struct Asking {
+    /// Unique among all requests there are: executed once.
+    pub id: String,
+    pub key: String,
+    pub codec: Codec,
+    pub bytes: Arc<[u8]>,
+    pub source: Arc<str>,
+    pub incarnation: u64,
+    pub timeout: Duration,
+    /// Nanoseconds of Unix time.
+    pub deadline: i64,
+    pub callback: Option<Arc<str>>,
+    pub user: String,
+}
+
+/// The deadline of a request made now, in nanoseconds of Unix time.
+pub(crate) fn deadline(timeout: Duration) -> i64 {
+    let timeout = i64::try_from(timeout.as_nanos()).unwrap_or(i64::MAX);
+    wire::unix_now().saturating_add(timeout)
+}
+
+impl Asking {
+    /// The request itself. The broker drops it when its time is over.
+    pub(crate) fn request(&self, kind: &str) -> BasicProperties {
+        let nanos = u64::try_from(self.timeout.as_nanos()).unwrap_or(u64::MAX);
+        let headers = Headers::default()
+            .text(wire::SOURCE, &self.source)
+            .count(wire::INCARNATION, self.incarnation)
+            .count(wire::TIMEOUT, nanos)
+            .number(wire::DEADLINE, self.deadline)
+            .maybe(wire::CALLBACK, self.callback.as_deref());
+        // The broker's own limit of a TTL.
+        let milliseconds = self.timeout.as_millis().clamp(1, u32::MAX.into());
+        self.about(kind)
+            .with_content_type(self.codec.content_type())
+            .with_headers(headers.into_table())
+            .with_expiration(&milliseconds.to_string())
+            .finish()
+    }
+
+    /// A message about the request.
+    pub(crate) fn about(&self, kind: &str) -> BasicProperties {
+        BasicProperties::default()
+            .with_message_type(kind)
+            .with_message_id(&self.id)
+            .with_correlation_id(&self.id)
+            .with_reply_to(REPLY_TO)
+            .with_user_id(&self.user)
+            .finish()
+    }
+}
+
+/// Reads a request; none if its caller has given up, a word if it cannot be read.
+pub(crate) fn read_request(
+    properties: &BasicProperties,
+    content: Vec<u8>,
+) -> Result<Option<Request>, String> {
+    let Some(timeout) = wire::time_left(properties) else {
+        return Ok(None);
+    };
+    let argument = wire::payload(properties, content)?;
+    let source = wire::text(properties, wire::SOURCE).unwrap_or_default();
+    let incarnation = wire::number(properties, wire::INCARNATION).unwrap_or(0);
+    let origin = Origin::new(source, u64::try_from(incarnation).unwrap_or(0));
+    Ok(Some(Request {
+        origin,
+        argument,
+        timeout,
+        callback: wire::text(properties, wire::CALLBACK).map(Into::into),
+    }))
+}
+
+/// An answer on its way. Kept, in case it is asked for again.
+#[derive(Clone)]
+pub(crate) struct Answer {
+    kind: &'static str,
+    code: Option<String>,
+    content_type: &'static str,
+    pub bytes: Arc<[u8]>,
+}
+
+impl Answer {
+    /// The answer that ends a call like this; none where the caller knows it already.
+    pub(crate) fn of(end: Result<Payload, CallFailure>) -> Option<Self> {
+        let codec = Codec::Cbor;
+        let answer = |kind, code, bytes| Self {
+            kind,
+            code,
+            content_type: codec.content_type(),
+            bytes,
+        };
+        Some(match end {
+            Ok(payload) => match payload.encode(codec) {
+                Ok(bytes) => answer(wire::RESULT, None, bytes),
+                Err(error) => {
+                    let detail = error.to_string();
+                    let code = Some("UNWRITABLE".to_owned());
+                    answer(wire::REFUSAL, code, detail.into_bytes().into())
+                }
+            },
+            Err(CallFailure::Refused(refusal)) => {
+                let detail = refusal.detail.into_bytes().into();
+                answer(wire::REFUSAL, Some(refusal.code), detail)
+            }
+            Err(CallFailure::Unavailable) => answer(wire::UNAVAILABLE, None, Arc::from([])),
+            Err(CallFailure::Timeout | CallFailure::Cancelled) => return None,
+        })
+    }
+
+    pub(crate) fn properties(&self, id: &str, user: &str) -> BasicProperties {
+        let content_type = if self.kind == wire::REFUSAL {
+            "text/plain"
+        } else {
+            self.content_type
+        };
+        let headers = Headers::default().maybe(wire::CODE, self.code.as_deref());
+        BasicProperties::default()
+            .with_message_type(self.kind)
+            .with_correlation_id(id)
+            .with_content_type(content_type)
+            .with_headers(headers.into_table())
+            .with_user_id(user)
+            .finish()
+    }
+}
+
+/// Reads an answer.
+pub(crate) fn read_answer(
+    properties: &BasicProperties,
+    content: Vec<u8>,
+) -> Result<Payload, CallFailure> {
+    let refusal = |code: &str, detail| {
+        CallFailure::Refused(Refusal {
+            code: code.to_owned(),
+            detail,
+        })
+    };
+    match properties.message_type().map_or("", String::as_str) {
+        wire::UNAVAILABLE => Err(CallFailure::Unavailable),
+        wire::REFUSAL => {
+            let code = wire::text(properties, wire::CODE).unwrap_or("REFUSED");
+            let detail = String::from_utf8_lossy(&content).into_owned();
+            Err(refusal(code, detail))
+        }
+        // What a stranger answers without saying what it is, is a result.
+        _ => wire::payload(properties, content).map_err(|reason| refusal("UNREADABLE", reason)),
+    }
+}

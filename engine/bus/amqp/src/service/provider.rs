@@ -1,0 +1,341 @@
+//! A provider: a task that reads the requests of one address and sends their answers.
+
+use std::collections::{HashMap, VecDeque};
+use std::pin::pin;
+use std::sync::Arc;
+use std::sync::mpsc::SyncSender;
+use std::time::Duration;
+
+use amqprs::BasicProperties;
+use amqprs::channel::{
+    BasicAckArguments, BasicConsumeArguments, BasicPublishArguments, BasicQosArguments, Channel,
+    ConsumerMessage, QueueBindArguments, QueueDeclareArguments, QueueDeleteArguments,
+};
+use bus::{Bell, CallFailure, Desk, Pending, Request};
+use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
+use tokio::sync::oneshot;
+use tokio::time::{MissedTickBehavior, interval, sleep};
+
+use super::message::{self, Answer};
+use crate::Notice;
+use crate::channel::{self, Broken, Ends, Word};
+use crate::link::{Link, Pair};
+use crate::wire::{self, Headers};
+
+/// How many requests may be under way to us.
+const PREFETCH: u16 = 256;
+/// How many ended requests are remembered, to be answered again rather than executed again.
+const REMEMBERED: usize = 4096;
+/// How often requests whose time is over are put away.
+const TICK: Duration = Duration::from_millis(500);
+/// How long to wait before the queue is made again.
+const REST: Duration = Duration::from_millis(100);
+
+/// Where a provider serves.
+pub(crate) struct Post {
+    pub link: Arc<Link>,
+    pub key: String,
+    pub queue: String,
+    pub size: usize,
+    pub desk: Arc<Desk>,
+    /// Told how the first declaration ended.
+    pub ready: Option<SyncSender<Result<(), Broken>>>,
+}
+
+/// A request, by its id.
+enum Known {
+    /// Handed over, with where its answer goes.
+    Begun { pending: Pending, reply_to: String },
+    /// Ended, with what was answered.
+    Ended(Option<Answer>),
+}
+
+/// The task.
+pub(crate) struct Task {
+    post: Post,
+    known: HashMap<String, Known>,
+    /// The ended ones, oldest first.
+    ended: VecDeque<String>,
+    /// The ids of requests that have just been answered.
+    answered: UnboundedReceiver<String>,
+    answering: UnboundedSender<String>,
+}
+
+impl Task {
+    pub(crate) fn new(post: Post) -> Self {
+        let (answering, answered) = unbounded_channel();
+        Self {
+            post,
+            known: HashMap::new(),
+            ended: VecDeque::new(),
+            answered,
+            answering,
+        }
+    }
+
+    /// Serves until told to leave.
+    pub(crate) async fn run(mut self, mut leave: oneshot::Receiver<()>) {
+        let link = Arc::clone(&self.post.link);
+        loop {
+            let pair = tokio::select! {
+                pair = link.pair() => pair,
+                _ = &mut leave => return,
+            };
+            let Some(pair) = pair else { return };
+            let end = tokio::select! {
+                end = self.session(&pair, &mut leave) => end,
+                () = link.gone(&pair) => Err(Broken::Lost),
+            };
+            match end {
+                Ok(()) => return,
+                Err(broken) if self.first(Err(broken.clone())) => return,
+                Err(Broken::Closed { reason, .. }) => {
+                    let what = self.post.key.clone();
+                    link.note(Notice::Refused { what, reason });
+                    sleep(REST).await;
+                }
+                Err(Broken::Cancelled | Broken::Lost) => sleep(Duration::from_millis(10)).await,
+            }
+        }
+    }
+
+    /// Tells whoever began the service how that went, if it does not know yet. Says whether the end is final.
+    fn first(&mut self, end: Result<(), Broken>) -> bool {
+        let refused = matches!(end, Err(Broken::Closed { .. }));
+        match self.post.ready.take() {
+            // Who has not waited for it sees it in the health.
+            Some(ready) => ready.send(end).is_ok() && refused,
+            None => false,
+        }
+    }
+
+    async fn session(
+        &mut self,
+        pair: &Pair,
+        leave: &mut oneshot::Receiver<()>,
+    ) -> Result<(), Broken> {
+        let lost = |_| Broken::Lost;
+        let (channel, mut words) = channel::open(&pair.consumers).await.map_err(lost)?;
+        // Answers are published, and publishers may be blocked where readers are not.
+        let (replies, mut refusals) = channel::open(&pair.publishers).await.map_err(lost)?;
+        let begun = self.declare(&channel).await;
+        let mut requests = begun.map_err(|_| channel::why(&mut words))?;
+        self.first(Ok(()));
+        let mut ticks = interval(TICK);
+        ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        let link = Arc::clone(&self.post.link);
+        let mut closing = pin!(link.closing());
+        loop {
+            let end = tokio::select! {
+                // First what was answered: who leaves refuses those who wait, and leaves then.
+                biased;
+                id = self.answered.recv() => self.answer(id, &replies).await,
+                _ = &mut *leave => break,
+                () = &mut closing => break,
+                word = words.recv() => return Err(broken(word)),
+                word = refusals.recv() => return Err(broken(word)),
+                request = requests.recv() => match request {
+                    Some(request) => self.take(request, &channel, &replies).await,
+                    None => return Err(Broken::Cancelled),
+                },
+                _ = ticks.tick(), if !self.known.is_empty() => {
+                    self.put_away();
+                    Ok(())
+                }
+            };
+            end.map_err(|_| channel::why(&mut words))?;
+        }
+        self.end(channel, &replies).await;
+        Ok(())
+    }
+
+    /// Declares a queue that nobody else may have: an address has one server.
+    async fn declare(&self, channel: &Channel) -> Ends<UnboundedReceiver<ConsumerMessage>> {
+        let post = &self.post;
+        let length = post.size.max(PREFETCH.into());
+        let arguments = Headers::default()
+            .count("x-max-length", length as u64)
+            .text("x-overflow", "reject-publish");
+        let mut queue = QueueDeclareArguments::new(&post.queue);
+        queue.exclusive(true).arguments(arguments.into_table());
+        channel.queue_declare(queue).await?;
+        let exchange = post.link.settings.services();
+        let binding = QueueBindArguments::new(&post.queue, &exchange, &post.key);
+        channel.queue_bind(binding).await?;
+        channel
+            .basic_qos(BasicQosArguments::new(0, PREFETCH, false))
+            .await?;
+        let mut consume = BasicConsumeArguments::new(&post.queue, "");
+        consume.manual_ack(true);
+        let (_, requests) = channel.basic_consume_rx(consume).await?;
+        Ok(requests)
+    }
+
+    async fn take(
+        &mut self,
+        message: ConsumerMessage,
+        channel: &Channel,
+        replies: &Channel,
+    ) -> Ends<()> {
+        let properties = message.basic_properties.unwrap_or_default();
+        let content = message.content.unwrap_or_default();
+        if let Some(answer) = self.understand(&properties, content) {
+            let reply_to = properties.reply_to().cloned().unwrap_or_default();
+            let id = properties.correlation_id().cloned().unwrap_or_default();
+            self.send(&answer, &id, &reply_to, replies).await?;
+        }
+        match message.deliver {
+            Some(deliver) => {
+                let acknowledgement = BasicAckArguments::new(deliver.delivery_tag(), false);
+                channel.basic_ack(acknowledgement).await
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Does what a message asks; the answer to it, if there is one already.
+    fn understand(&mut self, properties: &BasicProperties, content: Vec<u8>) -> Option<Answer> {
+        let kind = properties.message_type().map_or("", String::as_str);
+        let id = properties.correlation_id().or(properties.message_id());
+        let id = id.cloned().unwrap_or_default();
+        if let Some(known) = self.known.get_mut(&id) {
+            return match (known, kind) {
+                (Known::Begun { pending, .. }, wire::CANCEL) => {
+                    pending.cancel();
+                    None
+                }
+                // The link was broken meanwhile: the answer goes where the caller is now.
+                (Known::Begun { reply_to, .. }, _) => {
+                    *reply_to = properties.reply_to().cloned().unwrap_or_default();
+                    None
+                }
+                (Known::Ended(_), wire::CANCEL) => None,
+                (Known::Ended(answer), _) => answer.clone(),
+            };
+        }
+        match kind {
+            wire::CANCEL => None,
+            wire::ENQUIRY => Answer::of(Err(CallFailure::Unavailable)),
+            _ => match message::read_request(properties, content) {
+                Ok(Some(request)) => {
+                    self.begin(id, request, kind == wire::TELLING, properties.reply_to());
+                    None
+                }
+                // Its caller has given up.
+                Ok(None) => None,
+                Err(reason) => {
+                    let what = self.post.key.clone();
+                    let answer = Answer::of(Err(CallFailure::Refused(bus::Refusal {
+                        code: "UNREADABLE".to_owned(),
+                        detail: reason.clone(),
+                    })));
+                    self.post.link.note(Notice::Unreadable { what, reason });
+                    answer
+                }
+            },
+        }
+    }
+
+    fn begin(&mut self, id: String, request: Request, one_way: bool, reply_to: Option<&String>) {
+        if one_way {
+            let (_, call, _) = Pending::one_way(request, Arc::new(Bell::new()));
+            // The desk ends what it refuses, and nobody waits for it.
+            let _ = self.post.desk.put(call);
+            self.remember(id, None);
+            return;
+        }
+        let (answering, answered) = (self.answering.clone(), id.clone());
+        let bell = Bell::that(move || {
+            // A task that has ended answers nothing any more.
+            let _ = answering.send(answered.clone());
+        });
+        let (pending, call) = Pending::new(request, Arc::new(bell));
+        let reply_to = reply_to.cloned().unwrap_or_default();
+        self.known.insert(id, Known::Begun { pending, reply_to });
+        // What the desk refuses it answers.
+        let _ = self.post.desk.put(call);
+    }
+
+    /// A request has been answered, or taken back.
+    async fn answer(&mut self, id: Option<String>, replies: &Channel) -> Ends<()> {
+        let Some(id) = id else { return Ok(()) };
+        let Some(Known::Begun { pending, reply_to }) = self.known.get(&id) else {
+            return Ok(());
+        };
+        let Some(end) = pending.try_take() else {
+            return Ok(());
+        };
+        let (answer, reply_to) = (Answer::of(end), reply_to.clone());
+        self.remember(id.clone(), answer.clone());
+        match answer {
+            Some(answer) => self.send(&answer, &id, &reply_to, replies).await,
+            None => Ok(()),
+        }
+    }
+
+    async fn send(&self, answer: &Answer, id: &str, reply_to: &str, replies: &Channel) -> Ends<()> {
+        if reply_to.is_empty() {
+            return Ok(());
+        }
+        let user = self.post.link.settings.credentials.user();
+        let arguments = BasicPublishArguments::new("", reply_to);
+        replies
+            .basic_publish(
+                answer.properties(id, user),
+                answer.bytes.to_vec(),
+                arguments,
+            )
+            .await
+    }
+
+    fn remember(&mut self, id: String, answer: Option<Answer>) {
+        self.known.insert(id.clone(), Known::Ended(answer));
+        self.ended.push_back(id);
+        if self.ended.len() > REMEMBERED
+            && let Some(oldest) = self.ended.pop_front()
+        {
+            self.known.remove(&oldest);
+        }
+    }
+
+    /// Ends requests whose time is over. Asking for the answer does.
+    fn put_away(&mut self) {
+        let over = |known: &Known| match known {
+            Known::Begun { pending, .. } => pending.is_over(),
+            Known::Ended(_) => false,
+        };
+        let over: Vec<_> = (self.known.iter())
+            .filter(|(_, known)| over(known))
+            .map(|(id, _)| id.clone())
+            .collect();
+        for id in over {
+            self.remember(id, None);
+        }
+    }
+
+    /// Takes the queue away, and tells whoever still waits that nobody is there.
+    async fn end(&mut self, channel: Channel, replies: &Channel) {
+        // What cannot be deleted goes with its connection.
+        let _ = channel
+            .queue_delete(QueueDeleteArguments::new(&self.post.queue))
+            .await;
+        let known = std::mem::take(&mut self.known);
+        for (id, known) in known {
+            if let Known::Begun { reply_to, .. } = known
+                && let Some(answer) = Answer::of(Err(CallFailure::Unavailable))
+            {
+                // Whom it does not reach asks after its call, and finds nobody.
+                let _ = self.send(&answer, &id, &reply_to, replies).await;
+            }
+        }
+        let _ = channel.close().await;
+    }
+}
+
+fn broken(word: Option<Word>) -> Broken {
+    match word {
+        Some(Word::Closed { code, reason }) => Broken::Closed { code, reason },
+        Some(Word::Cancelled) => Broken::Cancelled,
+        Some(Word::Ack { .. } | Word::Nack { .. } | Word::Returned { .. }) | None => Broken::Lost,
+    }
+}

@@ -1,0 +1,279 @@
+//! What a bus needs to know: the broker, who we are, and how patient to be.
+
+use std::fmt;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+use crate::Notice;
+use crate::names::LONGEST;
+
+/// Everything a bus needs to know.
+#[derive(Clone)]
+pub struct Settings {
+    /// The broker's host.
+    pub host: String,
+    /// The broker's port.
+    pub port: u16,
+    /// The virtual host, one for a robot or a cell.
+    pub vhost: String,
+    /// Who we are to the broker.
+    pub credentials: Credentials,
+    /// Whose topics these are: keys are `<robot>.<topic>`. Without, topics are whole keys, as tools like them.
+    pub robot: Option<String>,
+    /// The process, as operators see it among the connections and queues.
+    pub process: String,
+    /// The topic exchange.
+    pub exchange: String,
+    /// Which clock stamps the messages, `wall:rover1`.
+    pub clock: String,
+    /// Decides the jitter of reconnecting.
+    pub seed: u64,
+    /// How patient to be.
+    pub timing: Timing,
+    /// Who hears the [`Notice`]s. Called from the bus' thread; must not take long.
+    pub notices: Arc<dyn Fn(&Notice) + Send + Sync>,
+}
+
+/// How patient a bus is.
+#[derive(Debug, Clone, Copy)]
+pub struct Timing {
+    /// Limit of connecting, as a whole.
+    pub connect: Duration,
+    /// Heartbeat of AMQP, in seconds, at least 2. The client notices a dead peer after twice that.
+    pub heartbeat: u16,
+    /// The first wait before connecting again.
+    pub first_retry: Duration,
+    /// The longest.
+    pub last_retry: Duration,
+    /// How often to ask whether the broker is there and takes messages.
+    pub pulse: Duration,
+    /// How long it may take to answer before we say so.
+    pub silent: Duration,
+    /// How long before we give the connection up.
+    pub dead: Duration,
+    /// How long the broker keeps the queue of events of a client that is gone.
+    pub remembered: Duration,
+    /// How long to wait for what is under way when the bus is closed.
+    pub drain: Duration,
+}
+
+impl Default for Timing {
+    fn default() -> Self {
+        Self {
+            connect: Duration::from_secs(5),
+            heartbeat: 4,
+            first_retry: Duration::from_millis(100),
+            last_retry: Duration::from_secs(2),
+            pulse: Duration::from_millis(250),
+            silent: Duration::from_secs(1),
+            dead: Duration::from_secs(5),
+            remembered: Duration::from_secs(120),
+            drain: Duration::from_secs(2),
+        }
+    }
+}
+
+/// A user and a password. The password is never shown.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Credentials {
+    user: String,
+    password: String,
+}
+
+impl Credentials {
+    /// A user and a password.
+    pub fn new(user: impl Into<String>, password: impl Into<String>) -> Self {
+        Self {
+            user: user.into(),
+            password: password.into(),
+        }
+    }
+
+    /// From two environment variables.
+    pub fn from_environment(user: &str, password: &str) -> Result<Self, AddressError> {
+        let read = |name: &str| {
+            std::env::var(name).map_err(|_| AddressError::Variable {
+                name: name.to_owned(),
+            })
+        };
+        Ok(Self::new(read(user)?, read(password)?))
+    }
+
+    /// From a file with the user in its first line and the password in its second.
+    pub fn from_file(path: &Path) -> Result<Self, AddressError> {
+        let unread = |reason: String| AddressError::File {
+            path: path.display().to_string(),
+            reason,
+        };
+        let text = std::fs::read_to_string(path).map_err(|error| unread(error.to_string()))?;
+        let mut lines = text.lines();
+        match (lines.next(), lines.next()) {
+            (Some(user), Some(password)) => Ok(Self::new(user, password)),
+            (None, _) | (_, None) => {
+                Err(unread("the user and the password are two lines".to_owned()))
+            }
+        }
+    }
+
+    /// The user.
+    pub fn user(&self) -> &str {
+        &self.user
+    }
+
+    pub(crate) fn password(&self) -> &str {
+        &self.password
+    }
+}
+
+impl fmt::Debug for Credentials {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:***", self.user)
+    }
+}
+
+/// Why an address or credentials cannot be used. It shows no password.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum AddressError {
+    /// Not `amqp://user:password@host:port/vhost`.
+    #[error("a broker's address is `amqp://user:password@host:port/vhost`: {reason}")]
+    Address {
+        /// What is wrong with it.
+        reason: &'static str,
+    },
+    /// A variable is not set.
+    #[error("the environment has no variable `{name}`")]
+    Variable {
+        /// Which.
+        name: String,
+    },
+    /// A file cannot be read.
+    #[error("no credentials in `{path}`: {reason}")]
+    File {
+        /// Which.
+        path: String,
+        /// Why.
+        reason: String,
+    },
+}
+
+impl Settings {
+    /// Reads `amqp://user:password@host:port/vhost`; what is left out is `guest`, 5672 and `/`.
+    pub fn parse(address: &str) -> Result<Self, AddressError> {
+        let wrong = |reason| AddressError::Address { reason };
+        let rest = address
+            .strip_prefix("amqp://")
+            .ok_or(wrong("it begins with another scheme"))?;
+        let (authority, vhost) = match rest.split_once('/') {
+            Some((authority, vhost)) if !vhost.is_empty() => (authority, plain(vhost)?),
+            Some((authority, _)) => (authority, "/".to_owned()),
+            None => (rest, "/".to_owned()),
+        };
+        let (credentials, place) = match authority.rsplit_once('@') {
+            Some((who, place)) => {
+                let (user, password) = who.split_once(':').ok_or(wrong("no password"))?;
+                (Credentials::new(plain(user)?, plain(password)?), place)
+            }
+            None => (Credentials::new("guest", "guest"), authority),
+        };
+        let (host, port) = match place.rsplit_once(':') {
+            Some((host, port)) => (host, port.parse().map_err(|_| wrong("no such port"))?),
+            None => (place, 5672),
+        };
+        if host.is_empty() {
+            return Err(wrong("no host"));
+        }
+        if vhost.len() > LONGEST || credentials.user.len() > LONGEST {
+            return Err(wrong("a name has more than 255 bytes"));
+        }
+        Ok(Self {
+            host: host.to_owned(),
+            port,
+            vhost,
+            credentials,
+            robot: None,
+            process: "asmotion".to_owned(),
+            exchange: "robots".to_owned(),
+            clock: "wall".to_owned(),
+            seed: 0,
+            timing: Timing::default(),
+            notices: Arc::new(|_| ()),
+        })
+    }
+
+    /// Where the broker is, without who we are.
+    pub fn place(&self) -> String {
+        format!("{}:{}/{}", self.host, self.port, self.vhost)
+    }
+
+    /// The direct exchange of the requests.
+    pub(crate) fn services(&self) -> String {
+        format!("{}.services", self.exchange)
+    }
+}
+
+impl fmt::Debug for Settings {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} at {} as {:?}",
+            self.process,
+            self.place(),
+            self.credentials
+        )
+    }
+}
+
+/// Undoes `%2F` and its like.
+fn plain(text: &str) -> Result<String, AddressError> {
+    let wrong = AddressError::Address {
+        reason: "`%` is followed by two hexadecimal digits",
+    };
+    let mut bytes = Vec::new();
+    let mut rest = text.as_bytes();
+    while let [first, tail @ ..] = rest {
+        rest = tail;
+        if *first != b'%' {
+            bytes.push(*first);
+            continue;
+        }
+        let digits = tail.get(..2).and_then(|two| std::str::from_utf8(two).ok());
+        let byte = digits.and_then(|two| u8::from_str_radix(two, 16).ok());
+        bytes.push(byte.ok_or(wrong.clone())?);
+        rest = &tail[2..];
+    }
+    String::from_utf8(bytes).map_err(|_| wrong)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_address_is_read_whole_or_in_part() {
+        let settings = Settings::parse("amqp://ann:p%40ss@rover1:5673/cell%2F1").unwrap();
+        assert_eq!(settings.place(), "rover1:5673/cell/1");
+        assert_eq!(settings.credentials, Credentials::new("ann", "p@ss"));
+        assert_eq!(Settings::parse("amqp://h").unwrap().place(), "h:5672//");
+        for wrong in [
+            "http://h",
+            "amqp://",
+            "amqp://h:port",
+            "amqp://a@h",
+            "amqp://h/%2",
+        ] {
+            assert!(Settings::parse(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn no_password_is_shown() {
+        let settings = Settings::parse("amqp://ann:secret@h").unwrap();
+        let shown = format!(
+            "{settings:?} {:?} {}",
+            settings.credentials,
+            settings.place()
+        );
+        assert!(!shown.contains("secret"), "{shown}");
+    }
+}

@@ -1,0 +1,215 @@
+//! A subscription: a task that owns a channel and a queue, and fills the reader's end.
+//!
+//! The reader's end bounds, conflates and counts; the broker's queue does the same for what has not come so far. A state
+//! has a queue of length 1, and one message under way at a time: only so is the newest the next. Events have a durable
+//! queue of their own name, which outlives a restart of the broker and a broken connection.
+
+use std::pin::pin;
+use std::sync::Arc;
+use std::sync::mpsc::SyncSender;
+use std::time::Duration;
+
+use amqprs::channel::{
+    BasicAckArguments, BasicConsumeArguments, BasicQosArguments, Channel, ConsumerMessage,
+    QueueBindArguments, QueueDeclareArguments, QueueDeleteArguments,
+};
+use bus::{Inlet, Overflow, Pattern, Queue};
+use tokio::sync::mpsc::UnboundedReceiver;
+use tokio::sync::oneshot;
+use tokio::time::sleep;
+
+use crate::Notice;
+use crate::channel::{self, Broken, Ends, Word};
+use crate::link::{Link, Pair};
+use crate::names::Names;
+use crate::repeats::Repeats;
+use crate::wire::{self, Headers};
+
+/// How many events may be under way to us; so many are acknowledged at once.
+const PREFETCH: u16 = 1024;
+const ACKNOWLEDGED: usize = 64;
+/// How long to wait before a queue is made again.
+const REST: Duration = Duration::from_millis(100);
+
+/// The task of a subscription.
+pub(crate) struct Task {
+    pub link: Arc<Link>,
+    pub names: Names,
+    pub pattern: Pattern,
+    /// The binding key.
+    pub binding: String,
+    /// The queue's name.
+    pub queue: String,
+    pub policy: Queue,
+    pub inlet: Inlet,
+    /// Resolved when the subscription is dropped.
+    pub leave: oneshot::Receiver<()>,
+    /// Told how the first declaration ended.
+    pub ready: Option<SyncSender<Result<(), Broken>>>,
+}
+
+impl Task {
+    pub(crate) async fn run(mut self) {
+        let mut repeats = Repeats::default();
+        let link = Arc::clone(&self.link);
+        while let Some(pair) = link.pair().await {
+            let end = tokio::select! {
+                end = self.session(&pair, &mut repeats) => end,
+                () = link.gone(&pair) => Err(Broken::Lost),
+            };
+            match end {
+                Ok(()) => return,
+                Err(broken) if self.first(Err(broken.clone())) => return,
+                Err(Broken::Closed { reason, .. }) => {
+                    self.note(reason);
+                    sleep(REST).await;
+                }
+                Err(Broken::Cancelled) => self.note("its queue was deleted".to_owned()),
+                Err(Broken::Lost) => sleep(Duration::from_millis(10)).await,
+            }
+        }
+    }
+
+    fn note(&self, reason: String) {
+        let what = self.pattern.to_string();
+        self.link.note(Notice::Refused { what, reason });
+    }
+
+    /// Tells whoever began the subscription how that went, if it does not know yet. Says whether the end is final: who
+    /// may not subscribe does not try again.
+    fn first(&mut self, end: Result<(), Broken>) -> bool {
+        let refused = matches!(end, Err(Broken::Closed { .. }));
+        match self.ready.take() {
+            // Who has not waited for it sees it in the health.
+            Some(ready) => ready.send(end).is_ok() && refused,
+            None => false,
+        }
+    }
+
+    /// Reads one queue until the subscription is dropped.
+    async fn session(&mut self, pair: &Pair, repeats: &mut Repeats) -> Result<(), Broken> {
+        let (channel, mut words) = channel::open(&pair.consumers)
+            .await
+            .map_err(|_| Broken::Lost)?;
+        let begun = self.declare(&channel).await;
+        let mut messages = begun.map_err(|_| channel::why(&mut words))?;
+        self.first(Ok(()));
+        let link = Arc::clone(&self.link);
+        let mut closing = pin!(link.closing());
+        loop {
+            tokio::select! {
+                _ = &mut self.leave => break,
+                () = &mut closing => break,
+                word = words.recv() => match word {
+                    Some(Word::Closed { code, reason }) => {
+                        return Err(Broken::Closed { code, reason });
+                    }
+                    Some(Word::Cancelled) => return Err(Broken::Cancelled),
+                    Some(Word::Ack { .. } | Word::Nack { .. } | Word::Returned { .. }) => {}
+                    None => return Err(Broken::Lost),
+                },
+                message = messages.recv() => {
+                    let Some(message) = message else {
+                        return Err(Broken::Cancelled);
+                    };
+                    let last = self.take(message, &mut messages, repeats);
+                    let acknowledgement = BasicAckArguments::new(last, true);
+                    (channel.basic_ack(acknowledgement).await)
+                        .map_err(|_| channel::why(&mut words))?;
+                }
+            }
+        }
+        self.end(channel).await;
+        Ok(())
+    }
+
+    async fn declare(&self, channel: &Channel) -> Ends<UnboundedReceiver<ConsumerMessage>> {
+        let mut queue = QueueDeclareArguments::new(&self.queue);
+        let (prefetch, length, overflow) = match self.policy {
+            Queue::Latest => {
+                queue.exclusive(true).auto_delete(true);
+                (1, 1, Overflow::DropOldest)
+            }
+            Queue::All { size, overflow } => {
+                queue.durable(true);
+                (PREFETCH, size.max(PREFETCH.into()), overflow)
+            }
+        };
+        let remembered = self.link.settings.timing.remembered.as_millis();
+        let arguments = Headers::default()
+            .count("x-max-length", length as u64)
+            .number("x-expires", i64::try_from(remembered).unwrap_or(i64::MAX))
+            .text(
+                "x-overflow",
+                match overflow {
+                    Overflow::DropOldest => "drop-head",
+                    Overflow::DropNewest => "reject-publish",
+                },
+            );
+        queue.arguments(arguments.into_table());
+        channel.queue_declare(queue).await?;
+        let exchange = &self.link.settings.exchange;
+        let binding = QueueBindArguments::new(&self.queue, exchange, &self.binding);
+        channel.queue_bind(binding).await?;
+        channel
+            .basic_qos(BasicQosArguments::new(0, prefetch, false))
+            .await?;
+        // Alone: what an earlier consumer of ours still holds would come back behind newer messages.
+        let mut consume = BasicConsumeArguments::new(&self.queue, "");
+        consume.manual_ack(true).exclusive(true);
+        let (_, messages) = channel.basic_consume_rx(consume).await?;
+        Ok(messages)
+    }
+
+    /// Hands on a message and those that are there already; the tag of the last.
+    fn take(
+        &self,
+        first: ConsumerMessage,
+        messages: &mut UnboundedReceiver<ConsumerMessage>,
+        repeats: &mut Repeats,
+    ) -> u64 {
+        let mut last = 0;
+        let mut next = Some(first);
+        for _ in 0..ACKNOWLEDGED {
+            let Some(message) = next else { break };
+            last = self.hand_on(message, repeats).unwrap_or(last);
+            next = messages.try_recv().ok();
+        }
+        match next {
+            Some(message) => self.hand_on(message, repeats).unwrap_or(last),
+            None => last,
+        }
+    }
+
+    /// Hands on one message; its tag.
+    fn hand_on(&self, message: ConsumerMessage, repeats: &mut Repeats) -> Option<u64> {
+        let deliver = message.deliver?;
+        let properties = message.basic_properties.unwrap_or_default();
+        let topic = self.names.topic(deliver.routing_key());
+        if !repeats.is_new(wire::identity(&properties, topic)) {
+            self.inlet.count_duplicate();
+            return Some(deliver.delivery_tag());
+        }
+        if self.policy != Queue::Latest {
+            self.inlet.set_missed(repeats.missed());
+        }
+        match wire::payload(&properties, message.content.unwrap_or_default()) {
+            Ok(payload) => self.inlet.push(wire::envelope(topic, &properties, payload)),
+            Err(reason) => {
+                self.inlet.count_unreadable();
+                let what = topic.to_owned();
+                self.link.note(Notice::Unreadable { what, reason });
+            }
+        }
+        Some(deliver.delivery_tag())
+    }
+
+    /// Takes the queue away: nobody will read it any more.
+    async fn end(&self, channel: Channel) {
+        // What cannot be deleted expires.
+        let _ = channel
+            .queue_delete(QueueDeleteArguments::new(&self.queue))
+            .await;
+        let _ = channel.close().await;
+    }
+}

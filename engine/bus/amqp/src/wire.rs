@@ -1,0 +1,233 @@
+//! What stands on the wire: properties, headers, content types. `docs/wire.md` says the same to strangers.
+
+use std::sync::Arc;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use amqprs::{BasicProperties, FieldName, FieldTable, FieldValue};
+use bus::{Envelope, Payload};
+use datum::Codec;
+
+/// The component that sent it.
+pub const SOURCE: &str = "source";
+/// Which life of the sender's process.
+pub const INCARNATION: &str = "incarnation";
+/// One publisher's messages; with the sequence the identity of a message.
+pub const STREAM: &str = "stream";
+/// The message's number in its stream, from 1 without gaps.
+pub const SEQUENCE: &str = "sequence";
+/// When it was sent, in nanoseconds; AMQP's own `timestamp` has seconds.
+pub const STAMP: &str = "stamp";
+/// Of which clock, `wall:rover1`.
+pub const CLOCK: &str = "clock";
+/// The trace it belongs to (W3C).
+pub const TRACE: &str = "traceparent";
+/// Of a request: when the caller gives up, in nanoseconds of Unix time.
+pub const DEADLINE: &str = "deadline";
+/// Of a request: how many nanoseconds the caller has given it.
+pub const TIMEOUT: &str = "timeout";
+/// Of a request: where the caller can be called back.
+pub const CALLBACK: &str = "callback";
+/// Of a refusal: its code.
+pub const CODE: &str = "code";
+
+/// The `type` of a request that is answered.
+pub const REQUEST: &str = "request";
+/// The `type` of a request that is not.
+pub const TELLING: &str = "telling";
+/// The `type` of the message that takes a request back.
+pub const CANCEL: &str = "cancel";
+/// The `type` of the question whether a request is still known.
+pub const ENQUIRY: &str = "enquiry";
+/// The `type` of a result.
+pub const RESULT: &str = "result";
+/// The `type` of a refusal: a fault, in the provider's words.
+pub const REFUSAL: &str = "refusal";
+/// The `type` of the news that nobody answers.
+pub const UNAVAILABLE: &str = "unavailable";
+
+/// Header fields. Names are ours and short.
+#[derive(Default)]
+pub(crate) struct Headers(FieldTable);
+
+impl Headers {
+    pub(crate) fn text(mut self, name: &str, value: &str) -> Self {
+        if let (Ok(name), Ok(value)) = (FieldName::try_from(name), value.to_owned().try_into()) {
+            self.0.insert(name, FieldValue::S(value));
+        }
+        self
+    }
+
+    pub(crate) fn number(mut self, name: &str, value: i64) -> Self {
+        if let Ok(name) = FieldName::try_from(name) {
+            self.0.insert(name, FieldValue::l(value));
+        }
+        self
+    }
+
+    pub(crate) fn count(self, name: &str, value: u64) -> Self {
+        self.number(name, i64::try_from(value).unwrap_or(i64::MAX))
+    }
+
+    pub(crate) fn maybe(self, name: &str, value: Option<&str>) -> Self {
+        match value {
+            Some(value) => self.text(name, value),
+            None => self,
+        }
+    }
+
+    pub(crate) fn into_table(self) -> FieldTable {
+        self.0
+    }
+}
+
+/// A message's header field, whoever wrote it.
+fn field<'a>(properties: &'a BasicProperties, name: &str) -> Option<&'a FieldValue> {
+    let name = FieldName::try_from(name).ok()?;
+    properties.headers()?.get(&name)
+}
+
+/// A header field that is text.
+pub(crate) fn text<'a>(properties: &'a BasicProperties, name: &str) -> Option<&'a str> {
+    field(properties, name).and_then(|value| value.try_into().ok())
+}
+
+/// A header field that is a whole number of any width: other clients choose the narrowest.
+pub(crate) fn number(properties: &BasicProperties, name: &str) -> Option<i64> {
+    match field(properties, name)? {
+        FieldValue::b(value) => Some((*value).into()),
+        FieldValue::B(value) => Some((*value).into()),
+        FieldValue::s(value) => Some((*value).into()),
+        FieldValue::u(value) => Some((*value).into()),
+        FieldValue::I(value) => Some((*value).into()),
+        FieldValue::i(value) => Some((*value).into()),
+        FieldValue::l(value) => Some(*value),
+        FieldValue::T(value) => i64::try_from(*value).ok(),
+        FieldValue::t(_)
+        | FieldValue::f(_)
+        | FieldValue::d(_)
+        | FieldValue::D(_)
+        | FieldValue::S(_)
+        | FieldValue::A(_)
+        | FieldValue::F(_)
+        | FieldValue::V
+        | FieldValue::x(_) => None,
+    }
+}
+
+fn count(properties: &BasicProperties, name: &str) -> Option<u64> {
+    number(properties, name).and_then(|value| u64::try_from(value).ok())
+}
+
+/// What is the same in all messages of a publisher.
+pub(crate) struct Author {
+    pub source: Arc<str>,
+    pub incarnation: u64,
+    pub stream: String,
+    pub clock: String,
+    pub user: String,
+    pub type_name: String,
+    pub persistent: bool,
+    pub codec: Codec,
+}
+
+impl Author {
+    /// The properties of one message.
+    pub(crate) fn properties(
+        &self,
+        sequence: u64,
+        stamp: i64,
+        trace: Option<&str>,
+    ) -> BasicProperties {
+        let headers = Headers::default()
+            .text(SOURCE, &self.source)
+            .count(INCARNATION, self.incarnation)
+            .text(STREAM, &self.stream)
+            .count(SEQUENCE, sequence)
+            .number(STAMP, stamp)
+            .text(CLOCK, &self.clock)
+            .maybe(TRACE, trace)
+            .into_table();
+        BasicProperties::default()
+            .with_content_type(self.codec.content_type())
+            .with_headers(headers)
+            .with_persistence(self.persistent)
+            .with_message_id(&format!("{}-{sequence}", self.stream))
+            .with_message_type(&self.type_name)
+            .with_user_id(&self.user)
+            .finish()
+    }
+}
+
+/// Which message this is, if it says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Identity {
+    /// One of a numbered stream.
+    Numbered { stream: String, sequence: u64 },
+    /// One with a name of its own.
+    Named(String),
+    /// Any.
+    Unknown,
+}
+
+/// Which message this is: a stream of ours, a component's numbers on a topic, a message id, or nothing.
+pub(crate) fn identity(properties: &BasicProperties, topic: &str) -> Identity {
+    let stream = text(properties, STREAM).map(str::to_owned).or_else(|| {
+        let source = text(properties, SOURCE)?;
+        let incarnation = count(properties, INCARNATION).unwrap_or(0);
+        Some(format!("{source}/{incarnation}/{topic}"))
+    });
+    match (stream, count(properties, SEQUENCE), properties.message_id()) {
+        (Some(stream), Some(sequence), _) => Identity::Numbered { stream, sequence },
+        (_, _, Some(id)) => Identity::Named(id.clone()),
+        (_, _, None) => Identity::Unknown,
+    }
+}
+
+/// The payload; or what is wrong with its content type.
+pub(crate) fn payload(properties: &BasicProperties, content: Vec<u8>) -> Result<Payload, String> {
+    let content_type = properties.content_type().map_or("", String::as_str);
+    // Parameters such as a charset do not change how it is read.
+    let plain = content_type.split(';').next().unwrap_or_default().trim();
+    let codec = Codec::of_content_type(plain)
+        .ok_or_else(|| format!("unknown content type `{content_type}`"))?;
+    Ok(Payload::Bytes {
+        codec,
+        bytes: content.into(),
+    })
+}
+
+/// A message as subscribers see it. What its sender has not said is empty.
+pub(crate) fn envelope(topic: &str, properties: &BasicProperties, payload: Payload) -> Envelope {
+    let text = |name| text(properties, name);
+    let user = properties.user_id().map(String::as_str);
+    Envelope {
+        topic: topic.into(),
+        source: text(SOURCE).or(user).unwrap_or_default().into(),
+        incarnation: count(properties, INCARNATION).unwrap_or(0),
+        sequence: count(properties, SEQUENCE).unwrap_or(0),
+        stamp: number(properties, STAMP).unwrap_or(0),
+        clock: text(CLOCK).unwrap_or_default().into(),
+        trace: text(TRACE).map(Into::into),
+        type_name: properties.message_type().map_or("", String::as_str).into(),
+        payload,
+    }
+}
+
+/// Nanoseconds of Unix time.
+pub(crate) fn unix_now() -> i64 {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH);
+    i64::try_from(now.unwrap_or_default().as_nanos()).unwrap_or(i64::MAX)
+}
+
+/// How much of its time a request has left; none, if the caller has given up.
+///
+/// The deadline is of the caller's clock. Where clocks differ, a request has never more time than its caller gave it.
+pub(crate) fn time_left(properties: &BasicProperties) -> Option<Duration> {
+    let timeout = count(properties, TIMEOUT).map(Duration::from_nanos)?;
+    let left = match number(properties, DEADLINE) {
+        Some(deadline) => deadline.saturating_sub(unix_now()),
+        None => i64::MAX,
+    };
+    let left = u64::try_from(left).ok().filter(|left| *left > 0)?;
+    Some(timeout.min(Duration::from_nanos(left)))
+}

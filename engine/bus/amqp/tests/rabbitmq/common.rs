@@ -1,0 +1,72 @@
+//! What the tests share.
+
+use std::num::NonZeroUsize;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use amqp::{AmqpBus, Notice, Settings};
+use bus::{Bell, Bus, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription};
+use datum::Datum;
+
+/// Long enough for anything on a loaded machine.
+pub const LONG: Duration = Duration::from_secs(30);
+
+pub fn settings(url: &str) -> Settings {
+    Settings::parse(url).unwrap()
+}
+
+pub fn connect(settings: Settings) -> AmqpBus {
+    AmqpBus::connect(settings, LONG).unwrap()
+}
+
+/// Settings whose notices are kept.
+pub fn noted(url: &str) -> (Settings, Arc<Mutex<Vec<Notice>>>) {
+    let notices = Arc::new(Mutex::new(Vec::new()));
+    let kept = Arc::clone(&notices);
+    let mut settings = settings(url);
+    settings.notices = Arc::new(move |notice| kept.lock().unwrap().push(notice.clone()));
+    (settings, notices)
+}
+
+pub fn all(size: usize) -> Queue {
+    Queue::All {
+        size,
+        overflow: Overflow::DropNewest,
+    }
+}
+
+pub fn events() -> Sending {
+    Sending::events(NonZeroUsize::new(100_000).unwrap())
+}
+
+pub fn subscribe(bus: &dyn Bus, pattern: &str, queue: Queue) -> Subscription {
+    bus.subscribe(&Pattern::new(pattern), queue, Arc::new(Bell::new()))
+        .unwrap()
+}
+
+pub fn publisher(bus: &dyn Bus, topic: &str, sending: Sending) -> Box<dyn Publisher> {
+    bus.publisher(topic, &Origin::new("Tester", 1), "test/Number", sending)
+        .unwrap()
+}
+
+pub fn number(n: i64) -> Payload {
+    Payload::of(Datum::Int(n))
+}
+
+/// The numbers that come until nothing has come for a while.
+pub fn numbers(subscription: &Subscription, silence: Duration) -> Vec<i64> {
+    let next = || subscription.next_within(silence);
+    std::iter::from_fn(next)
+        .map(|envelope| envelope.payload.to_datum().unwrap().as_int().unwrap())
+        .collect()
+}
+
+/// Waits until something is so.
+#[track_caller]
+pub fn eventually(what: &str, mut so: impl FnMut() -> bool) {
+    let until = Instant::now() + LONG;
+    while !so() {
+        assert!(Instant::now() < until, "{what}: not within {LONG:?}");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}

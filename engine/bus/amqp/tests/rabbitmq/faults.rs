@@ -1,0 +1,439 @@
+//! What goes wrong with brokers, one thing a test.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use amqp::{AmqpBus, Notice, Settings};
+use bus::{Bell, Bus, BusError, Link, Origin, Queue, Sending};
+
+use crate::common::{
+    LONG, all, connect, events, eventually, noted, number, numbers, publisher, settings, subscribe,
+};
+
+/// A life with events before and after a fault: none is lost or repeated.
+fn survives(fault: impl FnOnce(&broker::Broker, &AmqpBus)) {
+    let Some(broker) = broker::alone() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let (reader, writer) = (connect(quick(&vhost.url())), connect(quick(&vhost.url())));
+    let subscription = subscribe(&reader, "events", all(10_000));
+    let state = subscribe(&reader, "state", Queue::Latest);
+    let mut events = publisher(&writer, "events", events());
+    let mut states = publisher(&writer, "state", Sending::state());
+    for n in 0..500 {
+        events.publish(0, number(n)).unwrap();
+    }
+    fault(&broker, &writer);
+    for n in 500..1000 {
+        events.publish(0, number(n)).unwrap();
+    }
+    eventually("the writer is back", || writer.health().is_up());
+    eventually("the reader is back", || reader.health().is_up());
+    assert!(writer.drain(LONG));
+    let came = numbers(&subscription, Duration::from_secs(2));
+    assert_eq!(came, (0..1000).collect::<Vec<_>>());
+    assert_eq!(subscription.received().missed, 0);
+    let sent = events.sent();
+    assert_eq!(
+        (sent.arrived, sent.dropped, sent.lost, sent.refused),
+        (1000, 0, 0, 0)
+    );
+    // The queue of a state is made again.
+    eventually("the state comes", || {
+        states.publish(0, number(7)).unwrap();
+        state.next_within(Duration::from_millis(50)).is_some()
+    });
+}
+
+fn quick(url: &str) -> Settings {
+    let mut settings = settings(url);
+    settings.timing.dead = Duration::from_secs(3);
+    settings
+}
+
+fn is_down(bus: &AmqpBus) -> bool {
+    matches!(bus.health().link, Link::Down { .. })
+}
+
+#[test]
+fn a_broker_that_is_killed_and_started_again() {
+    survives(|broker, bus| {
+        let begun = Instant::now();
+        broker.kill().unwrap();
+        eventually("it is noticed", || is_down(bus));
+        assert!(
+            begun.elapsed() < Duration::from_secs(5),
+            "{:?}",
+            begun.elapsed()
+        );
+        broker.revive().unwrap();
+    });
+}
+
+#[test]
+fn connections_closed_by_the_operator() {
+    survives(|broker, _| broker.close_connections().unwrap());
+}
+
+#[test]
+fn a_broker_stopped_and_started_inside_its_node() {
+    survives(|broker, bus| {
+        broker.stop_app().unwrap();
+        eventually("it is noticed", || is_down(bus));
+        broker.start_app().unwrap();
+    });
+}
+
+#[test]
+fn a_broker_frozen_for_a_moment() {
+    survives(|broker, bus| {
+        let begun = Instant::now();
+        broker.freeze().unwrap();
+        eventually("it is noticed", || is_down(bus));
+        // Sooner than by heartbeats, which take twice their interval.
+        assert!(
+            begun.elapsed() < Duration::from_secs(4),
+            "{:?}",
+            begun.elapsed()
+        );
+        broker.thaw().unwrap();
+    });
+}
+
+#[test]
+fn a_broker_frozen_until_it_is_given_up() {
+    survives(|broker, bus| {
+        let given_up = "the broker is silent for 3s";
+        let said = |bus: &AmqpBus| bus.health().link.to_string();
+        broker.freeze().unwrap();
+        eventually("it is given up", || {
+            said(bus).contains(given_up) || said(bus).contains("within")
+        });
+        broker.thaw().unwrap();
+    });
+}
+
+#[test]
+fn a_broker_out_of_memory_takes_nothing_and_nothing_is_buffered_without_bound() {
+    let Some(broker) = broker::alone() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let (settings, notices) = noted(&vhost.url());
+    let (bus, reader) = (connect(settings), connect(quick(&vhost.url())));
+    let subscription = subscribe(&reader, "t", all(10_000));
+    let mut kept = publisher(&bus, "t", events());
+    let mut dropped = publisher(&bus, "t", Sending::default());
+    broker.raise_alarm().unwrap();
+    eventually("it is blocked", || {
+        matches!(bus.health().link, Link::Blocked { .. })
+    });
+    let memory = memory();
+    let big = bus::Payload::of(datum::Datum::Bytes(vec![0; 16 * 1024].into()));
+    // The client alone takes 8434 of these, 133 MiB, before it waits.
+    for _ in 0..8000 {
+        assert!(matches!(
+            dropped.publish(0, big.clone()),
+            Err(BusError::Disconnected { .. })
+        ));
+    }
+    for n in 0..100 {
+        kept.publish(0, number(n)).unwrap();
+    }
+    let grown = self::memory().saturating_sub(memory);
+    assert!(grown < 20 << 20, "{grown} bytes more");
+    assert_eq!((dropped.sent().dropped, kept.sent().open()), (8000, 100));
+    broker.clear_alarm().unwrap();
+    eventually("it is up", || bus.health().is_up());
+    assert!(bus.drain(LONG));
+    let silence = Duration::from_millis(500);
+    assert_eq!(
+        numbers(&subscription, silence),
+        (0..100).collect::<Vec<_>>()
+    );
+    let notices = notices.lock().unwrap();
+    assert!(notices.contains(&Notice::Blocked) && notices.contains(&Notice::Unblocked));
+}
+
+/// Resident memory of this process.
+fn memory() -> usize {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    let kilobytes = line.and_then(|line| line.split_whitespace().next()?.parse::<usize>().ok());
+    kilobytes.unwrap_or(0) * 1024
+}
+
+#[test]
+fn a_queue_deleted_under_its_reader_is_made_again() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let (settings, notices) = noted(&vhost.url());
+    let bus = connect(settings);
+    let subscription = subscribe(&bus, "t", all(100));
+    let mut publisher = publisher(&bus, "t", events());
+    publisher.publish(0, number(1)).unwrap();
+    assert!(subscription.next_within(LONG).is_some());
+    for queue in vhost.queues().unwrap() {
+        vhost.delete_queue(&queue).unwrap();
+    }
+    eventually("it is made again", || vhost.queues().unwrap().len() == 1);
+    eventually("messages come", || {
+        publisher.publish(0, number(2)).unwrap();
+        subscription
+            .next_within(Duration::from_millis(50))
+            .is_some()
+    });
+    let notices = notices.lock().unwrap();
+    let deleted = |notice: &Notice| matches!(notice, Notice::Refused { reason, .. } if reason.contains("deleted"));
+    assert!(notices.iter().any(deleted), "{notices:?}");
+}
+
+#[test]
+fn a_queue_that_overflows_while_its_reader_is_away_drops_as_declared_and_says_so() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    // A reader that holds a queue as ours do, and does not read.
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()
+        .unwrap();
+    let bus = connect(settings(&vhost.url()));
+    let (connection, channel) = runtime.block_on(raw::open(&broker, vhost.name()));
+    runtime.block_on(raw::full_queue(&channel, "full", "robots", "t", 3));
+    let mut publisher = publisher(&bus, "t", events());
+    for n in 0..10 {
+        publisher.publish(0, number(n)).unwrap();
+    }
+    assert!(bus.drain(LONG));
+    let sent = publisher.sent();
+    assert_eq!((sent.arrived, sent.refused), (3, 7));
+    runtime.block_on(async {
+        channel.close().await.unwrap();
+        connection.close().await.unwrap();
+    });
+}
+
+#[test]
+fn who_may_not_is_told_and_others_go_on() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let user = vhost.name().to_owned();
+    broker.add_user(&user, "p").unwrap();
+    // May read, and may not publish.
+    let admin = connect(settings(&vhost.url()));
+    vhost.permit(&user, "^asmotion", "^asmotion", ".*").unwrap();
+    let (settings, notices) = noted(&vhost.url_of(&user, "p"));
+    let bus = connect(settings);
+    let mut forbidden = publisher(&bus, "t", events());
+    forbidden.publish(0, number(1)).unwrap();
+    eventually("it is refused", || forbidden.sent().refused == 1);
+    let serving = bus.serve("there", 1, Arc::new(Bell::new()));
+    assert!(matches!(serving.map(drop), Err(BusError::Refused { .. })));
+    let subscription = subscribe(&bus, "t", all(10));
+    publisher(&admin, "t", events())
+        .publish(0, number(2))
+        .unwrap();
+    assert_eq!(numbers(&subscription, Duration::from_millis(500)), [2]);
+    assert!(bus.health().is_up());
+    let notices = notices.lock().unwrap();
+    let said = |notice: &Notice| notice.to_string().contains("ACCESS_REFUSED");
+    assert!(notices.iter().any(said), "{notices:?}");
+}
+
+#[test]
+fn who_may_not_read_is_told_at_once() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let user = vhost.name().to_owned();
+    broker.add_user(&user, "p").unwrap();
+    vhost.permit(&user, ".*", ".*", "^$").unwrap();
+    let bus = connect(settings(&vhost.url_of(&user, "p")));
+    let end = bus.subscribe(&bus::Pattern::all(), all(1), Arc::new(Bell::new()));
+    assert!(matches!(end.map(drop), Err(BusError::Refused { .. })));
+}
+
+#[test]
+fn a_publication_on_a_channel_that_the_broker_closed_is_not_taken_for_sent() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let (settings, notices) = noted(&vhost.url());
+    let bus = connect(settings);
+    let mut publishers =
+        [events(), Sending::default()].map(|sending| publisher(&bus, "t", sending));
+    broker
+        .evaluate(&format!(
+            "rabbit_exchange:delete(rabbit_misc:r(<<\"{}\">>, exchange, <<\"robots\">>), false, <<\"test\">>)",
+            vhost.name()
+        ))
+        .unwrap();
+    for publisher in &mut publishers {
+        for n in 0..20 {
+            publisher.publish(0, number(n)).unwrap();
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+    eventually("each is accounted for", || {
+        publishers
+            .iter()
+            .all(|publisher| publisher.sent().open() == 0)
+    });
+    for publisher in &publishers {
+        assert_eq!(publisher.sent().arrived, 0, "{:?}", publisher.sent());
+    }
+    let notices = notices.lock().unwrap();
+    assert!(
+        notices
+            .iter()
+            .any(|notice| notice.to_string().contains("NOT_FOUND"))
+    );
+}
+
+#[test]
+fn a_forged_user_is_found_out_by_the_broker() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let bus = connect(settings(&vhost.url()));
+    let subscription = subscribe(&bus, "t", all(10));
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()
+        .unwrap();
+    let forged = |user| runtime.block_on(raw::publish_as(&broker, vhost.name(), user, "t"));
+    assert!(forged("tester"));
+    assert!(!forged("somebody_else"));
+    assert_eq!(numbers(&subscription, Duration::from_millis(500)), [1]);
+}
+
+#[test]
+fn what_cannot_be_read_is_counted_and_said_and_never_fatal() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let (settings, notices) = noted(&vhost.url());
+    let bus = connect(settings);
+    let subscription = subscribe(&bus, "#", all(10));
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()
+        .unwrap();
+    for (content_type, bytes) in [
+        (Some("image/png"), &b"?"[..]),
+        (None, b"?"),
+        (Some("application/json; charset=utf-8"), b"41"),
+        (Some("application/json"), b"42"),
+    ] {
+        runtime.block_on(raw::publish(
+            &broker,
+            vhost.name(),
+            "t",
+            content_type,
+            bytes,
+        ));
+    }
+    assert_eq!(numbers(&subscription, Duration::from_millis(500)), [41, 42]);
+    assert_eq!(subscription.received().unreadable, 2);
+    let notices = notices.lock().unwrap();
+    assert!(
+        notices
+            .iter()
+            .any(|notice| notice.to_string().contains("`image/png`"))
+    );
+}
+
+#[test]
+fn one_connection_carries_two_hundred_components() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let bus = connect(settings(&vhost.url()));
+    let components: Vec<_> = (0..200)
+        .map(|n| {
+            let topic = format!("c{n}.state");
+            let subscription = subscribe(&bus, &topic, Queue::Latest);
+            let origin = Origin::new(format!("C{n}"), 1);
+            let publisher = bus
+                .publisher(&topic, &origin, "", Sending::state())
+                .unwrap();
+            (subscription, publisher)
+        })
+        .collect();
+    for (n, (subscription, mut publisher)) in components.into_iter().enumerate() {
+        publisher.publish(0, number(n as i64)).unwrap();
+        assert!(subscription.next_within(LONG).is_some(), "component {n}");
+    }
+    assert_eq!(vhost.connections().unwrap(), 2, "publishers and consumers");
+}
+
+/// The client without what we put around it.
+mod raw {
+    use amqprs::channel::{
+        BasicPublishArguments, Channel, QueueBindArguments, QueueDeclareArguments,
+    };
+    use amqprs::connection::{Connection, OpenConnectionArguments};
+    use amqprs::{BasicProperties, FieldTable};
+
+    pub async fn open(broker: &broker::Broker, vhost: &str) -> (Connection, Channel) {
+        let address = broker.address();
+        let mut arguments = OpenConnectionArguments::new(
+            "127.0.0.1",
+            address.port(),
+            broker.user(),
+            broker.password(),
+        );
+        arguments.virtual_host(vhost);
+        let connection = Connection::open(&arguments).await.unwrap();
+        let channel = connection.open_channel(None).await.unwrap();
+        (connection, channel)
+    }
+
+    /// A queue that takes so many, and then refuses.
+    pub async fn full_queue(channel: &Channel, queue: &str, exchange: &str, key: &str, size: i64) {
+        let mut declare = QueueDeclareArguments::new(queue);
+        let mut arguments = FieldTable::new();
+        let name = |name: &str| name.try_into().unwrap();
+        arguments.insert(name("x-max-length"), amqprs::FieldValue::l(size));
+        arguments.insert(name("x-overflow"), "reject-publish".into());
+        declare.durable(true).arguments(arguments);
+        channel.queue_declare(declare).await.unwrap();
+        let bind = QueueBindArguments::new(queue, exchange, key);
+        channel.queue_bind(bind).await.unwrap();
+    }
+
+    pub async fn publish(
+        broker: &broker::Broker,
+        vhost: &str,
+        key: &str,
+        content_type: Option<&str>,
+        bytes: &[u8],
+    ) {
+        let (connection, channel) = open(broker, vhost).await;
+        let mut properties = BasicProperties::default();
+        if let Some(content_type) = content_type {
+            properties.with_content_type(content_type);
+        }
+        let arguments = BasicPublishArguments::new("robots", key);
+        (channel
+            .basic_publish(properties, bytes.to_vec(), arguments)
+            .await)
+            .unwrap();
+        channel.close().await.unwrap();
+        connection.close().await.unwrap();
+    }
+
+    /// Publishes under a name; whether the channel survived it.
+    pub async fn publish_as(broker: &broker::Broker, vhost: &str, user: &str, key: &str) -> bool {
+        let (connection, channel) = open(broker, vhost).await;
+        let mut properties = BasicProperties::default();
+        properties
+            .with_content_type("application/json")
+            .with_user_id(user);
+        let arguments = BasicPublishArguments::new("robots", key);
+        (channel
+            .basic_publish(properties, b"1".to_vec(), arguments)
+            .await)
+            .unwrap();
+        let alive = channel.flow(true).await.is_ok();
+        // Where the broker closed the channel, the client may be at odds with itself.
+        let _ = connection.close().await;
+        alive
+    }
+}

@@ -1,0 +1,226 @@
+//! The link: it comes, goes, comes back, and says so. Each defect of the client has its guard here.
+
+use std::net::TcpListener;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use amqp::{AmqpBus, Credentials, Notice};
+use bus::{Bell, Bus, BusError, CallFailure, Link, Origin, Pattern, Request, Sending};
+
+use crate::common::{
+    LONG, all, connect, events, eventually, noted, number, numbers, publisher, settings, subscribe,
+};
+
+#[test]
+fn a_wrong_password_is_known_at_once_and_in_words() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let begun = Instant::now();
+    let end = AmqpBus::connect(settings(&vhost.url_of("tester", "wrong")), LONG);
+    let Err(BusError::Refused { reason }) = end.map(drop) else {
+        panic!("it was not refused");
+    };
+    assert!(reason.contains("ACCESS_REFUSED"), "{reason}");
+    assert!(!reason.contains("wrong"), "{reason}");
+    // The client alone needs 3 s, for a reset connection.
+    assert!(
+        begun.elapsed() < Duration::from_secs(2),
+        "{:?}",
+        begun.elapsed()
+    );
+}
+
+#[test]
+fn a_missing_virtual_host_is_named() {
+    let Some(broker) = broker::calm() else { return };
+    let mut settings = settings(&broker.vhost().unwrap().url());
+    settings.vhost = "nowhere".to_owned();
+    let end = AmqpBus::connect(settings, LONG).map(drop);
+    let Err(BusError::Refused { reason }) = end else {
+        panic!("{end:?}");
+    };
+    assert!(reason.contains("nowhere"), "{reason}");
+}
+
+#[test]
+fn a_mute_server_is_not_waited_for() {
+    let mute = TcpListener::bind("127.0.0.1:0").unwrap();
+    let mut settings = settings(&format!("amqp://{}", mute.local_addr().unwrap()));
+    settings.timing.connect = Duration::from_millis(300);
+    let begun = Instant::now();
+    let end = AmqpBus::connect(settings, Duration::from_secs(1)).map(drop);
+    assert!(matches!(end, Err(BusError::Disconnected { .. })), "{end:?}");
+    assert!(begun.elapsed() < Duration::from_secs(5));
+}
+
+#[test]
+fn somebody_else_than_a_broker_is_found_out() {
+    let stranger = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = stranger.local_addr().unwrap();
+    std::thread::spawn(move || {
+        use std::io::Write;
+        while let Ok((mut peer, _)) = stranger.accept() {
+            let _ = peer.write_all(b"HTTP/1.1 400 Bad Request\r\n\r\n");
+        }
+    });
+    let settings = settings(&format!("amqp://{address}"));
+    let end = AmqpBus::connect(settings, Duration::from_secs(1)).map(drop);
+    let Err(BusError::Disconnected { reason }) = end else {
+        panic!("{end:?}");
+    };
+    assert_eq!(reason, "this is no AMQP broker");
+}
+
+#[test]
+fn names_that_the_client_breaks_at_are_refused() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let bus = connect(settings(&vhost.url()));
+    let (long, origin) = ("x".repeat(256), Origin::new("Tester", 1));
+    let bell = || Arc::new(Bell::new());
+    let request = || Request::new(origin.clone(), number(1), LONG);
+    let ends = [
+        bus.publisher(&long, &origin, "", Sending::default())
+            .map(drop),
+        bus.publisher("topic", &origin, &long, Sending::default())
+            .map(drop),
+        bus.subscribe(&Pattern::new(&*long), all(1), bell())
+            .map(drop),
+        bus.serve(&long, 1, bell()).map(drop),
+        bus.call(&long, request(), bell()).map(drop),
+        bus.tell(&long, request(), bell()).map(drop),
+    ];
+    for end in ends {
+        assert!(matches!(end, Err(BusError::BadName { .. })), "{end:?}");
+    }
+    assert_eq!(bus::contract::violations(&bus, &"y".repeat(100)), []);
+}
+
+#[test]
+fn a_source_or_an_argument_may_be_of_any_length() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let bus = connect(settings(&vhost.url()));
+    let subscription = subscribe(&bus, "t", all(4));
+    let origin = Origin::new("ü".repeat(1000), 1);
+    let mut publisher = bus.publisher("t", &origin, "", Sending::default()).unwrap();
+    publisher
+        .publish_within(0, number(1), Some("t".repeat(1000).into()))
+        .unwrap();
+    let envelope = subscription.next_within(LONG).unwrap();
+    assert_eq!(envelope.source, origin.source);
+}
+
+#[test]
+fn many_may_declare_at_once() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let bus = connect(settings(&vhost.url()));
+    std::thread::scope(|scope| {
+        for thread in 0..16 {
+            let bus = &bus;
+            scope.spawn(move || {
+                for n in 0..4 {
+                    let topic = format!("t{thread}.{n}");
+                    let subscription = subscribe(bus, &topic, all(4));
+                    let mut publisher = publisher(bus, &topic, events());
+                    publisher.publish(0, number(n)).unwrap();
+                    assert!(subscription.next_within(LONG).is_some(), "{topic}");
+                }
+            });
+        }
+    });
+}
+
+#[test]
+fn without_a_broker_a_bus_waits_for_it_and_keeps_what_it_is_told_to() {
+    let Some(broker) = broker::alone() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    broker.kill().unwrap();
+    let bus = AmqpBus::open(settings(&vhost.url())).unwrap();
+    assert!(matches!(bus.health().link, Link::Down { .. }));
+    let subscription = subscribe(&bus, "kept", all(100));
+    let mut kept = publisher(&bus, "kept", events());
+    let mut latest = publisher(&bus, "kept", Sending::state());
+    let mut dropped = publisher(&bus, "kept", Sending::default());
+    for n in 0..10 {
+        kept.publish(0, number(n)).unwrap();
+        latest.publish(0, number(100 + n)).unwrap();
+        assert!(dropped.publish(0, number(200)).is_err());
+    }
+    let request = Request::new(Origin::new("Tester", 1), number(1), LONG);
+    let pending = bus.call("nobody", request, Arc::new(Bell::new())).unwrap();
+    assert_eq!(pending.wait().unwrap_err(), CallFailure::Unavailable);
+    let (bell, begun) = (Arc::new(Bell::new()), Instant::now());
+    bus.watch(&bell);
+    broker.revive().unwrap();
+    while !bus.health().is_up() {
+        assert!(begun.elapsed() < 3 * LONG);
+        bell.wait(LONG);
+    }
+    assert!(bus.drain(LONG));
+    // Its queue may be declared after the first were published; what follows comes in any case.
+    eventually("what follows comes", || {
+        kept.publish(0, number(99)).unwrap();
+        subscription
+            .next_within(Duration::from_millis(100))
+            .is_some()
+    });
+    assert!(bus.drain(LONG));
+    assert_eq!((kept.sent().dropped, kept.sent().lost), (0, 0));
+    assert_eq!((latest.sent().published, latest.sent().dropped), (10, 9));
+    assert_eq!((dropped.sent().published, dropped.sent().dropped), (10, 10));
+}
+
+#[test]
+fn a_bus_that_is_closed_has_sent_what_it_took_and_leaves_nothing() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let reader = connect(settings(&vhost.url()));
+    let subscription = subscribe(&reader, "t", all(5000));
+    let (settings, notices) = noted(&vhost.url());
+    let writer = connect(settings);
+    let _unread = subscribe(&writer, "other", all(5));
+    let _served = writer.serve("there", 1, Arc::new(Bell::new())).unwrap();
+    let mut publisher = publisher(&writer, "t", events());
+    for n in 0..3000 {
+        publisher.publish(0, number(n)).unwrap();
+    }
+    drop(writer);
+    assert_eq!(publisher.sent().open(), 0);
+    assert!(
+        publisher.publish(0, number(1)).is_ok(),
+        "events are kept to the end of their days"
+    );
+    assert_eq!(
+        numbers(&subscription, Duration::from_secs(1)),
+        (0..3000).collect::<Vec<_>>()
+    );
+    assert_eq!(vhost.queues().unwrap().len(), 1, "the reader's");
+    assert_eq!(
+        notices.lock().unwrap().len(),
+        1,
+        "connected, and nothing went wrong"
+    );
+}
+
+#[test]
+fn credentials_come_from_a_file_and_are_not_shown() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let file = std::env::temp_dir().join(format!("credentials-{}", std::process::id()));
+    std::fs::write(&file, format!("{}\n{}\n", broker.user(), broker.password())).unwrap();
+    let (mut settings, notices) = noted(&vhost.url_of("x", "y"));
+    settings.credentials = Credentials::from_file(&file).unwrap();
+    std::fs::remove_file(&file).unwrap();
+    let shown = format!("{settings:?}");
+    connect(settings);
+    let shown = format!("{shown}{:?}", notices.lock().unwrap());
+    assert!(!shown.contains(broker.password()), "{shown}");
+    assert!(matches!(
+        notices.lock().unwrap()[0],
+        Notice::Connected { .. }
+    ));
+}

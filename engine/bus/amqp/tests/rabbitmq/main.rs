@@ -1,0 +1,14 @@
+//! The bus over a real RabbitMQ.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "tests"
+)]
+
+mod common;
+mod contract;
+mod faults;
+mod life;
+mod services;
+mod soak;

@@ -1,0 +1,188 @@
+//! Services over a broker: answered by the deadline, executed once, known to be gone when they are.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use amqp::AmqpBus;
+use bus::{Bell, Bus, Call, CallFailure, Origin, Payload, Pending, Request, Serving};
+use datum::Datum;
+
+use crate::common::{LONG, connect, eventually, number, settings};
+
+fn serve(bus: &dyn Bus, size: usize) -> Serving {
+    bus.serve("planner.plan", size, Arc::new(Bell::new()))
+        .unwrap()
+}
+
+fn call(bus: &dyn Bus, n: i64, timeout: Duration) -> Pending {
+    let request = Request::new(Origin::new("Tester", 1), number(n), timeout);
+    bus.call("planner.plan", request, Arc::new(Bell::new()))
+        .unwrap()
+}
+
+fn next(serving: &Serving) -> Call {
+    serving.next_within(LONG).expect("a request comes")
+}
+
+fn int(payload: &Payload) -> i64 {
+    payload.to_datum().unwrap().as_int().unwrap()
+}
+
+#[test]
+fn a_service_is_called_from_another_process() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let (here, there) = (
+        connect(settings(&vhost.url())),
+        connect(settings(&vhost.url())),
+    );
+    let serving = serve(&there, 8);
+    assert!(matches!(
+        here.serve("planner.plan", 8, Arc::new(Bell::new()))
+            .map(drop),
+        Err(bus::BusError::Served { .. })
+    ));
+    let pending = call(&here, 20, LONG);
+    let request = next(&serving);
+    assert_eq!(&*request.origin.source, "Tester");
+    let answer = int(&request.argument) + 1;
+    request.reply(Ok(number(answer)));
+    assert_eq!(int(&pending.wait().unwrap()), 21);
+    drop(serving);
+    drop(serve(&here, 8));
+}
+
+#[test]
+fn a_provider_killed_in_the_middle_of_a_call_is_missed_before_the_deadline() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let here = connect(settings(&vhost.url()));
+    let there = connect(settings(&vhost.url()));
+    let serving = serve(&there, 8);
+    let pending = call(&here, 1, 2 * LONG);
+    let begun = next(&serving);
+    // As good as killed: its connection is cut, and it does not come back under this name.
+    std::mem::forget(begun);
+    let at = Instant::now();
+    drop(there);
+    assert_eq!(pending.wait().unwrap_err(), CallFailure::Unavailable);
+    assert!(at.elapsed() < Duration::from_secs(10), "{:?}", at.elapsed());
+    drop(serving);
+}
+
+#[test]
+fn a_provider_that_was_started_again_does_not_know_old_calls() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let here = connect(settings(&vhost.url()));
+    let there = connect(settings(&vhost.url()));
+    let serving = serve(&there, 8);
+    let pending = call(&here, 1, 2 * LONG);
+    std::mem::forget(next(&serving));
+    drop((serving, there));
+    let again = connect(settings(&vhost.url()));
+    let serving = serve(&again, 8);
+    assert_eq!(pending.wait().unwrap_err(), CallFailure::Unavailable);
+    assert!(serving.try_next().is_none(), "it was not executed again");
+}
+
+#[test]
+fn a_request_is_executed_once_though_the_link_breaks_and_its_answer_comes() {
+    let Some(broker) = broker::alone() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let (here, there) = (
+        connect(settings(&vhost.url())),
+        connect(settings(&vhost.url())),
+    );
+    let serving = serve(&there, 8);
+    let pending = call(&here, 20, 2 * LONG);
+    let request = next(&serving);
+    broker.close_connections().unwrap();
+    // One is answered while the link is away,
+    request.reply(Ok(number(21)));
+    assert_eq!(int(&pending.wait().unwrap()), 21);
+    // another after it.
+    let up = |bus: &AmqpBus| bus.health().is_up();
+    eventually("both are back", || up(&here) && up(&there));
+    let pending = call(&here, 30, 2 * LONG);
+    let request = next(&serving);
+    broker.close_connections().unwrap();
+    eventually("it is noticed", || !up(&here) || !up(&there));
+    eventually("both are back", || up(&here) && up(&there));
+    std::thread::sleep(Duration::from_millis(500));
+    request.reply(Ok(number(31)));
+    assert_eq!(int(&pending.wait().unwrap()), 31);
+    assert!(serving.try_next().is_none(), "each was executed once");
+}
+
+#[test]
+fn a_call_outlives_a_restart_of_the_broker() {
+    let Some(broker) = broker::alone() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let (here, there) = (
+        connect(settings(&vhost.url())),
+        connect(settings(&vhost.url())),
+    );
+    let serving = serve(&there, 8);
+    let back = there.serve("back", 8, Arc::new(Bell::new())).unwrap();
+    let mut request = Request::new(Origin::new("Tester", 1), number(1), 4 * LONG);
+    request.callback = Some("back".into());
+    let pending = here
+        .call("planner.plan", request, Arc::new(Bell::new()))
+        .unwrap();
+    let request = next(&serving);
+    let callback = request.callback.clone().unwrap();
+    broker.kill().unwrap();
+    broker.revive().unwrap();
+    request.reply(Ok(number(2)));
+    assert_eq!(int(&pending.wait().unwrap()), 2);
+    // And its callback finds its way afterwards.
+    let told = Request::new(Origin::new("Planner", 1), number(3), LONG);
+    let told = there.tell(&callback, told, Arc::new(Bell::new())).unwrap();
+    told.wait().unwrap();
+    assert_eq!(int(&next(&back).argument), 3);
+}
+
+#[test]
+fn a_frozen_broker_ends_a_call_at_its_deadline() {
+    let Some(broker) = broker::alone() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let (here, there) = (
+        connect(settings(&vhost.url())),
+        connect(settings(&vhost.url())),
+    );
+    let serving = serve(&there, 8);
+    broker.freeze().unwrap();
+    let at = Instant::now();
+    let pending = call(&here, 1, Duration::from_millis(500));
+    assert_eq!(pending.wait().unwrap_err(), CallFailure::Timeout);
+    assert!(at.elapsed() < Duration::from_secs(2));
+    broker.thaw().unwrap();
+    // The request arrives now, and its caller has given up.
+    assert!(serving.next_within(Duration::from_secs(1)).is_none());
+}
+
+#[test]
+fn a_fault_keeps_its_code_and_words_and_a_result_its_data() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let bus = connect(settings(&vhost.url()));
+    let serving = serve(&bus, 8);
+    let pending = call(&bus, 1, LONG);
+    let refusal = bus::Refusal {
+        code: "NO_PATH".to_owned(),
+        detail: "ü: walls all around".to_owned(),
+    };
+    next(&serving).reply(Err(refusal.clone()));
+    assert_eq!(pending.wait().unwrap_err(), CallFailure::Refused(refusal));
+    let pending = call(&bus, 1, LONG);
+    let record = Datum::record([("x", Datum::Float(f64::INFINITY))]);
+    next(&serving).reply(Ok(Payload::of(record.clone())));
+    assert_eq!(pending.wait().unwrap().to_datum().unwrap(), record);
+}
