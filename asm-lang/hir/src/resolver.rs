@@ -5,6 +5,7 @@ use crate::error::HirError;
 use crate::model::{Body, FunctionKind, Term, TermKind, VarId, Variable};
 use crate::types::{Type, TypeId};
 use source::{Span, similar};
+use std::sync::Arc;
 use syntax::ast;
 use value::Value;
 
@@ -80,6 +81,13 @@ impl<'a> Resolver<'a> {
         });
         self.visible.push(id);
         id
+    }
+
+    /// A variable that the text does not name.
+    pub fn fresh(&mut self, ty: TypeId, span: Span) -> VarId {
+        let name = Arc::from("");
+        self.variables.push(Variable { name, ty, span });
+        VarId(self.variables.len() as u32 - 1)
     }
 
     /// Does something with the variables it binds, and forgets them.

@@ -6,7 +6,7 @@ use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
 use source::Span;
 use std::sync::Arc;
-use syntax::ast::{self, Literal};
+use syntax::ast::{self, Link, Literal};
 use value::Value;
 
 impl Resolver<'_> {
@@ -30,16 +30,7 @@ impl Resolver<'_> {
                 name,
                 arguments,
             } => self.dot(agent, name, arguments, span),
-            ast::TermKind::Binary {
-                operator,
-                at,
-                left,
-                right,
-            } => {
-                self.lint_not(*operator, left, term.span);
-                let arguments = vec![self.term(left), self.term(right)];
-                self.operator(*operator, *at, arguments, span)
-            }
+            ast::TermKind::Chain { first, links } => self.chain(first, links, span),
             ast::TermKind::Unary {
                 operator,
                 at,
@@ -245,6 +236,37 @@ impl Resolver<'_> {
         let case = self.term(case);
         self.expect(&case, subject.ty, "a case", Some((subject.span, "this is")));
         case
+    }
+
+    /// `a + b - c`, from left to right. What goes before the last links of a long chain is bound to
+    /// variables, piece by piece: so nothing nests as deep as a chain is long.
+    fn chain(&mut self, first: &ast::Term, links: &[Link], span: Span) -> Term {
+        let mut pieces = Vec::new();
+        let mut value = self.term(first);
+        for (index, link) in links.iter().enumerate() {
+            let is_last = index + 1 == links.len();
+            let whole = match is_last {
+                true => span,
+                false => first.span.to(link.operand.span),
+            };
+            if index == 0 {
+                self.lint_not(link.operator, first, whole);
+            } else if index % Link::NESTED as usize == 0 {
+                let variable = self.fresh(value.ty, value.span);
+                let known = self.variable_of(variable, value.span);
+                pieces.push((variable, std::mem::replace(&mut value, known)));
+            }
+            let arguments = vec![value, self.term(&link.operand)];
+            value = self.operator(link.operator, link.at, arguments, whole);
+        }
+        if pieces.is_empty() {
+            return value;
+        }
+        Term {
+            ty: value.ty,
+            kind: Box::new(TermKind::Let(pieces, value)),
+            span,
+        }
     }
 
     pub fn bindings(&mut self, bindings: &[(ast::Name, ast::Term)]) -> Vec<(VarId, Term)> {

@@ -10,7 +10,8 @@ pub mod term;
 pub use rule::{Assignee, Rule, RuleKind, SwitchRule};
 pub use scenario::{Block, Command, CommandKind, Pick, PickedRule, Scenario, ScenarioInvariant};
 pub use term::{
-    Binder, Collection, Comprehension, Interval, Literal, Operator, Quantifier, Term, TermKind,
+    Binder, Collection, Comprehension, Interval, Link, Literal, Operator, Quantifier, Term,
+    TermKind,
 };
 
 use source::Span;

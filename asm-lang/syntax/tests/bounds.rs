@@ -34,7 +34,6 @@ fn nesting_is_bounded() {
         ("a := ", "<<r_x>> = (", "1", ")"),
         ("a := ", "f(", "1", ")"),
         ("a := ", "if b then ", "1", " endif"),
-        ("a := ", "1 + ", "1", ""),
         ("a := ", "let ($x = 1) in ", "1", " endlet"),
         ("a := ", "(forall $x in s with ", "b", ")"),
         ("", "par ", "skip", " endpar"),
@@ -81,8 +80,20 @@ fn long_is_not_deep() {
             report.diagnostics.first()
         );
     }
-    let report = read(&format!("s := {{{} 1}}", "1, ".repeat(100_000)));
-    assert!(report.diagnostics.is_empty());
+    for (before, item, last) in [
+        ("s := {", "1, ", "1}"),
+        ("a := ", "1 + ", "1"),
+        ("a := ", "1 * 2 - ", "1"),
+        ("a := (", "b and ", "b) or b"),
+        ("a := ", "b implies ", "b"),
+    ] {
+        let report = read(&format!("{before}{}{last}", item.repeat(100_000)));
+        assert!(
+            report.diagnostics.is_empty(),
+            "{item}: {:?}",
+            report.diagnostics.first()
+        );
+    }
 }
 
 /// Words of the language and others, in a random order that is the same every time.

@@ -40,16 +40,12 @@ pub enum TermKind {
         /// The arguments after the agent.
         arguments: Vec<Term>,
     },
-    /// `left op right`.
-    Binary {
-        /// The operator.
-        operator: Operator,
-        /// Where the operator stands.
-        at: Span,
-        /// Left operand.
-        left: Term,
-        /// Right operand.
-        right: Term,
+    /// `a op b op c …`: operators of one strength, from left to right.
+    Chain {
+        /// The first operand.
+        first: Term,
+        /// What follows it; at least one link.
+        links: Vec<Link>,
     },
     /// `op operand`: `+`, `-`, `not`.
     Unary {
@@ -201,6 +197,23 @@ pub enum Operator {
     Iff,
 }
 
+/// `op b` in a chain.
+#[derive(Clone, Debug)]
+pub struct Link {
+    /// The operator.
+    pub operator: Operator,
+    /// Where the operator stands.
+    pub at: Span,
+    /// Its right operand.
+    pub operand: Term,
+}
+
+impl Link {
+    /// So many links of a chain nest in each other when they are resolved; what goes before them has
+    /// a name then. The depth of a term counts them so.
+    pub const NESTED: u32 = 64;
+}
+
 impl Operator {
     /// The standard function it stands for.
     pub fn function(self) -> &'static str {
@@ -247,6 +260,21 @@ impl Operator {
             | Self::Xor
             | Self::Implies
             | Self::Iff => self.function(),
+        }
+    }
+
+    /// How tight it holds its operands together, as the grammar has it: from 0 for `implies` to 8 for
+    /// a sign.
+    pub fn strength(self) -> u8 {
+        match self {
+            Self::Implies | Self::Iff => 0,
+            Self::Or | Self::Xor => 1,
+            Self::And => 2,
+            Self::Eq | Self::Neq | Self::Lt | Self::Le | Self::Gt | Self::Ge => 3,
+            Self::Not => 4,
+            Self::Plus | Self::Minus => 5,
+            Self::Mult | Self::Div | Self::Mod => 6,
+            Self::Pwr => 7,
         }
     }
 }

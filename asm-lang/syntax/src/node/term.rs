@@ -65,33 +65,51 @@ impl Nodes<'_, '_> {
 
     pub(super) fn spanned_term(&self, kind: TermKind, span: Span) -> Term {
         let depth = 1 + term_depth(&kind);
-        if depth > MAX_DEPTH {
-            self.findings.report(SyntaxError::TooDeep { at: span });
-            return Term {
-                kind: Box::new(TermKind::Invalid),
-                span,
-                depth: 1,
-            };
-        }
-        Term {
+        self.bounded(Term {
             kind: Box::new(kind),
             span,
             depth,
+        })
+    }
+
+    fn bounded(&self, term: Term) -> Term {
+        if term.depth <= MAX_DEPTH {
+            return term;
+        }
+        self.findings.report(SyntaxError::TooDeep { at: term.span });
+        Term {
+            kind: Box::new(TermKind::Invalid),
+            depth: 1,
+            ..term
         }
     }
 
-    /// `left op right`.
-    pub(crate) fn binary(&self, left: Term, (operator, at): (Operator, Span), right: Term) -> Term {
-        let span = left.span.to(right.span);
-        self.spanned_term(
-            TermKind::Binary {
-                operator,
-                at,
-                left,
-                right,
-            },
-            span,
-        )
+    /// `left op right`; a chain on the left that goes on becomes longer.
+    pub(crate) fn binary(
+        &self,
+        mut left: Term,
+        (operator, at): (Operator, Span),
+        operand: Term,
+    ) -> Term {
+        let span = left.span.to(operand.span);
+        let link = Link {
+            operator,
+            at,
+            operand,
+        };
+        if let TermKind::Chain { first, links } = &mut *left.kind
+            && goes_on(first, links, left.span, operator)
+        {
+            left.depth = match links.len() < Link::NESTED as usize {
+                true => 1 + left.depth.max(link.operand.depth),
+                false => left.depth.max(Link::NESTED + link.operand.depth),
+            };
+            left.span = span;
+            links.push(link);
+            return self.bounded(left);
+        }
+        let links = vec![link];
+        self.spanned_term(TermKind::Chain { first: left, links }, span)
     }
 
     /// `op operand`.
@@ -189,6 +207,14 @@ impl Nodes<'_, '_> {
     }
 }
 
+/// Whether a chain stands without brackets and its operators are as strong as the next one.
+fn goes_on(first: &Term, links: &[Link], span: Span, next: Operator) -> bool {
+    links.last().is_some_and(|last| {
+        last.operator.strength() == next.strength()
+            && (first.span.start, last.operand.span.end) == (span.start, span.end)
+    })
+}
+
 /// The depth of the deepest part of a term.
 fn term_depth(kind: &TermKind) -> u32 {
     match kind {
@@ -199,7 +225,10 @@ fn term_depth(kind: &TermKind) -> u32 {
         | TermKind::Domain(_)
         | TermKind::Invalid => 0,
         TermKind::Apply { arguments, .. } | TermKind::Dot { arguments, .. } => deepest(arguments),
-        TermKind::Binary { left, right, .. } => left.depth.max(right.depth),
+        TermKind::Chain { first, links } => {
+            let operands = links.iter().map(|link| link.operand.depth);
+            operands.fold(first.depth, u32::max)
+        }
         TermKind::Unary { operand, .. } => operand.depth,
         TermKind::Tuple(items) | TermKind::Listed { items, .. } => deepest(items),
         TermKind::If {

@@ -52,35 +52,37 @@ impl Layout<'_> {
     }
 
     /// `a + b - c`: operators of equal strength in one go, each at the beginning of its line.
-    pub(super) fn chain(&mut self, operator: Operator, left: &Term, right: &Term) {
-        let strength = strength(operator);
-        let place = Place {
-            least: strength,
-            of: Some(operator),
-        };
-        if let TermKind::Binary {
-            operator: before,
-            left: first,
-            right: second,
-            ..
-        } = &*left.kind
-            && self::strength(*before) == strength
-            && !self.stays_bracketed(left, place)
-        {
-            self.bracketed(left, place, |it| it.chain(*before, first, second));
-        } else {
-            self.indent(|it| it.placed(left, place));
+    pub(super) fn chain(&mut self, first: &Term, links: &[Link]) {
+        for (index, link) in links.iter().enumerate() {
+            let least = link.operator.strength();
+            let of = Some(link.operator);
+            if index == 0 {
+                self.beginning(first, Place { least, of });
+            }
+            self.separate(Break::Line);
+            self.token();
+            let place = Place {
+                least: least + 1,
+                of,
+            };
+            self.indent(|it| {
+                it.separate(Break::Blank);
+                it.placed(&link.operand, place);
+            });
         }
-        self.separate(Break::Line);
-        self.token();
-        let place = Place {
-            least: strength + 1,
-            of: Some(operator),
-        };
-        self.indent(|it| {
-            it.separate(Break::Blank);
-            it.placed(right, place);
-        });
+    }
+
+    /// The first operand of a chain; one that is such a chain in needless brackets goes on in it.
+    fn beginning(&mut self, first: &Term, place: Place) {
+        match &*first.kind {
+            TermKind::Chain {
+                first: inner,
+                links,
+            } if strength_of(&first.kind) == place.least && !self.stays_bracketed(first, place) => {
+                self.bracketed(first, place, |it| it.chain(inner, links));
+            }
+            _ => self.indent(|it| it.placed(first, place)),
+        }
     }
 
     fn stays_bracketed(&self, term: &Term, place: Place) -> bool {
@@ -112,23 +114,26 @@ fn keeps_brackets(kind: &TermKind, place: Place) -> bool {
 
 /// How tight a term holds together.
 fn strength_of(kind: &TermKind) -> Strength {
-    if let TermKind::Binary { operator, .. } = kind {
-        strength(*operator)
-    } else if let TermKind::Unary { operator, .. } = kind {
-        if *operator == Operator::Not {
-            NOT
-        } else {
-            SIGN
-        }
-    } else {
-        TIGHTEST
+    match (last_operator(kind), kind) {
+        (Some(operator), _) => operator.strength(),
+        (None, TermKind::Unary { operator, .. }) if *operator == Operator::Not => NOT,
+        (None, TermKind::Unary { .. }) => SIGN,
+        (None, _) => TIGHTEST,
+    }
+}
+
+/// The operator of a chain that is applied last.
+fn last_operator(kind: &TermKind) -> Option<Operator> {
+    match kind {
+        TermKind::Chain { links, .. } => links.last().map(|link| link.operator),
+        _ => None,
     }
 }
 
 /// Whether few readers would bet on what binds tighter: the term or the operator it is an operand of.
 fn is_unclear(inner: &TermKind, outer: Operator) -> bool {
-    if let TermKind::Binary { operator, .. } = inner {
-        mixes(*operator, outer)
+    if let Some(operator) = last_operator(inner) {
+        mixes(operator, outer)
     } else if let TermKind::Unary { operator, .. } = inner {
         if *operator == Operator::Not {
             is_relation(outer)
@@ -145,8 +150,8 @@ fn is_unclear(inner: &TermKind, outer: Operator) -> bool {
 
 /// Whether two binary operators next to each other make a reader think.
 fn mixes(inner: Operator, outer: Operator) -> bool {
-    let is_logical = |operator| strength(operator) <= strength(Operator::And);
-    let same = strength(inner) == strength(outer);
+    let is_logical = |operator: Operator| operator.strength() <= Operator::And.strength();
+    let same = inner.strength() == outer.strength();
     if is_logical(inner) && is_logical(outer) {
         let associates = matches!(inner, Operator::And | Operator::Or);
         inner != outer || !associates
@@ -158,23 +163,5 @@ fn mixes(inner: Operator, outer: Operator) -> bool {
 }
 
 fn is_relation(operator: Operator) -> bool {
-    strength(operator) == strength(Operator::Eq)
-}
-
-fn strength(operator: Operator) -> Strength {
-    match operator {
-        Operator::Implies | Operator::Iff => LOOSEST,
-        Operator::Or | Operator::Xor => 1,
-        Operator::And => 2,
-        Operator::Eq
-        | Operator::Neq
-        | Operator::Lt
-        | Operator::Le
-        | Operator::Gt
-        | Operator::Ge => 3,
-        Operator::Not => NOT,
-        Operator::Plus | Operator::Minus => 5,
-        Operator::Mult | Operator::Div | Operator::Mod => 6,
-        Operator::Pwr => 7,
-    }
+    operator.strength() == Operator::Eq.strength()
 }

@@ -54,12 +54,7 @@ impl Layout<'_> {
             | TermKind::Invalid => self.token(),
             TermKind::Apply { arguments, .. } => self.applied(false, arguments),
             TermKind::Dot { arguments, .. } => self.applied(true, arguments),
-            TermKind::Binary {
-                operator,
-                left,
-                right,
-                ..
-            } => self.chain(*operator, left, right),
+            TermKind::Chain { first, links } => self.chain(first, links),
             TermKind::Unary {
                 operator, operand, ..
             } => self.unary(*operator, operand),

@@ -308,14 +308,14 @@ pub fn term(it: &Term) -> String {
             name,
             arguments,
         } => applied(Some(agent), name, arguments),
-        TermKind::Binary {
-            operator,
-            left,
-            right,
-            ..
-        } => {
-            format!("({} {} {})", operator.symbol(), term(left), term(right))
-        }
+        // brackets that say the same are no difference
+        TermKind::Chain { first, links } => links.iter().fold(term(first), |left, link| {
+            format!(
+                "({} {left} {})",
+                link.operator.symbol(),
+                term(&link.operand)
+            )
+        }),
         TermKind::Unary {
             operator, operand, ..
         } => {
