@@ -83,8 +83,21 @@ pub(crate) struct Bindings {
     variables: BTreeMap<DomainId, TypeId>,
     /// How often a variable was looked at.
     looks: usize,
+    /// Whether an equality is looked at: it takes natural numbers and integers for the same, also in
+    /// collections and tuples.
+    compares: bool,
     /// Pairs without variables, which fit alike wherever they stand: products of products have many.
     known: BTreeMap<(TypeId, TypeId), Fit>,
+}
+
+impl Bindings {
+    /// For the arguments of an equality, or of anything else.
+    pub fn comparing(compares: bool) -> Self {
+        Self {
+            compares,
+            ..Self::default()
+        }
+    }
 }
 
 impl Types {
@@ -221,6 +234,7 @@ impl Types {
             });
             return Some(fit?.saturating_add(step));
         }
+        let compares = bindings.compares;
         let mut all = |pairs: &[(TypeId, TypeId)]| {
             pairs.iter().try_fold(0u32, |sum, &(a, b)| {
                 Some(self.fit(a, b, domains, bindings)?.saturating_add(sum))
@@ -235,6 +249,7 @@ impl Types {
             | (Type::Powerset(a), Type::Powerset(b))
             | (Type::Bag(a), Type::Bag(b)) => all(&[(*a, *b)]),
             (Type::Map(a, b), Type::Map(c, d)) => all(&[(*a, *c), (*b, *d)]),
+            (a, b) if compares && a.is_whole() && b.is_whole() => Some(1),
             _ => None,
         }
     }
@@ -252,9 +267,8 @@ impl Types {
             bindings.variables.insert(variable, actual);
             return Some(3);
         };
-        if !self.compatible(bound, actual, domains) {
-            return None;
-        }
+        let mut within = Bindings::comparing(bindings.compares);
+        self.fit(bound, actual, domains, &mut within)?;
         // `including({}, 3)`: the empty set leaves the variable open, the element decides.
         if self.is_open(bound) {
             bindings.variables.insert(variable, actual);
