@@ -9,7 +9,8 @@ pub trait Chooser {
     /// answer beyond the last candidate means the last.
     fn choose(&mut self, count: usize) -> usize;
 
-    /// Whether the first candidate is always taken. Then candidates are not counted.
+    /// Whether the first candidate is always taken. Then candidates are not counted, and no choice is
+    /// noted.
     fn takes_first(&self) -> bool {
         false
     }

@@ -201,6 +201,10 @@ impl Environment for Inputs {
             (known, ..) => Ok(known),
         }
     }
+
+    fn source(&self, _function: FunctionId, _arguments: &[Value]) -> String {
+        "the recorded step".to_owned()
+    }
 }
 
 /// The choices of one recorded step; beyond the last one the first candidate is taken.
@@ -215,10 +219,5 @@ impl Chooser for Choices {
         let index = self.indices.get(self.at).copied().unwrap_or(0);
         self.at += 1;
         index
-    }
-
-    /// A step that counted no candidates is not counted again.
-    fn takes_first(&self) -> bool {
-        self.indices.is_empty()
     }
 }
