@@ -1,10 +1,11 @@
 //! Run-time faults as diagnostics: both writers, the values at hand, the step and the agent.
 
+mod outside;
 mod values;
 
 use crate::Specification;
-use machine::{Fault, FaultKind, Machine, Witness};
-use source::Diagnostic;
+use machine::{Fault, FaultKind, InitialMisfit, Machine, Witness};
+use source::{Diagnostic, Report};
 use value::Value;
 
 impl Specification {
@@ -37,6 +38,28 @@ impl Specification {
         finding
     }
 
+    /// What is odd about the state a machine begins in, and no reason to stop: initial values that are
+    /// no elements of their domains.
+    pub fn doubts(&self, machine: &Machine) -> Report {
+        let naming = machine.naming();
+        let show = |value: &Value| value.show(&naming).to_string();
+        let warn = |found: InitialMisfit| {
+            let location = simulate::applied(machine, found.misfit.function, &found.arguments);
+            let fact = self.no_element(&found.misfit, "in the initial state", &show);
+            let finding = Diagnostic::warning("W030", fact).label(
+                self.span(found.origin),
+                format!("the initial value of `{location}`"),
+            );
+            self.outside(
+                finding,
+                &found.misfit,
+                &show,
+                "let it begin with an element",
+            )
+        };
+        machine.initial_misfits().into_iter().map(warn).collect()
+    }
+
     fn diagnose(
         &self,
         fault: &Fault,
@@ -57,12 +80,21 @@ impl Specification {
                     .note("a step applies all updates at once, so a location gets one value; the state is kept")
                     .help("put one of them in the `else` of the other, or both in `seq … endseq` if the later one wins")
             }
-            FaultKind::Outside { slot, value, domain } => {
-                let domain_info = &self.model.domains[domain.0 as usize];
-                Diagnostic::error("R002", format!("{} is no element of `{}`, {when}", show(value), domain_info.name))
-                    .label(at, format!("`{}` takes values of `{}`", location(*slot), domain_info.name))
-                    .label(domain_info.span, "declared here")
-                    .help("guard the update, or widen the domain under `definitions:`")
+            FaultKind::Outside { slot, misfit } => {
+                let place = format!("`{}` takes values of `{}`", location(*slot), self.codomain(misfit));
+                let finding = Diagnostic::error("R002", self.no_element(misfit, &when, show)).label(at, place);
+                self.outside(finding, misfit, show, "guard the update")
+            }
+            FaultKind::OutsideInput { slot, misfit, source } => {
+                let place = format!("`{}` takes values of `{}`", location(*slot), self.codomain(misfit));
+                let finding = Diagnostic::error("R022", self.no_element(misfit, &when, show)).label(at, place);
+                self.outside(finding, misfit, show, "let the environment give an element")
+                    .note(format!("the value came from {source}"))
+            }
+            FaultKind::OutsideArgument { slot, misfit } => {
+                let place = format!("there is no location `{}` to write", location(*slot));
+                let finding = Diagnostic::error("R023", self.no_element(misfit, &when, show)).label(at, place);
+                self.outside(finding, misfit, show, "guard the update")
             }
             FaultKind::UndefinedGuard => Diagnostic::error("R003", format!("a guard is undef {when}"))
                 .label(at, "neither true nor false")

@@ -53,8 +53,12 @@ pub fn test(path: &str, loader: &dyn Loader, settings: &Settings) -> Result<Test
 }
 
 /// What is wrong with the scenario at a path, as far as that can be seen before it runs.
-pub fn check(path: &str, loader: &dyn Loader) -> (Report, Sources) {
-    match open(path, loader, &Settings::default()) {
+pub fn check(path: &str, loader: &dyn Loader, reading: &hir::Options) -> (Report, Sources) {
+    let settings = Settings {
+        reading: reading.clone(),
+        ..Settings::default()
+    };
+    match open(path, loader, &settings) {
         Ok(opened) => (opened.report, opened.specification.sources),
         Err(Failure { report, sources }) => (report, sources),
     }

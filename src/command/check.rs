@@ -5,11 +5,12 @@ mod findings;
 mod json;
 mod mend;
 
+use super::tool::Tool;
 use crate::exit::Exit;
 use crate::files::Disk;
 use crate::terminal::{Terminal, count};
 use asm_lang::source::Applicability;
-use asm_lang::{Diagnostic, Report, Sources};
+use asm_lang::{Diagnostic, Options, Report, Sources};
 use clap::{Args, ValueEnum};
 use findings::findings;
 use mend::Mended;
@@ -46,6 +47,10 @@ pub struct Check {
         conflicts_with = "json"
     )]
     diff: bool,
+
+    /// Where it observably differs from the textbook, reads specifications as these tools do.
+    #[arg(long, value_enum, value_name = "TOOLS")]
+    compat: Option<Tool>,
 }
 
 /// How findings are written.
@@ -77,15 +82,16 @@ impl Check {
         if let Some(code) = &self.explain {
             return explain::explain(code.as_deref(), terminal);
         }
+        let options = self.options();
         let mut seen = Seen::default();
         for path in &self.files {
             if self.format() == Format::Full {
                 terminal.status("Checking", path);
             }
-            let (report, sources) = match self.fix.then(|| mend::mend(path)) {
+            let (report, sources) = match self.fix.then(|| mend::mend(path, &options)) {
                 Some(Ok(mended)) => self.mended(path, mended, &mut seen, terminal),
                 // a file that cannot be read is a finding like any other
-                Some(Err(_)) | None => findings(path, &Disk),
+                Some(Err(_)) | None => findings(path, &options, &Disk),
             };
             self.show(&report, &sources, &mut seen, terminal);
             if report.has_errors() {
@@ -103,6 +109,13 @@ impl Check {
         }
         self.conclude(&seen.report, terminal);
         seen.exit
+    }
+
+    fn options(&self) -> Options {
+        Options {
+            compatible: self.compat.is_some(),
+            initial: None,
+        }
     }
 
     fn format(&self) -> Format {
@@ -123,7 +136,7 @@ impl Check {
             } else if let Err(error) = mended.write(path) {
                 terminal.error(format_args!("cannot rewrite `{path}`: {error}"));
                 seen.exit = Exit::Usage;
-                return findings(path, &Disk);
+                return findings(path, &self.options(), &Disk);
             }
         }
         let verb = if self.diff { "Would fix" } else { "Fixed" };

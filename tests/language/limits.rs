@@ -139,7 +139,7 @@ fn runs_chains_of_any_length() {
                 for back_end in [BackEnd::Closures, BackEnd::Native] {
                     machine.set_back_end(back_end);
                     let step = machine.step(&mut NoInputs, &mut First, 0).unwrap();
-                    let value = step.updates[0].value.clone();
+                    let value = step.updates()[0].value.clone();
                     let shown = value.show(&machine.naming()).to_string();
                     assert_eq!(shown.trim_matches('"'), expected, "{first}{link}");
                 }

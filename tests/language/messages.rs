@@ -61,8 +61,8 @@ fn has_an_example_of_every_code() {
         .flat_map(|(_, text)| expected(text))
         .map(|(_, code)| code)
         .collect();
-    // what a file cannot do by itself: see `limits`, and `scenario` for what is picked
-    examples.extend(["A012", "A013", "R020"]);
+    // what a file cannot do by itself: see `limits`, and `codes` for what is picked or set
+    examples.extend(["A012", "A013", "R020", "R022"]);
     assert_eq!(
         codes.difference(&examples).collect::<Vec<_>>(),
         Vec::<&&str>::new(),
@@ -81,6 +81,11 @@ pub(super) fn said(name: &str, text: &str) -> (Vec<(usize, &'static str)>, Strin
             let mut found = lines(&specification.report, &specification.sources);
             let mut rendered =
                 render_all(&specification.report, &specification.sources, Style::Plain);
+            if let Ok(machine) = specification.machine() {
+                let doubts = specification.doubts(&machine);
+                found.extend(lines(&doubts, &specification.sources));
+                rendered.push_str(&render_all(&doubts, &specification.sources, Style::Plain));
+            }
             if let Some(fault) = run(&specification) {
                 found.push(line(&fault, &specification.sources));
                 rendered.push_str(&render(&fault, &specification.sources, Style::Plain));

@@ -104,6 +104,8 @@ pub enum Node {
     Unbound,
     /// The program of an agent.
     Program(Term),
+    /// A term in the state before the step, whatever a sequence has written since.
+    Pre(Term),
     /// A term whose value is noted. Lowering makes none: a machine puts them in to find out what a
     /// failed step saw.
     Watched(Term),

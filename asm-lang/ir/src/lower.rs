@@ -147,7 +147,8 @@ impl<'a> Lowering<'a> {
             model,
             facts: Facts::of(model),
             program,
-            origins: Vec::new(),
+            // what comes from outside stands nowhere
+            origins: vec![Span::default()],
             origin_ids: BTreeMap::new(),
             report: Report::new(),
             definitions: BTreeMap::new(),

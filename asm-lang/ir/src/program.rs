@@ -155,6 +155,10 @@ pub struct Function {
     pub codomain: Shape,
     /// What a value must be an element of when it is written; `None` for all values of the shape.
     pub within: Option<DomainId>,
+    /// Whether some part of a value must be an element of a concrete domain.
+    pub restricted: bool,
+    /// Whether some part of an argument must be an element of one that does not grow.
+    pub narrow: bool,
     /// Whether the type of its values leaves open how large they may grow: `Any` holds all nests.
     pub open: bool,
     /// Where its locations are.

@@ -19,6 +19,7 @@ impl Node {
             | Self::Listed(_, terms) => terms.iter_mut().collect(),
             Self::Cached(_, term)
             | Self::Watched(term)
+            | Self::Pre(term)
             | Self::Not(term)
             | Self::Component(term, _)
             | Self::Program(term)

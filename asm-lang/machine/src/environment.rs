@@ -12,6 +12,11 @@ pub trait Environment {
     /// # Errors
     /// There is no answer to be had; the text says why. The step then fails.
     fn read(&mut self, function: FunctionId, arguments: &[Value]) -> Result<Option<Value>, String>;
+
+    /// Who gives a location its value, as a message says it of a value that is none of the location's.
+    fn source(&self, _function: FunctionId, _arguments: &[Value]) -> String {
+        "the environment".to_owned()
+    }
 }
 
 /// An environment that has nothing to say.

@@ -1,6 +1,7 @@
 //! Why a step has no next state.
 
-use ir::{DomainId, Origin, Slot};
+use crate::membership::Misfit;
+use ir::{Origin, Slot};
 use value::Value;
 
 /// A step failed. The state is as it was before, but for a violated invariant.
@@ -34,10 +35,24 @@ pub enum FaultKind {
     Outside {
         /// The location.
         slot: Slot,
-        /// The value.
-        value: Value,
-        /// The domain.
-        domain: DomainId,
+        /// What does not fit.
+        misfit: Misfit,
+    },
+    /// A value that the environment gave is not an element of the codomain.
+    OutsideInput {
+        /// The location.
+        slot: Slot,
+        /// What does not fit.
+        misfit: Misfit,
+        /// Who gave it.
+        source: String,
+    },
+    /// An argument of a location that is written is not an element of the function's domain.
+    OutsideArgument {
+        /// The location.
+        slot: Slot,
+        /// What does not fit.
+        misfit: Misfit,
     },
     /// A guard is neither true nor false.
     UndefinedGuard,

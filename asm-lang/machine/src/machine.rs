@@ -562,6 +562,7 @@ impl Machine {
             round: self.rounds,
             now_ns,
             building: false,
+            is_before: false,
             fault: None,
             notes,
         };

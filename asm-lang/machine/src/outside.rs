@@ -3,10 +3,10 @@
 use crate::choose::{Chooser, First};
 use crate::compile::Code;
 use crate::environment::{Environment, NoInputs};
-use crate::fault::Fault;
+use crate::fault::{Fault, FaultKind};
 use crate::machine::{Machine, Step};
-use crate::run::Codomain;
-use ir::{AddedRule, AddedTerm, Assignment, FunctionId, Origin, Program, Slot};
+use crate::run::{Codomain, Stopped};
+use ir::{AddedRule, AddedTerm, Assignment, FunctionId, FunctionKind, Origin, Program, Slot};
 use std::sync::Arc;
 use value::Value;
 
@@ -101,12 +101,10 @@ impl Machine {
                 run.stack.extend_from_slice(arguments);
                 let slot = run.slot(function, 0);
                 let codomain = Codomain::of(run.program, function);
-                // the fault of a value outside the codomain is that of the run
-                if run
-                    .accepts(slot, &value, codomain, Origin::default())
-                    .is_ok()
-                {
-                    run.state.slots[slot as usize] = value;
+                match run.accepts(slot, &value, codomain, Origin::default()) {
+                    Ok(()) => run.state.slots[slot as usize] = value,
+                    // what is wrong with it is the fault of the run
+                    Err(Stopped) => run.fault = run.fault.take().map(given(run.program, function)),
                 }
                 slot
             })
@@ -161,5 +159,23 @@ impl Machine {
         let result = work(self);
         self.scratch = kept;
         result
+    }
+}
+
+/// What is wrong with a value of an input is the fault of whoever gave it.
+fn given(program: &Program, function: FunctionId) -> impl Fn(Box<Fault>) -> Box<Fault> {
+    let is_input = matches!(
+        program.functions[function.0 as usize].kind,
+        FunctionKind::Monitored | FunctionKind::Shared
+    );
+    move |mut fault| {
+        if let (true, FaultKind::Outside { slot, misfit }) = (is_input, &fault.kind) {
+            fault.kind = FaultKind::OutsideInput {
+                slot: *slot,
+                misfit: misfit.clone(),
+                source: "outside".to_owned(),
+            };
+        }
+        fault
     }
 }

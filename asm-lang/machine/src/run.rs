@@ -6,6 +6,7 @@ use crate::environment::Environment;
 use crate::extent::is_bounded;
 use crate::fault::{Fault, FaultKind};
 use crate::machine::{BackEnd, Choice, Input};
+use crate::membership::Misfit;
 use crate::state::{State, dense};
 use crate::updates::{Layer, Updates, Written};
 use crate::witness::Notes;
@@ -29,16 +30,21 @@ pub(crate) fn on_enough_stack<T>(work: impl FnOnce() -> T) -> T {
 /// What a location takes, as far as writing it has to know.
 #[derive(Clone, Copy)]
 pub(crate) struct Codomain {
+    function: FunctionId,
     within: Option<DomainId>,
+    /// Whether its arguments must be elements of subsets.
+    narrow: bool,
     open: bool,
 }
 
 impl Codomain {
     pub fn of(program: &Program, function: FunctionId) -> Self {
-        let function = &program.functions[function.0 as usize];
+        let declared = &program.functions[function.0 as usize];
         Self {
-            within: function.within,
-            open: function.open,
+            function,
+            within: declared.within,
+            narrow: declared.narrow && !program.compatible,
+            open: declared.open,
         }
     }
 }
@@ -121,6 +127,8 @@ pub(crate) struct Run<'a> {
     pub now_ns: i64,
     /// While the initial state is built, the current state is the initial one.
     pub building: bool,
+    /// Whether the current state is the one before the step, for a term that asks for it.
+    pub is_before: bool,
     pub fault: Option<Box<Fault>>,
     /// Where watched code writes down what it sees.
     pub notes: &'a mut Option<Notes>,
@@ -203,7 +211,7 @@ impl Run<'_> {
         }
         let from = self.stack.len();
         self.state.arguments(self.program, slot, self.stack);
-        let answer = self.environment.read(function, &self.stack[from..]);
+        let answer = self.answer(slot, function, from);
         self.stack.truncate(from);
         let declared = &self.program.functions[function.0 as usize];
         // one question a round, whatever comes of it
@@ -216,7 +224,7 @@ impl Run<'_> {
                     declared.kind == FunctionKind::Monitored && declared.initial.is_none();
                 is_undef.then_some(Value::Undef)
             }
-            (Err(reason), _) => return self.fail(FaultKind::Input { slot, reason }, origin),
+            (Err(kind), _) => return self.fail(kind, origin),
         };
         let Some(value) = value else {
             return self.state.slots[index].clone();
@@ -230,6 +238,29 @@ impl Run<'_> {
             self.state.initial[index] = value.clone();
         }
         value
+    }
+
+    /// What the environment says of a location, whose arguments are on the stack from there on.
+    fn answer(
+        &mut self,
+        slot: Slot,
+        function: FunctionId,
+        arguments: usize,
+    ) -> Result<Option<Value>, FaultKind> {
+        let arguments = &self.stack[arguments..];
+        let answer = self.environment.read(function, arguments);
+        let answer = answer.map_err(|reason| FaultKind::Input { slot, reason })?;
+        match answer
+            .as_ref()
+            .and_then(|value| self.misfit(function, value))
+        {
+            None => Ok(answer),
+            Some(misfit) => Err(FaultKind::OutsideInput {
+                slot,
+                misfit,
+                source: self.environment.source(function, arguments),
+            }),
+        }
     }
 
     /// Notes that the environment was asked: not again in this step. The reference forgets it with the
@@ -254,8 +285,9 @@ impl Run<'_> {
             return slot;
         }
         let value = self.first_value(function, arguments);
+        let outside = self.misplaced(function, arguments).is_some();
         let arguments: Vec<Value> = self.stack[arguments..].to_vec();
-        let slot = self.state.intern(function, &arguments, value);
+        let slot = self.state.intern(function, &arguments, value, outside);
         self.updates.grow(self.state.slots.len());
         slot
     }
@@ -418,15 +450,16 @@ impl Run<'_> {
             && !value.is_undef()
             && !self.is_element(domain, value)
         {
-            let value = value.clone();
-            return Err(self.stop(
-                FaultKind::Outside {
-                    slot,
-                    value,
-                    domain,
-                },
-                origin,
-            ));
+            let misfit = Misfit {
+                function: codomain.function,
+                value: value.clone(),
+                part: value.clone(),
+                domain,
+            };
+            return Err(self.stop(FaultKind::Outside { slot, misfit }, origin));
+        }
+        if codomain.narrow {
+            self.check_place(slot, origin)?;
         }
         if codomain.open && !is_bounded(value) {
             return Err(self.stop(FaultKind::Unbounded, origin));
@@ -455,6 +488,20 @@ impl Run<'_> {
     pub fn write_through(&mut self, slot: Slot, value: Value, origin: Origin) {
         let (updates, mut written) = self.written();
         updates.write_through(slot, value, origin, &mut written);
+    }
+
+    /// Evaluates a term in the state before the step.
+    pub fn before(&mut self, term: &dyn Fn(&mut Self) -> Value) -> Value {
+        if std::mem::replace(&mut self.is_before, true) {
+            return term(self);
+        }
+        let (updates, mut written) = self.written();
+        let passed = updates.go_back(&mut written);
+        let value = term(self);
+        let (updates, mut written) = self.written();
+        updates.return_from(passed, &mut written);
+        self.is_before = false;
+        value
     }
 
     pub fn restore(&mut self, layer: Layer) -> Result<(), Stopped> {
@@ -528,49 +575,5 @@ impl Run<'_> {
     pub fn abandon(&mut self, grown: (usize, usize)) {
         let (updates, mut written) = self.written();
         updates.abandon(grown, &mut written);
-    }
-
-    /// Whether a value is an element of a domain now.
-    pub fn is_element(&self, domain: DomainId, value: &Value) -> bool {
-        match &self.program.domains[domain.0 as usize].elements {
-            ir::Elements::Ints { low, high } => {
-                matches!(value, Value::Int(number) if (low..=high).contains(&number))
-            }
-            ir::Elements::Atoms { first, count }
-                if value_index(value).is_some_and(|atom| atom.wrapping_sub(first.0) < *count) =>
-            {
-                true
-            }
-            ir::Elements::Open => true,
-            ir::Elements::Atoms { .. } | ir::Elements::Computed(_) | ir::Elements::Undefined => {
-                self.state.extents[domain.0 as usize]
-                    .binary_search(value)
-                    .is_ok()
-                    || self.is_joining(domain, value)
-            }
-        }
-    }
-}
-
-impl Run<'_> {
-    /// Whether a value is an element that joins the domain with the updates of this step.
-    fn is_joining(&self, domain: DomainId, value: &Value) -> bool {
-        let Value::Atom(atom) = value else {
-            return false;
-        };
-        let declared = self.program.symbols.atoms.len();
-        !self.program.compatible
-            && atom.0 as usize >= declared
-            && self
-                .state
-                .domain_of(self.program, *atom)
-                .is_some_and(|of| self.code.supers[of.0 as usize].contains(&domain))
-    }
-}
-
-fn value_index(value: &Value) -> Option<u32> {
-    match value {
-        Value::Atom(atom) => Some(atom.0),
-        _ => None,
     }
 }

@@ -51,6 +51,8 @@ pub(crate) struct Locations {
     /// How many slots are fixed: the first of these has the next number.
     fixed: Slot,
     met: Vec<(FunctionId, Box<[Value]>)>,
+    /// Those of them, ascending, that had arguments outside their domains when they were met.
+    outside: Vec<Slot>,
 }
 
 impl Locations {
@@ -96,6 +98,7 @@ impl State {
             locations: Locations {
                 fixed: program.slots,
                 met: Vec::new(),
+                outside: Vec::new(),
             },
             eager: program.eager,
             met: vec![false; (program.slots - program.eager) as usize],
@@ -130,14 +133,25 @@ impl State {
         }
     }
 
+    /// Whether a slot's location had arguments outside their domains when it was met.
+    #[inline]
+    pub(crate) fn is_outside(&self, slot: Slot) -> bool {
+        let outside = &self.locations.outside;
+        !outside.is_empty() && outside.binary_search(&slot).is_ok()
+    }
+
     /// A new slot for a location, holding this value now and in the initial state.
     pub(crate) fn intern(
         &mut self,
         function: FunctionId,
         arguments: &[Value],
         value: Value,
+        outside: bool,
     ) -> Slot {
         let slot = self.slots.len() as Slot;
+        if outside {
+            self.locations.outside.push(slot);
+        }
         self.locations.met.push((function, arguments.into()));
         self.slots.push(value.clone());
         self.initial.push(value);
@@ -177,6 +191,7 @@ impl State {
             self.initial.pop();
             self.asked.pop();
             let slot = self.slots.len() as Slot;
+            self.locations.outside.pop_if(|last| *last == slot);
             if let Some((function, arguments)) = self.locations.met.pop() {
                 let found = self
                     .interned

@@ -65,6 +65,15 @@ enum Undo {
     Joined(DomainId),
 }
 
+/// The intermediate state that was left for the one before the step.
+#[derive(Debug)]
+pub(crate) struct Passed {
+    /// How much there was to undo.
+    undo: usize,
+    /// The elements that had joined a domain, the first one last.
+    joined: Vec<Value>,
+}
+
 /// The update set of a step while it grows.
 #[derive(Debug, Default)]
 pub(crate) struct Updates {
@@ -347,6 +356,37 @@ impl Updates {
         self.covered.clear();
         self.layers.clear();
         self.depth = 0;
+    }
+
+    /// Exchanges the state for the one before all layers, for as long as a term is evaluated.
+    pub fn go_back(&mut self, written: &mut Written<'_>) -> Passed {
+        for Held { value, slot } in self.held.iter_mut().rev() {
+            std::mem::swap(&mut written.slots[*slot as usize], value);
+        }
+        let joined = self.undo.iter().rev().filter_map(|undo| match undo {
+            Undo::Asked(..) => None,
+            Undo::Joined(domain) => Arc::make_mut(&mut written.extents[domain.0 as usize]).pop(),
+        });
+        Passed {
+            joined: joined.collect(),
+            undo: self.undo.len(),
+        }
+    }
+
+    /// Comes back to the state that was left.
+    pub fn return_from(&mut self, mut passed: Passed, written: &mut Written<'_>) {
+        for Held { value, slot } in &mut self.held {
+            std::mem::swap(&mut written.slots[*slot as usize], value);
+        }
+        for undo in self.undo.iter().take(passed.undo) {
+            match undo {
+                Undo::Asked(..) => {}
+                Undo::Joined(domain) => {
+                    let extent = Arc::make_mut(&mut written.extents[domain.0 as usize]);
+                    extent.extend(passed.joined.pop());
+                }
+            }
+        }
     }
 
     fn take_back(&mut self, held: usize, undo: usize, written: &mut Written<'_>) {

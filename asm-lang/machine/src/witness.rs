@@ -59,11 +59,23 @@ impl Machine {
         });
         let mut inputs = Inputs {
             known: inputs.collect(),
-            refused: match &fault.kind {
-                FaultKind::Input { reason, .. } => reason.clone(),
-                _ => String::new(),
-            },
+            refused: String::new(),
+            source: String::new(),
         };
+        if let FaultKind::Input { reason, .. } = &fault.kind {
+            inputs.refused.clone_from(reason);
+        }
+        if let FaultKind::OutsideInput {
+            slot,
+            misfit,
+            source,
+        } = &fault.kind
+        {
+            let location = self.state().location(self.program(), *slot);
+            let value = misfit.value.clone();
+            inputs.known.extend(location.map(|at| (at, value)));
+            inputs.source.clone_from(source);
+        }
         let mut choices = Choices {
             made: last.choices(),
             picked: self.picked(),
@@ -94,6 +106,8 @@ struct Inputs {
     known: BTreeMap<(FunctionId, Vec<Value>), Value>,
     /// Why there was no answer, if there was none.
     refused: String,
+    /// Who gave a value that is none of its location's.
+    source: String,
 }
 
 impl Environment for Inputs {
@@ -103,6 +117,10 @@ impl Environment for Inputs {
             None if self.refused.is_empty() => Ok(None),
             None => Err(self.refused.clone()),
         }
+    }
+
+    fn source(&self, _function: FunctionId, _arguments: &[Value]) -> String {
+        self.source.clone()
     }
 }
 
@@ -277,6 +295,7 @@ fn is_read(node: &Node) -> bool {
         | Node::Slot(..)
         | Node::Location(..)
         | Node::Call(..)
+        | Node::Pre(_)
         | Node::Program(_) => true,
         Node::Constant(_)
         | Node::Unbound

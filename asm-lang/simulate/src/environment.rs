@@ -83,6 +83,14 @@ impl Environment for Script {
             )),
         }
     }
+
+    fn source(&self, function: FunctionId, arguments: &[Value]) -> String {
+        let key = (function, arguments.to_vec());
+        match self.steps.get(self.at).and_then(|inputs| inputs.get(&key)) {
+            Some(_) => format!("step {} of the script", self.at + 1),
+            None => "`[default]` in the script".to_owned(),
+        }
+    }
 }
 
 struct Reading<'a> {

@@ -209,7 +209,9 @@ fn written(machine: &Machine) -> impl Iterator<Item = Slot> {
 fn kind(fault: &Fault) -> &'static str {
     match &fault.kind {
         FaultKind::Clash { .. } => "CLASH",
-        FaultKind::Outside { .. } => "DOMAIN",
+        FaultKind::Outside { .. }
+        | FaultKind::OutsideInput { .. }
+        | FaultKind::OutsideArgument { .. } => "DOMAIN",
         FaultKind::Input { .. } => "MONREAD",
         FaultKind::Invariant { .. } => "INV",
         FaultKind::UndefinedGuard => "EXC:UndefinedGuard",

@@ -30,4 +30,8 @@ impl Environment for Frame {
         let bound = self.values.iter().find(|(known, _)| *known == function);
         Ok(bound.map(|(_, value)| value.clone()))
     }
+
+    fn source(&self, _function: FunctionId, _arguments: &[Value]) -> String {
+        "what the composite binds to it".to_owned()
+    }
 }

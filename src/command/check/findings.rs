@@ -2,11 +2,11 @@
 
 use crate::build;
 use crate::command::test::snapshot;
-use asm_lang::{Loader, Report, Sources, scenario};
+use asm_lang::{Loader, Options, Report, Sources, scenario};
 use std::path::Path;
 
 /// The findings in one file and what it names.
-pub fn findings(path: &str, loader: &dyn Loader) -> (Report, Sources) {
+pub fn findings(path: &str, options: &Options, loader: &dyn Loader) -> (Report, Sources) {
     if snapshot::is_script(Path::new(path)) {
         return match snapshot::open(path, loader) {
             Ok((specification, _)) => (Report::new(), specification.sources),
@@ -16,9 +16,9 @@ pub fn findings(path: &str, loader: &dyn Loader) -> (Report, Sources) {
     let extension = Path::new(path).extension().unwrap_or_default();
     match extension.to_str() {
         Some("toml") => composite(path, loader),
-        Some("avalla") => scenario::check(path, loader),
+        Some("avalla") => scenario::check(path, loader, options),
         // whatever is named is taken for a specification, `.asm` or not
-        _ => specification(path, loader),
+        _ => specification(path, options, loader),
     }
 }
 
@@ -31,9 +31,16 @@ fn composite(path: &str, loader: &dyn Loader) -> (Report, Sources) {
     (opened.report, opened.sources)
 }
 
-fn specification(path: &str, loader: &dyn Loader) -> (Report, Sources) {
-    match asm_lang::open(path, loader) {
-        Ok(specification) => (specification.report, specification.sources),
+/// Also what is odd about the state it begins in.
+fn specification(path: &str, options: &Options, loader: &dyn Loader) -> (Report, Sources) {
+    match asm_lang::open_with(path, loader, options) {
+        Ok(mut specification) => {
+            if let Ok(machine) = specification.machine() {
+                let doubts = specification.doubts(&machine);
+                specification.report.extend(doubts);
+            }
+            (specification.report.finish(), specification.sources)
+        }
         Err(failure) => (failure.report, failure.sources),
     }
 }

@@ -3,7 +3,7 @@
 use super::findings::findings;
 use crate::files::{self, Disk};
 use asm_lang::source::{self, LoadError};
-use asm_lang::{Loader, Report, Sources};
+use asm_lang::{Loader, Options, Report, Sources};
 use serde_json::{Value, json};
 use std::fmt;
 use std::sync::Arc;
@@ -33,13 +33,13 @@ pub struct Done {
 }
 
 /// Applies sure fixes until none is left. Only this file is changed, none that it imports.
-pub fn mend(path: &str) -> Result<Mended, LoadError> {
+pub fn mend(path: &str, options: &Options) -> Result<Mended, LoadError> {
     let before = Disk.read(path)?;
     let mut after = before.clone();
     let mut done = Vec::new();
     let mut rounds = 0;
     loop {
-        let (report, sources) = findings(path, &Overlay { path, text: &after });
+        let (report, sources) = findings(path, options, &Overlay { path, text: &after });
         let file = sources.find(path).unwrap_or_default();
         let fixed = source::apply(&after, file, &report.diagnostics);
         if fixed.applied.is_empty() || *fixed.text == *after || rounds == MAX_ROUNDS {

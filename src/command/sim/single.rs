@@ -35,6 +35,10 @@ impl Sim {
                 return exit.max(self.write(Some(trace), terminal));
             }
         };
+        let doubts = specification.doubts(simulation.machine());
+        if !doubts.diagnostics.is_empty() {
+            terminal.report(&doubts, &specification.sources);
+        }
         if self.trace.is_some() {
             simulation = simulation.traced(&comment);
         }

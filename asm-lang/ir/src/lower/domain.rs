@@ -211,6 +211,23 @@ impl Lowering<'_> {
         }
     }
 
+    /// Whether not every value of a type's shape is one of the type: a part is of a concrete domain.
+    pub(super) fn is_restricted(&self, ty: TypeId) -> bool {
+        let mut parts = self.model.types.reach(ty, &self.model.domains);
+        parts.any(|part| self.membership(part).is_some())
+    }
+
+    /// Whether a location has arguments that must be elements of a concrete domain which does not grow.
+    /// Of subsets of abstract domains the types say enough.
+    pub(super) fn is_narrow(&self, parameters: &[TypeId]) -> bool {
+        let (types, domains) = (&self.model.types, &self.model.domains);
+        let mut parts = parameters.iter().flat_map(|&ty| types.reach(ty, domains));
+        parts.any(|part| {
+            let domain = self.membership(part);
+            domain.is_some_and(|domain| !self.program.domains[domain.0 as usize].grows)
+        })
+    }
+
     /// The elements of a domain as a range, where nothing has to be computed for it.
     pub(super) fn range(&self, domain: hir::DomainId) -> Range {
         match (

@@ -36,6 +36,8 @@ impl Lowering<'_> {
                 parameters,
                 codomain: self.shape(function.codomain),
                 within: self.membership(function.codomain),
+                restricted: self.is_restricted(function.codomain),
+                narrow: self.is_narrow(&function.parameters),
                 open: self.is_open(function.codomain),
                 storage,
                 initial: None,

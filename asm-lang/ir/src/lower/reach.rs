@@ -280,6 +280,7 @@ impl Reach<'_> {
             }
             Node::Cached(_, term)
             | Node::Watched(term)
+            | Node::Pre(term)
             | Node::Not(term)
             | Node::Component(term, _)
             | Node::Name(term)

@@ -457,6 +457,9 @@ impl Lowering<'_> {
             }
             return Node::Constant(Value::Undef);
         }
+        if let ("pre", [term]) = (builtin.name, arguments.as_slice()) {
+            return Node::Pre(term.clone());
+        }
         Node::Builtin(builtin, arguments)
     }
 

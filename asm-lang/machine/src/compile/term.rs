@@ -163,6 +163,10 @@ impl Compiler<'_> {
                 })
             }
             Node::Watched(term) => self.watched_term(term),
+            Node::Pre(term) => {
+                let term = self.term(term);
+                Box::new(move |run| run.before(&term))
+            }
             Node::Program(agent) => {
                 let agent = self.term(agent);
                 Box::new(move |run| {

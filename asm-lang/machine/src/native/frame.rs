@@ -328,12 +328,15 @@ pub(super) mod out {
     }
 
     /// Whether a part of a term failed. The fault is then left to the detour of the whole, which meets
-    /// it again; only what the environment did not answer it is not asked again.
+    /// it again; only what the environment did not answer well it is not asked again.
     fn is_left(run: &mut Run<'_>) -> bool {
         let Some(fault) = run.fault.take() else {
             return false;
         };
-        if matches!(fault.kind, FaultKind::Input { .. }) {
+        if matches!(
+            fault.kind,
+            FaultKind::Input { .. } | FaultKind::OutsideInput { .. }
+        ) {
             run.fault = Some(fault);
         }
         true
