@@ -1,7 +1,10 @@
 //! A channel and what the broker says on it, in the order it says it.
 
 use amqprs::callbacks::ChannelCallback;
-use amqprs::channel::{BasicQosArguments, Channel};
+use amqprs::channel::{
+    BasicConsumeArguments, BasicQosArguments, Channel, ConfirmSelectArguments, ConsumerMessage,
+    QueueBindArguments, QueueDeclareArguments, QueueDeleteArguments,
+};
 use amqprs::connection::Connection;
 use amqprs::{Ack, BasicProperties, Cancel, CloseChannel, Nack, Return};
 use async_trait::async_trait;
@@ -83,17 +86,68 @@ impl ChannelCallback for Ear {
     }
 }
 
+/// Lets a question to the broker come to its end, whatever becomes of who asked: the client's own tasks break when
+/// nobody is there to take an answer.
+pub(crate) async fn to_the_end<T: Send + 'static>(
+    question: impl Future<Output = Ends<T>> + Send + 'static,
+) -> Ends<T> {
+    let broke = |_| amqprs::error::Error::InternalChannelError("the client broke".to_owned());
+    tokio::spawn(question).await.map_err(broke)?
+}
+
 /// Opens a channel and listens.
 pub(crate) async fn open(connection: &Connection) -> Ends<(Channel, UnboundedReceiver<Word>)> {
-    let channel = connection.open_channel(None).await?;
-    let (ear, words) = unbounded_channel();
-    channel.register_callback(Ear(ear)).await?;
-    Ok((channel, words))
+    let connection = connection.clone();
+    to_the_end(async move {
+        let channel = connection.open_channel(None).await?;
+        let (ear, words) = unbounded_channel();
+        channel.register_callback(Ear(ear)).await?;
+        Ok((channel, words))
+    })
+    .await
+}
+
+/// Lets the broker confirm what is published on a channel.
+pub(crate) async fn confirm(channel: &Channel) -> Ends<()> {
+    let channel = channel.clone();
+    let confirm = ConfirmSelectArguments::new(false);
+    to_the_end(async move { channel.confirm_select(confirm).await }).await
+}
+
+/// Declares a queue, binds it, and reads it.
+pub(crate) async fn consume(
+    channel: &Channel,
+    queue: QueueDeclareArguments,
+    binding: QueueBindArguments,
+    prefetch: u16,
+    consume: BasicConsumeArguments,
+) -> Ends<UnboundedReceiver<ConsumerMessage>> {
+    let channel = channel.clone();
+    let prefetch = BasicQosArguments::new(0, prefetch, false);
+    to_the_end(async move {
+        channel.queue_declare(queue).await?;
+        channel.queue_bind(binding).await?;
+        channel.basic_qos(prefetch).await?;
+        let (_, messages) = channel.basic_consume_rx(consume).await?;
+        Ok(messages)
+    })
+    .await
+}
+
+/// Deletes a queue that nobody will read any more. What cannot be deleted expires, or goes with its connection.
+pub(crate) async fn delete(channel: Channel, queue: &str) {
+    let queue = QueueDeleteArguments::new(queue);
+    let _ = to_the_end(async move {
+        channel.queue_delete(queue).await?;
+        channel.close().await
+    })
+    .await;
 }
 
 /// Asks something harmless: its answer says that the broker has read everything before it on this channel.
 pub(crate) async fn barrier(channel: Channel) -> Ends<()> {
-    channel.basic_qos(BasicQosArguments::new(0, 0, false)).await
+    let any = BasicQosArguments::new(0, 0, false);
+    to_the_end(async move { channel.basic_qos(any).await }).await
 }
 
 /// Why a call on the channel failed, in the broker's words if it had any.

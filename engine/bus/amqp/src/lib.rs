@@ -9,12 +9,13 @@
 //! | it | so |
 //! |---|---|
 //! | takes a publication on a closed channel for sent | every publisher counts what is known to have arrived (`publisher`) |
-//! | never hears that the broker takes nothing, and buffers | a pulse notices, and what is under way is bounded (`link`, `publisher`) |
+//! | never hears that the broker takes nothing, and buffers | a pulse notices, and what is under way is bounded (`pulse`, `publisher`) |
 //! | breaks when two declare on one channel | a channel belongs to one task (`publisher`, `subscriber`, `service`) |
 //! | breaks at names of more than 255 bytes | names are checked where they come in (`names`) |
 //! | takes a wrong password for a reset, after 3 s | we knock first, and are told why (`knock`) |
-//! | waits for ever for a mute server | connecting has a limit, as a whole (`link`) |
-//! | does not reconnect | a supervisor does (`link`) |
+//! | waits for ever for a mute server | connecting has a limit, as a whole (`supervisor`) |
+//! | has 2047 channels, and loses each that the broker closes | a worn connection is made again (`link`) |
+//! | does not reconnect | a supervisor does (`supervisor`) |
 
 mod backoff;
 mod bus;
@@ -25,10 +26,12 @@ mod names;
 mod notice;
 mod outbox;
 mod publisher;
+mod pulse;
 mod repeats;
 mod service;
 mod settings;
 mod subscriber;
+mod supervisor;
 pub mod wire;
 
 pub use bus::AmqpBus;

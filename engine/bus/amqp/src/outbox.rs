@@ -22,6 +22,7 @@ pub(crate) struct Item {
 }
 
 /// What a message has become once it is written; kept until it is known to have arrived.
+#[derive(Clone)]
 pub(crate) struct Written {
     pub properties: Box<BasicProperties>,
     pub bytes: Arc<[u8]>,
@@ -29,7 +30,9 @@ pub(crate) struct Written {
 
 struct Underway {
     tag: u64,
-    written: Written,
+    size: usize,
+    /// Kept where it may have to go again.
+    written: Option<Written>,
 }
 
 /// A publisher's outbox.
@@ -119,10 +122,17 @@ impl Outbox {
         again.or_else(|| self.waiting.pop_front().map(Next::Fresh))
     }
 
-    /// Something was sent.
-    pub(crate) fn went(&mut self, tag: u64, written: Written) {
-        self.underway_bytes += written.bytes.len();
-        self.underway.push_back(Underway { tag, written });
+    /// Something is sent: what goes on the wire, and is kept if it may have to go again.
+    pub(crate) fn went(&mut self, tag: u64, written: Written) -> Written {
+        let size = written.bytes.len();
+        self.underway_bytes += size;
+        let kept = self.is_confirmed().then(|| written.clone());
+        self.underway.push_back(Underway {
+            tag,
+            size,
+            written: kept,
+        });
+        written
     }
 
     /// Something could not be sent: it is the next again.
@@ -147,7 +157,7 @@ impl Outbox {
         let settled = self.underway.drain(first..last);
         let mut count = 0;
         for one in settled {
-            self.underway_bytes -= one.written.bytes.len();
+            self.underway_bytes -= one.size;
             count += 1;
         }
         self.careful = self.careful.saturating_sub(count);
@@ -174,7 +184,9 @@ impl Outbox {
             self.careful = self.careful.max(count);
         }
         while let Some(one) = self.underway.pop_back() {
-            self.again.push_front(one.written);
+            if let Some(written) = one.written {
+                self.again.push_front(written);
+            }
         }
     }
 

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use amqprs::channel::{BasicPublishArguments, Channel, ConfirmSelectArguments};
+use amqprs::channel::{BasicPublishArguments, Channel};
 use bus::{BusError, Payload, Publisher, Sending, Sent};
 use tokio::sync::Notify;
 use tokio::sync::mpsc::UnboundedReceiver;
@@ -134,8 +134,7 @@ impl Task {
                 Ok(()) => return,
                 Err(Broken::Closed { reason, .. }) => {
                     self.lane.outbox().broke(true);
-                    let what = self.key.clone();
-                    self.link.note(Notice::Refused { what, reason });
+                    self.link.refused(&self.key, reason);
                     sleep(REFUSED_REST).await;
                 }
                 Err(Broken::Cancelled | Broken::Lost) => {
@@ -161,8 +160,7 @@ impl Task {
                 self.lane.outbox().close();
             }
             if self.lane.left.load(Ordering::Acquire) && self.lane.open() == 0 {
-                // A channel that does not close is closed with its connection.
-                let _ = session.channel.close().await;
+                // The client closes the channel when it is dropped.
                 return Ok(());
             }
             tokio::select! {
@@ -201,14 +199,13 @@ impl Task {
             }
             let mut arguments = BasicPublishArguments::new(&self.link.settings.exchange, &self.key);
             arguments.mandatory(session.confirmed);
-            let (properties, bytes) = (*written.properties.clone(), written.bytes.to_vec());
             if session.tag == session.covered {
                 session.barrier_due = Instant::now() + BARRIER_AFTER;
             }
             session.tag += 1;
-            self.lane.outbox().went(session.tag, written);
+            let written = self.lane.outbox().went(session.tag, written);
             (session.channel)
-                .basic_publish(properties, bytes, arguments)
+                .basic_publish(*written.properties, written.bytes.to_vec(), arguments)
                 .await
                 .map_err(|_| channel::why(&mut session.words))?;
             if session.may_set_barrier() && session.tag >= session.covered + BARRIER {
@@ -255,10 +252,7 @@ impl Session {
         let lost = |_| Broken::Lost;
         let (channel, words) = channel::open(&pair.publishers).await.map_err(lost)?;
         if confirmed {
-            channel
-                .confirm_select(ConfirmSelectArguments::new(false))
-                .await
-                .map_err(lost)?;
+            channel::confirm(&channel).await.map_err(lost)?;
         }
         Ok(Self {
             channel,

@@ -10,8 +10,8 @@ use std::sync::mpsc::SyncSender;
 use std::time::Duration;
 
 use amqprs::channel::{
-    BasicAckArguments, BasicConsumeArguments, BasicQosArguments, Channel, ConsumerMessage,
-    QueueBindArguments, QueueDeclareArguments, QueueDeleteArguments,
+    BasicAckArguments, BasicConsumeArguments, Channel, ConsumerMessage, QueueBindArguments,
+    QueueDeclareArguments,
 };
 use bus::{Inlet, Overflow, Pattern, Queue};
 use tokio::sync::mpsc::UnboundedReceiver;
@@ -61,18 +61,16 @@ impl Task {
                 Ok(()) => return,
                 Err(broken) if self.first(Err(broken.clone())) => return,
                 Err(Broken::Closed { reason, .. }) => {
-                    self.note(reason);
+                    link.refused(self.pattern.as_str(), reason);
                     sleep(REST).await;
                 }
-                Err(Broken::Cancelled) => self.note("its queue was deleted".to_owned()),
+                Err(Broken::Cancelled) => link.note(Notice::Refused {
+                    what: self.pattern.to_string(),
+                    reason: "its queue was deleted".to_owned(),
+                }),
                 Err(Broken::Lost) => sleep(Duration::from_millis(10)).await,
             }
         }
-    }
-
-    fn note(&self, reason: String) {
-        let what = self.pattern.to_string();
-        self.link.note(Notice::Refused { what, reason });
     }
 
     /// Tells whoever began the subscription how that went, if it does not know yet. Says whether the end is final: who
@@ -147,18 +145,12 @@ impl Task {
                 },
             );
         queue.arguments(arguments.into_table());
-        channel.queue_declare(queue).await?;
         let exchange = &self.link.settings.exchange;
         let binding = QueueBindArguments::new(&self.queue, exchange, &self.binding);
-        channel.queue_bind(binding).await?;
-        channel
-            .basic_qos(BasicQosArguments::new(0, prefetch, false))
-            .await?;
         // Alone: what an earlier consumer of ours still holds would come back behind newer messages.
         let mut consume = BasicConsumeArguments::new(&self.queue, "");
         consume.manual_ack(true).exclusive(true);
-        let (_, messages) = channel.basic_consume_rx(consume).await?;
-        Ok(messages)
+        channel::consume(channel, queue, binding, prefetch, consume).await
     }
 
     /// Hands on a message and those that are there already; the tag of the last.
@@ -206,10 +198,6 @@ impl Task {
 
     /// Takes the queue away: nobody will read it any more.
     async fn end(&self, channel: Channel) {
-        // What cannot be deleted expires.
-        let _ = channel
-            .queue_delete(QueueDeleteArguments::new(&self.queue))
-            .await;
-        let _ = channel.close().await;
+        channel::delete(channel, &self.queue).await;
     }
 }

@@ -11,9 +11,7 @@ use datum::Codec;
 pub const SOURCE: &str = "source";
 /// Which life of the sender's process.
 pub const INCARNATION: &str = "incarnation";
-/// One publisher's messages; with the sequence the identity of a message.
-pub const STREAM: &str = "stream";
-/// The message's number in its stream, from 1 without gaps.
+/// The message's number among its publisher's, from 1 without gaps.
 pub const SEQUENCE: &str = "sequence";
 /// When it was sent, in nanoseconds; AMQP's own `timestamp` has seconds.
 pub const STAMP: &str = "stamp";
@@ -122,6 +120,7 @@ fn count(properties: &BasicProperties, name: &str) -> Option<u64> {
 pub(crate) struct Author {
     pub source: Arc<str>,
     pub incarnation: u64,
+    /// This publisher, of all there are.
     pub stream: String,
     pub clock: String,
     pub user: String,
@@ -141,7 +140,6 @@ impl Author {
         let headers = Headers::default()
             .text(SOURCE, &self.source)
             .count(INCARNATION, self.incarnation)
-            .text(STREAM, &self.stream)
             .count(SEQUENCE, sequence)
             .number(STAMP, stamp)
             .text(CLOCK, &self.clock)
@@ -169,17 +167,27 @@ pub(crate) enum Identity {
     Unknown,
 }
 
-/// Which message this is: a stream of ours, a component's numbers on a topic, a message id, or nothing.
+/// Which message this is: an id that ends in its number (`<stream>-<sequence>`) is one of a stream; else the numbers are
+/// a component's on the topic; else it has a message id, or nothing.
 pub(crate) fn identity(properties: &BasicProperties, topic: &str) -> Identity {
-    let stream = text(properties, STREAM).map(str::to_owned).or_else(|| {
-        let source = text(properties, SOURCE)?;
-        let incarnation = count(properties, INCARNATION).unwrap_or(0);
-        Some(format!("{source}/{incarnation}/{topic}"))
+    let id = properties.message_id();
+    let Some(sequence) = count(properties, SEQUENCE) else {
+        return id.cloned().map_or(Identity::Unknown, Identity::Named);
+    };
+    let ours = id.and_then(|id| {
+        let (stream, number) = id.rsplit_once('-')?;
+        (number.parse() == Ok(sequence)).then(|| stream.to_owned())
     });
-    match (stream, count(properties, SEQUENCE), properties.message_id()) {
-        (Some(stream), Some(sequence), _) => Identity::Numbered { stream, sequence },
-        (_, _, Some(id)) => Identity::Named(id.clone()),
-        (_, _, None) => Identity::Unknown,
+    let numbered = |stream| Identity::Numbered { stream, sequence };
+    if let Some(stream) = ours {
+        return numbered(stream);
+    }
+    match text(properties, SOURCE) {
+        Some(source) => {
+            let incarnation = count(properties, INCARNATION).unwrap_or(0);
+            numbered(format!("{source}/{incarnation}/{topic}"))
+        }
+        None => id.cloned().map_or(Identity::Unknown, Identity::Named),
     }
 }
 

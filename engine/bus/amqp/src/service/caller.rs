@@ -5,15 +5,12 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use amqprs::BasicProperties;
-use amqprs::channel::{
-    BasicConsumeArguments, BasicPublishArguments, Channel, ConfirmSelectArguments, ConsumerMessage,
-};
+use amqprs::channel::{BasicConsumeArguments, BasicPublishArguments, Channel, ConsumerMessage};
 use bus::{Call, CallFailure, Delivered, Payload};
 use tokio::sync::mpsc::UnboundedReceiver;
 use tokio::time::{Instant, MissedTickBehavior, interval, sleep};
 
 use super::message::{self, Asking, REPLY_TO};
-use crate::Notice;
 use crate::channel::{self, Broken, Ends, Word};
 use crate::link::{Link, Pair};
 use crate::wire;
@@ -123,8 +120,7 @@ impl Task {
             match end {
                 Ok(()) => return,
                 Err(Broken::Closed { reason, .. }) => {
-                    let what = "calls".to_owned();
-                    link.note(Notice::Refused { what, reason });
+                    link.refused("calls", reason);
                     self.fail_all();
                     sleep(REST).await;
                 }
@@ -270,12 +266,12 @@ impl Task {
 
 /// Confirms for tellings, and a consumer for answers: RabbitMQ wants it on the channel of the requests, before them.
 async fn begin(channel: &Channel) -> Ends<UnboundedReceiver<ConsumerMessage>> {
-    channel
-        .confirm_select(ConfirmSelectArguments::new(false))
-        .await?;
+    channel::confirm(channel).await?;
     let mut consume = BasicConsumeArguments::new(REPLY_TO, "");
     consume.auto_ack(true);
-    let (_, answers) = channel.basic_consume_rx(consume).await?;
+    let channel = channel.clone();
+    let (_, answers) =
+        channel::to_the_end(async move { channel.basic_consume_rx(consume).await }).await?;
     Ok(answers)
 }
 

@@ -8,8 +8,8 @@ use std::time::Duration;
 
 use amqprs::BasicProperties;
 use amqprs::channel::{
-    BasicAckArguments, BasicConsumeArguments, BasicPublishArguments, BasicQosArguments, Channel,
-    ConsumerMessage, QueueBindArguments, QueueDeclareArguments, QueueDeleteArguments,
+    BasicAckArguments, BasicConsumeArguments, BasicPublishArguments, Channel, ConsumerMessage,
+    QueueBindArguments, QueueDeclareArguments,
 };
 use bus::{Bell, CallFailure, Desk, Pending, Request};
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
@@ -90,8 +90,7 @@ impl Task {
                 Ok(()) => return,
                 Err(broken) if self.first(Err(broken.clone())) => return,
                 Err(Broken::Closed { reason, .. }) => {
-                    let what = self.post.key.clone();
-                    link.note(Notice::Refused { what, reason });
+                    link.refused(&self.post.key, reason);
                     sleep(REST).await;
                 }
                 Err(Broken::Cancelled | Broken::Lost) => sleep(Duration::from_millis(10)).await,
@@ -158,17 +157,11 @@ impl Task {
             .text("x-overflow", "reject-publish");
         let mut queue = QueueDeclareArguments::new(&post.queue);
         queue.exclusive(true).arguments(arguments.into_table());
-        channel.queue_declare(queue).await?;
         let exchange = post.link.settings.services();
         let binding = QueueBindArguments::new(&post.queue, &exchange, &post.key);
-        channel.queue_bind(binding).await?;
-        channel
-            .basic_qos(BasicQosArguments::new(0, PREFETCH, false))
-            .await?;
         let mut consume = BasicConsumeArguments::new(&post.queue, "");
         consume.manual_ack(true);
-        let (_, requests) = channel.basic_consume_rx(consume).await?;
-        Ok(requests)
+        channel::consume(channel, queue, binding, PREFETCH, consume).await
     }
 
     async fn take(
@@ -315,10 +308,7 @@ impl Task {
 
     /// Takes the queue away, and tells whoever still waits that nobody is there.
     async fn end(&mut self, channel: Channel, replies: &Channel) {
-        // What cannot be deleted goes with its connection.
-        let _ = channel
-            .queue_delete(QueueDeleteArguments::new(&self.post.queue))
-            .await;
+        channel::delete(channel.clone(), &self.post.queue).await;
         let known = std::mem::take(&mut self.known);
         for (id, known) in known {
             if let Known::Begun { reply_to, .. } = known
@@ -328,7 +318,6 @@ impl Task {
                 let _ = self.send(&answer, &id, &reply_to, replies).await;
             }
         }
-        let _ = channel.close().await;
     }
 }
 

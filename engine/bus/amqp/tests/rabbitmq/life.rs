@@ -224,3 +224,37 @@ fn credentials_come_from_a_file_and_are_not_shown() {
         Notice::Connected { .. }
     ));
 }
+
+#[test]
+fn an_idle_bus_uses_next_to_nothing() {
+    // Alone, so that the other tests are not counted.
+    let Some(broker) = broker::alone() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let bus = connect(settings(&vhost.url()));
+    let _subscriptions: Vec<_> = (0..20)
+        .map(|n| subscribe(&bus, &format!("t{n}"), all(10)))
+        .collect();
+    let _publishers: Vec<_> = (0..20)
+        .map(|n| publisher(&bus, &format!("t{n}"), events()))
+        .collect();
+    let _serving = bus.serve("there", 1, Arc::new(Bell::new())).unwrap();
+    std::thread::sleep(Duration::from_millis(500));
+    let (used, at) = (processor_time(), Instant::now());
+    std::thread::sleep(Duration::from_secs(4));
+    let share = (processor_time() - used).as_secs_f64() / at.elapsed().as_secs_f64();
+    println!("{:.2} % of a core", share * 100.0);
+    assert!(share < 0.02, "{share}");
+}
+
+/// What this process has used so far, in the kernel's ticks of 10 ms.
+fn processor_time() -> Duration {
+    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
+    let fields = stat.rsplit_once(')').map_or("", |(_, fields)| fields);
+    let ticks = fields.split_whitespace().skip(11).take(2);
+    Duration::from_millis(10)
+        * ticks
+            .filter_map(|field| field.parse::<u32>().ok())
+            .sum::<u32>()
+}

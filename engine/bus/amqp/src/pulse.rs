@@ -1,0 +1,153 @@
+//! The pulse: whether the broker is there, and takes messages.
+//!
+//! A client that does not announce it never hears `connection.blocked`, and heartbeats notice a dead peer after twice
+//! their interval. So each connection has a pulse. The publishers' is a publication that goes nowhere and is confirmed:
+//! a broker that takes nothing does not confirm it. The consumers' is a question.
+
+use std::time::{Duration, Instant};
+
+use amqprs::BasicProperties;
+use amqprs::channel::{BasicPublishArguments, Channel};
+use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
+use tokio::time::{MissedTickBehavior, interval};
+
+use crate::channel::{self, Ends, Word};
+use crate::link::{Link, Pair};
+
+/// Feels the pulse of both connections; says what is wrong when one is dead.
+pub(crate) async fn feel(link: &Link, pair: &Pair) -> String {
+    let timing = link.settings.timing;
+    let (mut publishing, mut consuming) = match (
+        Publishing::open(link, pair).await,
+        channel::open(&pair.consumers).await,
+    ) {
+        (Ok(publishing), Ok((channel, _))) => (publishing, Asking::new(channel)),
+        (Err(error), _) | (_, Err(error)) => return error.to_string(),
+    };
+    let mut ticks = interval(timing.pulse);
+    ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
+    loop {
+        tokio::select! {
+            _ = ticks.tick() => {
+                publishing.beat().await;
+                consuming.beat();
+            }
+            () = publishing.listen() => {}
+            () = consuming.listen() => {}
+        }
+        let silence = consuming.silence();
+        if silence > timing.dead {
+            return format!("the broker is silent for {:?}", timing.dead);
+        }
+        let health = if silence > timing.silent {
+            let reason = "the broker does not answer".into();
+            bus::Link::Down { reason }
+        } else if publishing.silence() > timing.silent {
+            let reason = "the broker takes no messages: it is short of memory or disk".into();
+            bus::Link::Blocked { reason }
+        } else {
+            bus::Link::Up
+        };
+        link.set_blocked(health != bus::Link::Up);
+        link.announce(health);
+    }
+}
+
+/// The publishers' pulse.
+struct Publishing {
+    channel: Channel,
+    words: UnboundedReceiver<Word>,
+    exchange: String,
+    /// Since when the last beat waits for its echo.
+    waiting: Option<Instant>,
+    /// Without permission to publish there is no pulse.
+    possible: bool,
+}
+
+impl Publishing {
+    async fn open(link: &Link, pair: &Pair) -> Ends<Self> {
+        let (channel, words) = channel::open(&pair.publishers).await?;
+        channel::confirm(&channel).await?;
+        Ok(Self {
+            channel,
+            words,
+            exchange: link.settings.services(),
+            waiting: None,
+            possible: true,
+        })
+    }
+
+    async fn beat(&mut self) {
+        if self.waiting.is_some() || !self.possible {
+            return;
+        }
+        // Nothing is bound to the empty key.
+        let arguments = BasicPublishArguments::new(&self.exchange, "");
+        let publication =
+            (self.channel).basic_publish(BasicProperties::default(), Vec::new(), arguments);
+        if publication.await.is_ok() {
+            self.waiting = Some(Instant::now());
+        }
+    }
+
+    async fn listen(&mut self) {
+        match self.words.recv().await {
+            Some(Word::Ack { .. } | Word::Nack { .. }) => self.waiting = None,
+            Some(Word::Closed { .. }) => {
+                self.possible = false;
+                self.waiting = None;
+            }
+            Some(Word::Returned { .. } | Word::Cancelled) => {}
+            None => std::future::pending().await,
+        }
+    }
+
+    fn silence(&self) -> Duration {
+        self.waiting.map_or(Duration::ZERO, |since| since.elapsed())
+    }
+}
+
+/// The consumers' pulse.
+struct Asking {
+    channel: Channel,
+    /// Since when the last question waits for its answer.
+    waiting: Option<Instant>,
+    answers: UnboundedReceiver<()>,
+    answered: UnboundedSender<()>,
+}
+
+impl Asking {
+    fn new(channel: Channel) -> Self {
+        let (answered, answers) = unbounded_channel();
+        Self {
+            channel,
+            waiting: None,
+            answers,
+            answered,
+        }
+    }
+
+    fn beat(&mut self) {
+        if self.waiting.is_some() {
+            return;
+        }
+        self.waiting = Some(Instant::now());
+        let (channel, answered) = (self.channel.clone(), self.answered.clone());
+        tokio::spawn(async move {
+            // A question that fails is one without answer.
+            if channel::barrier(channel).await.is_ok() {
+                let _ = answered.send(());
+            }
+        });
+    }
+
+    async fn listen(&mut self) {
+        if self.answers.recv().await.is_some() {
+            self.waiting = None;
+        }
+    }
+
+    fn silence(&self) -> Duration {
+        self.waiting.map_or(Duration::ZERO, |since| since.elapsed())
+    }
+}

@@ -1,0 +1,155 @@
+//! The supervisor: connects, looks after the connections, and makes them again when they break.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use amqprs::Close;
+use amqprs::callbacks::ConnectionCallback;
+use amqprs::channel::ExchangeDeclareArguments;
+use amqprs::connection::{Connection, OpenConnectionArguments};
+use async_trait::async_trait;
+use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
+use tokio::time::{sleep, timeout};
+
+use crate::backoff::Backoff;
+use crate::channel::{self, Ends};
+use crate::knock::knock;
+use crate::link::{Link, Pair};
+use crate::pulse;
+use crate::{Notice, Settings};
+
+/// Connects, watches, connects again, until the bus is closed.
+pub(crate) async fn supervise(link: Arc<Link>) {
+    let timing = link.settings.timing;
+    let mut backoff = Backoff::new(timing.first_retry, timing.last_retry, link.settings.seed);
+    loop {
+        let life = async {
+            let reason = match timeout(timing.connect, connect(&link.settings)).await {
+                Ok(Ok((pair, closes))) => {
+                    backoff.reset();
+                    live(&link, pair, closes).await
+                }
+                Ok(Err(reason)) => reason,
+                Err(_) => format!("no answer within {:?}", timing.connect),
+            };
+            link.announce(bus::Link::Down {
+                reason: reason.as_str().into(),
+            });
+            link.note(Notice::Disconnected { reason });
+            sleep(backoff.wait()).await;
+        };
+        tokio::select! {
+            () = life => {}
+            () = link.closing() => break,
+        }
+    }
+    link.deserted().await;
+    if let Some(pair) = link.end() {
+        pair.hang_up().await;
+    }
+    // The client's tasks end after their connection, and break if they are ended.
+    sleep(Duration::from_millis(20)).await;
+    let reason = "the bus is closed".into();
+    link.announce(bus::Link::Down { reason });
+}
+
+/// One life of the connections; why it ended.
+async fn live(link: &Link, pair: Pair, mut closes: UnboundedReceiver<String>) -> String {
+    let pair = Arc::new(pair);
+    link.begin(&pair);
+    let reason = tokio::select! {
+        biased;
+        Some(reason) = closes.recv() => reason,
+        reason = pulse::feel(link, &pair) => reason,
+        _ = pair.publishers.listen_network_io_failure() => "the connection broke".to_owned(),
+        _ = pair.consumers.listen_network_io_failure() => "the connection broke".to_owned(),
+        () = link.worn() => "too many channels were refused on it".to_owned(),
+    };
+    link.end();
+    tokio::spawn(async move { pair.hang_up().await });
+    reason
+}
+
+/// Knocks, opens both connections and declares the exchanges; or says why not.
+async fn connect(settings: &Settings) -> Result<(Pair, UnboundedReceiver<String>), String> {
+    knock(settings)
+        .await
+        .map_err(|refusal| refusal.to_string())?;
+    let (ear, closes) = unbounded_channel();
+    let pair = Pair {
+        publishers: open(settings, "publishers", &ear)
+            .await
+            .map_err(|error| error.to_string())?,
+        consumers: open(settings, "consumers", &ear)
+            .await
+            .map_err(|error| error.to_string())?,
+    };
+    for (exchange, kind) in [
+        (&settings.exchange, "topic"),
+        (&settings.services(), "direct"),
+    ] {
+        declare(&pair.consumers, exchange, kind)
+            .await
+            .map_err(|error| format!("exchange `{exchange}`: {error}"))?;
+    }
+    Ok((pair, closes))
+}
+
+async fn open(
+    settings: &Settings,
+    purpose: &str,
+    ear: &UnboundedSender<String>,
+) -> Ends<Connection> {
+    let credentials = &settings.credentials;
+    let mut arguments = OpenConnectionArguments::new(
+        &settings.host,
+        settings.port,
+        credentials.user(),
+        credentials.password(),
+    );
+    arguments
+        .virtual_host(&settings.vhost)
+        .connection_name(&format!("{} ({purpose})", settings.process))
+        // At 1 the client would send them without a pause.
+        .heartbeat(settings.timing.heartbeat.max(2));
+    let connection = Connection::open(&arguments).await?;
+    connection.register_callback(Ear(ear.clone())).await?;
+    Ok(connection)
+}
+
+/// Declares an exchange, or finds it there if we may not.
+async fn declare(connection: &Connection, exchange: &str, kind: &str) -> Ends<()> {
+    let mut arguments = ExchangeDeclareArguments::new(exchange, kind);
+    arguments.durable(true);
+    let mut end = Ok(());
+    for passive in [false, true] {
+        arguments.passive(passive);
+        let arguments = arguments.clone();
+        let (channel, _words) = channel::open(connection).await?;
+        end = channel::to_the_end(async move { channel.exchange_declare(arguments).await }).await;
+        if end.is_ok() {
+            break;
+        }
+    }
+    end
+}
+
+/// Hears why the broker closes a connection.
+struct Ear(UnboundedSender<String>);
+
+#[async_trait]
+impl ConnectionCallback for Ear {
+    async fn close(&mut self, _: &Connection, close: Close) -> Ends<()> {
+        // Nobody listens to a connection that was given up.
+        let _ = self
+            .0
+            .send(format!("closed by the broker: {}", close.reply_text()));
+        Ok(())
+    }
+
+    async fn blocked(&mut self, _: &Connection, _: String) {}
+
+    async fn unblocked(&mut self, _: &Connection) {}
+
+    async fn secret_updated(&mut self, _: &Connection) {}
+}
