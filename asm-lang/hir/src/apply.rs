@@ -214,7 +214,7 @@ impl Resolver<'_> {
         let parameters = &declared.parameters[usize::from(declared.run.is_some())..];
         let types = &self.declared.types;
         let is_equality = declared.library && matches!(&*declared.name, "eq" | "neq");
-        let mut bindings = Bindings::comparing(is_equality);
+        let mut bindings = Bindings::of(is_equality);
         let actual: Vec<TypeId> = match arguments {
             [tuple] if parameters.len() > 1 && declared.run.is_none() => {
                 match types.get(types.root(tuple.ty, &self.declared.domains)) {

@@ -83,8 +83,10 @@ pub(crate) struct Bindings {
     variables: BTreeMap<DomainId, TypeId>,
     /// How often a variable was looked at.
     looks: usize,
-    /// Whether an equality is looked at: it takes natural numbers and integers for the same, also in
-    /// collections and tuples.
+    /// Whether the arguments are those of an equality: what it compares are natural numbers and
+    /// integers alike, also in collections and tuples.
+    equality: bool,
+    /// Whether two such arguments are compared.
     compares: bool,
     /// Pairs without variables, which fit alike wherever they stand: products of products have many.
     known: BTreeMap<(TypeId, TypeId), Fit>,
@@ -92,9 +94,9 @@ pub(crate) struct Bindings {
 
 impl Bindings {
     /// For the arguments of an equality, or of anything else.
-    pub fn comparing(compares: bool) -> Self {
+    pub fn of(equality: bool) -> Self {
         Self {
-            compares,
+            equality,
             ..Self::default()
         }
     }
@@ -267,7 +269,10 @@ impl Types {
             bindings.variables.insert(variable, actual);
             return Some(3);
         };
-        let mut within = Bindings::comparing(bindings.compares);
+        let mut within = Bindings {
+            compares: bindings.equality,
+            ..Bindings::default()
+        };
         self.fit(bound, actual, domains, &mut within)?;
         // `including({}, 3)`: the empty set leaves the variable open, the element decides.
         if self.is_open(bound) {
