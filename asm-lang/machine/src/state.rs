@@ -4,6 +4,7 @@ use crate::near::Near;
 use hashbrown::HashTable;
 use ir::{DomainId, Elements, FunctionId, FunctionKind, Program, Slot, Storage};
 use rustc_hash::FxHasher;
+use std::collections::BTreeSet;
 use std::fmt;
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
@@ -299,17 +300,23 @@ impl State {
         }
     }
 
+    /// The slots whose locations are part of the state: they hold what their location holds, and were
+    /// not met by a step that failed.
+    pub fn slots(&self) -> impl Iterator<Item = Slot> {
+        let met_in_vain: BTreeSet<Slot> = self.uncommitted.iter().copied().collect();
+        (0..self.committed as Slot)
+            .filter(move |slot| self.is_met(*slot) && !met_in_vain.contains(slot))
+    }
+
     /// All locations and what they hold, by function and arguments; those of the specification only.
     pub fn locations(&self, program: &Program) -> Vec<(FunctionId, Vec<Value>, Slot)> {
-        let mut all: Vec<(FunctionId, Vec<Value>, Slot)> = (0..self.committed as Slot)
-            .filter(|&slot| self.is_met(slot))
-            .filter_map(|slot| {
-                let (function, arguments) = self.location(program, slot)?;
-                program.functions[function.0 as usize]
-                    .own
-                    .then_some((function, arguments, slot))
-            })
-            .collect();
+        let known = self.slots().filter_map(|slot| {
+            let (function, arguments) = self.location(program, slot)?;
+            program.functions[function.0 as usize]
+                .own
+                .then_some((function, arguments, slot))
+        });
+        let mut all: Vec<(FunctionId, Vec<Value>, Slot)> = known.collect();
         all.sort();
         all
     }

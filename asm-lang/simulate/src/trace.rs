@@ -199,7 +199,7 @@ impl Trace {
 /// The locations that rules may write.
 fn written(machine: &Machine) -> impl Iterator<Item = Slot> {
     let (state, program) = (machine.state(), machine.program());
-    (0..state.len() as Slot).filter(move |&slot| {
+    state.slots().filter(move |&slot| {
         let function = state.function(program, slot);
         let kind = function.map(|id| program.functions[id.0 as usize].kind);
         matches!(kind, Some(FunctionKind::Controlled | FunctionKind::Out)) && slot != program.result
