@@ -2,6 +2,7 @@
 //! brings the pipeline down.
 
 mod back_ends;
+mod builtins;
 mod codes;
 mod conformance;
 mod differences;

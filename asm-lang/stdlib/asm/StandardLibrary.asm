@@ -83,7 +83,7 @@ signature:
 	static isUndef: D -> Boolean
 	// the value before the step: outside `seq` every term shows it
 	static pre: D -> D
-	// the value as text; a text and a character without quotes
+	// the value as text; a text and a character without quotes, a real as in 0.5, 1.0E7, Infinity
 	static toString: D -> String
 	// shows the values on one line of the console and returns how many they are; total
 	static print: D -> Integer

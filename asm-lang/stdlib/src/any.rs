@@ -2,7 +2,7 @@
 
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, Context, strict, total};
-use crate::{Body, Fault};
+use crate::{Body, Fault, real};
 use value::{Names, Value};
 
 /// Whether the two are one element. Total: `undef` equals `undef`, a real equals itself by its
@@ -24,6 +24,7 @@ pub fn to_string(value: &Value, names: &dyn Names) -> String {
     match value {
         Value::Text(text) => text.as_ref().clone(),
         Value::Char(character) => character.to_string(),
+        Value::Real(number) => real::text(number.get()),
         other => other.show(names).to_string(),
     }
 }

@@ -6,6 +6,25 @@ use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, strict};
 use value::Real;
 
+/// A number as the reference writes it: with an exponent below a thousandth and from ten million on.
+pub fn text(number: f64) -> String {
+    let size = number.abs();
+    if number.is_nan() {
+        "NaN".to_owned()
+    } else if size.is_infinite() {
+        let sign = if number < 0.0 { "-" } else { "" };
+        format!("{sign}Infinity")
+    } else if size == 0.0 || (1e-3..1e7).contains(&size) {
+        format!("{number:?}")
+    } else {
+        let text = format!("{number:E}");
+        match text.split_once('E') {
+            Some((digits, exponent)) if !digits.contains('.') => format!("{digits}.0E{exponent}"),
+            _ => text,
+        }
+    }
+}
+
 /// The sum.
 #[inline]
 pub fn plus(left: f64, right: f64) -> f64 {
