@@ -22,9 +22,9 @@ pub enum Command {
     Demo(demo::Demo),
     /// Runs a composite
     Run(run::Run),
-    /// Says what is wrong with specifications and composites, before anything runs
+    /// Says what is wrong with specifications, scenarios and composites, before anything runs
     Check(check::Check),
-    /// Puts specifications into the one layout
+    /// Puts specifications and scenarios into the one layout
     Fmt(fmt::Fmt),
     /// Runs a specification alone, with scripted or random inputs
     Sim(sim::Sim),

@@ -79,18 +79,24 @@ fn tidy(path: &Path) -> String {
 
 /// All specifications of a folder and the folders in it, sorted.
 pub fn specifications(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    files(folder, &["asm"])
+}
+
+/// All files whose names end so, of a folder and the folders in it, sorted.
+pub fn files(folder: &Path, endings: &[&str]) -> std::io::Result<Vec<PathBuf>> {
     let mut entries = std::fs::read_dir(folder)?.collect::<Result<Vec<_>, _>>()?;
     entries.sort_by_key(std::fs::DirEntry::file_name);
-    let mut files = Vec::new();
+    let mut found = Vec::new();
     for entry in entries {
         let path = entry.path();
+        let ending = path.extension().and_then(|ending| ending.to_str());
         if entry.file_type()?.is_dir() {
-            files.extend(specifications(&path)?);
-        } else if path.extension().is_some_and(|extension| extension == "asm") {
-            files.push(path);
+            found.extend(files(&path, endings)?);
+        } else if ending.is_some_and(|ending| endings.contains(&ending)) {
+            found.push(path);
         }
     }
-    Ok(files)
+    Ok(found)
 }
 
 /// Puts a new text in the place of the old one; the file is the one or the other at all times.

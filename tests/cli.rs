@@ -657,6 +657,24 @@ fn fmt_reads_standard_input() {
     assert_eq!(String::from_utf8(output.stdout).unwrap(), TIDY);
 }
 
+#[test]
+fn fmt_takes_scenarios_too() {
+    let untidy = "scenario s load s.asm ;\nset  x:=1\nstep; check x = (1) ;\n";
+    let tidy = "scenario s\nload s.asm\nset x := 1;\nstep\ncheck x = 1;\n";
+    let (folder, path) = file("s.avalla", untidy);
+    let (code, out, err) = run(&["fmt", "--check", &folder.path().display().to_string()]);
+    assert_eq!((code, out), (1, format!("{path}\n")), "{err}");
+    let (code, _, err) = run(&["fmt", &path]);
+    assert_eq!(code, 0, "{err}");
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), tidy);
+    let output = asmotion().args(["fmt", "-"]).write_stdin(untidy).output();
+    assert_eq!(String::from_utf8(output.unwrap().stdout).unwrap(), tidy);
+    let (_folder, path) = file("wrong.avalla", "scenario s load s.asm chek x;");
+    let (code, _, err) = run(&["fmt", &path]);
+    assert_eq!(code, 1);
+    assert!(err.contains("did you mean `check`?"), "{err}");
+}
+
 /// What people read first is in the layout we ask for.
 #[test]
 fn our_specifications_are_formatted() {

@@ -1,4 +1,4 @@
-//! `asmotion fmt`: every specification in the one layout.
+//! `asmotion fmt`: every specification and scenario in the one layout.
 
 use crate::diff;
 use crate::exit::Exit;
@@ -11,10 +11,10 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Puts specifications into the one layout; see docs/formatting.md.
+/// Puts specifications and scenarios into the one layout; see docs/formatting.md.
 #[derive(Args)]
 pub struct Fmt {
-    /// Specifications, and folders with specifications; `-` is standard input to standard output.
+    /// Specifications, scenarios, and folders with such; `-` is standard input to standard output.
     #[arg(required = true)]
     paths: Vec<String>,
 
@@ -127,6 +127,9 @@ impl Fmt {
             format!("{} {change}", count(tally.changed)),
             format!("{} left as they are", tally.unchanged),
         ];
+        if tally.failed > 0 {
+            parts.push(format!("{} not there or not to be written", tally.failed));
+        }
         if tally.wrong > 0 {
             parts.push(format!("{} with errors left alone", tally.wrong));
         }
@@ -146,12 +149,12 @@ fn count(files: usize) -> String {
     }
 }
 
-/// The file, or the specifications in the folder.
+/// The file, or the specifications and scenarios in the folder.
 fn files_at(path: &str) -> std::io::Result<Vec<String>> {
     if path == "-" || !std::fs::metadata(path)?.is_dir() {
         return Ok(vec![path.to_owned()]);
     }
-    let files = files::specifications(Path::new(path))?;
+    let files = files::files(Path::new(path), &["asm", "avalla"])?;
     Ok(files
         .iter()
         .map(|file| file.display().to_string())
@@ -175,5 +178,13 @@ fn read(path: &str) -> Result<Arc<str>, LoadError> {
 fn formatted(path: &str, text: &Arc<str>) -> Result<String, (Report, Sources)> {
     let mut sources = Sources::new();
     let file = sources.add(path, text.clone());
-    syntax::format(file, text).map_err(|report| (report, sources))
+    let is_scenario = match path {
+        "-" => syntax::begins_scenario(text),
+        path => path.ends_with(".avalla"),
+    };
+    let formatted = match is_scenario {
+        true => syntax::format_scenario(file, text),
+        false => syntax::format(file, text),
+    };
+    formatted.map_err(|report| (report, sources))
 }

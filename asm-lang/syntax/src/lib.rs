@@ -33,8 +33,8 @@ lalrpop_mod!(
 pub use fragment::{
     parse_assignment, parse_assignment_in, parse_rule, parse_rule_in, parse_term, parse_term_in,
 };
-pub use print::format;
-pub use scenario::parse_scenario;
+pub use print::{format, format_scenario};
+pub use scenario::{begins_scenario, parse_scenario};
 
 use explain::Explainer;
 use findings::Findings;

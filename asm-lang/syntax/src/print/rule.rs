@@ -1,9 +1,9 @@
 //! Rules. A rule the text has on one line stays there if it fits; every other one is spread out.
 
+use super::branch::If;
 use super::layout::{Break, Layout};
 use crate::ast::*;
-use crate::lexer::{Keyword, Sign, Token};
-use source::Span;
+use crate::lexer::Sign;
 
 impl Layout<'_> {
     /// A rule.
@@ -46,8 +46,12 @@ impl Layout<'_> {
                 guard,
                 then,
                 otherwise,
-            } => self.if_rule(guard, then, otherwise.as_ref(), lines),
-            RuleKind::Switch(switch) => self.switch_rule(switch, lines),
+            } => self.choose_if(&If::of(guard, then, otherwise), lines),
+            RuleKind::Switch(SwitchRule {
+                subject,
+                cases,
+                otherwise,
+            }) => self.choose_case(subject, cases, otherwise.as_ref(), lines),
             RuleKind::Choose {
                 binders,
                 guard,
@@ -55,11 +59,11 @@ impl Layout<'_> {
                 ifnone,
             } => {
                 self.choice(binders, guard.as_ref());
-                self.inside(body, lines);
+                self.part(body, lines);
                 if let Some(ifnone) = ifnone {
                     self.separate(Break::line(lines));
                     self.token();
-                    self.inside(ifnone, lines);
+                    self.part(ifnone, lines);
                 }
             }
             RuleKind::Forall {
@@ -68,26 +72,26 @@ impl Layout<'_> {
                 body,
             } => {
                 self.choice(binders, guard.as_ref());
-                self.inside(body, lines);
+                self.part(body, lines);
             }
             RuleKind::Let { bindings, body } => {
                 self.bindings(bindings);
-                self.inside(body, lines);
+                self.part(body, lines);
                 self.end(lines);
             }
             RuleKind::Extend {
                 variables, body, ..
             } => {
                 self.extend(variables);
-                self.inside(body, lines);
+                self.part(body, lines);
             }
             RuleKind::While { guard, body } | RuleKind::WhileRec { guard, body } => {
                 self.guarded(guard);
-                self.inside(body, lines);
+                self.part(body, lines);
             }
             RuleKind::Iterate(body) => {
                 self.token();
-                self.inside(body, lines);
+                self.part(body, lines);
                 self.end(lines);
             }
             RuleKind::Local { functions, body } => self.local(functions, body, lines),
@@ -102,15 +106,6 @@ impl Layout<'_> {
         self.indent(|it| {
             it.separate(Break::line(own_line));
             it.rule(rule);
-        });
-    }
-
-    /// A rule between words.
-    fn inside(&mut self, rule: &Rule, lines: bool) {
-        self.indent(|it| {
-            it.separate(Break::line(lines));
-            it.rule(rule);
-            it.comments_inside();
         });
     }
 
@@ -134,57 +129,6 @@ impl Layout<'_> {
                 block.rule(rule);
             }
             block.comments_inside();
-        });
-        self.end(lines);
-    }
-
-    /// `if … endif`; an `else if` in one line goes on in the same indentation.
-    fn if_rule(&mut self, guard: &Term, then: &Rule, otherwise: Option<&Rule>, lines: bool) {
-        self.guarded(guard);
-        self.inside(then, lines);
-        let mut chained = false;
-        if let Some(otherwise) = otherwise {
-            self.separate(Break::line(lines));
-            chained = self.else_if();
-            self.token();
-            if let RuleKind::If {
-                guard,
-                then,
-                otherwise,
-            } = &*otherwise.kind
-                && chained
-            {
-                self.separate(Break::Blank);
-                self.if_rule(guard, then, otherwise.as_ref(), lines);
-            } else {
-                self.inside(otherwise, lines);
-            }
-        }
-        self.separate(if chained {
-            Break::Blank
-        } else {
-            Break::line(lines)
-        });
-        self.token();
-    }
-
-    /// Whether `else if` comes next, in one line.
-    pub(super) fn else_if(&self) -> bool {
-        self.peek_second() == Some(Token::Keyword(Keyword::If)) && self.goes_on()
-    }
-
-    fn switch_rule(&mut self, switch: &SwitchRule, lines: bool) {
-        self.subject(&switch.subject);
-        self.indent(|cases| {
-            for (case, body) in &switch.cases {
-                cases.separate(if lines { Break::Item } else { Break::Line });
-                let apart = cases.in_lines(case.span.to(body.span));
-                cases.case(case, apart, |it| it.rule(body));
-            }
-            if let Some(otherwise) = &switch.otherwise {
-                cases.separate(if lines { Break::Item } else { Break::Line });
-                cases.otherwise(otherwise.span, |it| it.rule(otherwise));
-            }
         });
         self.end(lines);
     }
@@ -225,7 +169,7 @@ impl Layout<'_> {
     }
 
     /// What is written.
-    fn assignee(&mut self, target: &Assignee) {
+    pub(super) fn assignee(&mut self, target: &Assignee) {
         match target {
             Assignee::Variable(_) => self.token(),
             Assignee::Location {
@@ -256,46 +200,6 @@ impl Layout<'_> {
             it.binders(binders, guard);
             it.separate(Break::Line);
             it.token();
-        });
-    }
-
-    /// `switch t`.
-    pub(super) fn subject(&mut self, subject: &Term) {
-        self.token();
-        self.indent(|it| {
-            it.separate(Break::Blank);
-            it.term(subject);
-        });
-    }
-
-    /// `case c: R`.
-    pub(super) fn case(&mut self, case: &Term, apart: bool, body: impl FnOnce(&mut Self)) {
-        self.group(|it| {
-            it.token();
-            it.indent(|it| {
-                it.separate(Break::Blank);
-                it.term(case);
-                it.token();
-                it.separate(Break::line(apart));
-                body(it);
-                it.comments_inside();
-            });
-        });
-    }
-
-    /// `otherwise R`.
-    pub(super) fn otherwise(&mut self, place: Span, body: impl FnOnce(&mut Self)) {
-        let apart = self.in_lines(Span {
-            start: u32::try_from(self.start()).unwrap_or(place.start),
-            ..place
-        });
-        self.group(|it| {
-            it.token();
-            it.indent(|it| {
-                it.separate(Break::line(apart));
-                body(it);
-                it.comments_inside();
-            });
         });
     }
 

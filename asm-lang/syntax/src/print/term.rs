@@ -1,5 +1,6 @@
 //! Terms. They are broken only where they do not fit on one line.
 
+use super::branch::If;
 use super::layout::{Break, Layout};
 use super::list::element;
 use super::operator::{LOOSEST, Place};
@@ -63,12 +64,12 @@ impl Layout<'_> {
                 guard,
                 then,
                 otherwise,
-            } => self.if_term(guard, then, otherwise.as_ref(), lines),
+            } => self.choose_if(&If::of(guard, then, otherwise), lines),
             TermKind::Switch {
                 subject,
                 cases,
                 otherwise,
-            } => self.switch_term(subject, cases, otherwise.as_ref(), lines),
+            } => self.choose_case(subject, cases, otherwise.as_ref(), lines),
             TermKind::Let { bindings, body } => {
                 self.bindings(bindings);
                 self.part(body, lines);
@@ -126,67 +127,6 @@ impl Layout<'_> {
     }
 
     // ── terms with words ──
-
-    /// A term between words.
-    fn part(&mut self, term: &Term, lines: bool) {
-        self.indent(|it| {
-            it.separate(Break::line(lines));
-            it.term(term);
-            it.comments_inside();
-        });
-    }
-
-    fn if_term(&mut self, guard: &Term, then: &Term, otherwise: Option<&Term>, lines: bool) {
-        self.guarded(guard);
-        self.part(then, lines);
-        let mut chained = false;
-        if let Some(otherwise) = otherwise {
-            self.separate(Break::line(lines));
-            chained = self.else_if();
-            self.token();
-            if let TermKind::If {
-                guard,
-                then,
-                otherwise,
-            } = &*otherwise.kind
-                && chained
-            {
-                self.separate(Break::Blank);
-                self.if_term(guard, then, otherwise.as_ref(), lines);
-            } else {
-                self.part(otherwise, lines);
-            }
-        }
-        self.separate(if chained {
-            Break::Blank
-        } else {
-            Break::line(lines)
-        });
-        self.token();
-    }
-
-    fn switch_term(
-        &mut self,
-        subject: &Term,
-        cases: &[(Term, Term)],
-        otherwise: Option<&Term>,
-        lines: bool,
-    ) {
-        self.subject(subject);
-        self.indent(|it| {
-            for (case, value) in cases {
-                it.separate(if lines { Break::Item } else { Break::Line });
-                let apart = it.in_lines(case.span.to(value.span));
-                it.case(case, apart, |it| it.term(value));
-            }
-            if let Some(otherwise) = otherwise {
-                it.separate(if lines { Break::Item } else { Break::Line });
-                it.otherwise(otherwise.span, |it| it.term(otherwise));
-            }
-        });
-        self.separate(Break::line(lines));
-        self.token();
-    }
 
     /// `(forall $x in D with g)`.
     fn quantified(&mut self, binders: &[Binder], guard: Option<&Term>) {

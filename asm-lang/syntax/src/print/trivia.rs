@@ -48,9 +48,13 @@ pub(super) struct Tokens<'text> {
 }
 
 impl<'text> Tokens<'text> {
-    pub(super) fn new(text: &'text str) -> Self {
+    /// The tokens of a specification.
+    pub(super) fn of_file(text: &'text str) -> Self {
         let unheard = Findings::new(FileId(0));
-        let tokens: Vec<_> = Lexer::new(text, &unheard).collect();
+        Self::new(text, Lexer::new(text, &unheard).collect())
+    }
+
+    pub(super) fn new(text: &'text str, tokens: Vec<Spanned<'text>>) -> Self {
         let mut gaps = Vec::with_capacity(tokens.len() + 1);
         let mut end = 0;
         for &(start, _, next_end) in &tokens {

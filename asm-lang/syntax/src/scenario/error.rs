@@ -2,6 +2,9 @@
 
 use source::{Diagnostic, Span};
 
+/// The code of a command without `;`, which is a warning that can be mended.
+pub(crate) const UNENDED: &str = "V005";
+
 #[derive(Debug, thiserror::Error)]
 pub(super) enum ScenarioError {
     #[error("a scenario begins with `scenario` and its name")]
@@ -29,7 +32,13 @@ pub(super) enum ScenarioError {
     },
 
     #[error("`;` is missing at the end of a command")]
-    Unended { command: Span, end: Span },
+    Unended {
+        command: Span,
+        /// What stands behind it.
+        next: Span,
+        /// Where the `;` belongs.
+        end: Span,
+    },
 
     #[error("the block `{name}` does not end")]
     OpenBlock { name: String, at: Span },
@@ -78,10 +87,10 @@ impl ScenarioError {
             } => error("V004")
                 .label(*at, format!("{wanted} should follow"))
                 .help(format!("write `{form}`")),
-            Self::Unended { command, end } => Diagnostic::warning("V005", self)
-                .label(*end, "the command ends before this")
+            Self::Unended { command, next, end } => Diagnostic::warning(UNENDED, self)
+                .label(*next, "the command ends before this")
                 .label(*command, "it begins here")
-                .help("end it with `;`"),
+                .fix("end it with `;`", *end, ";"),
             Self::OpenBlock { at, .. } => error("V006")
                 .label(*at, "begins here, and goes on to the end of the scenario")
                 .help("write `end` behind its last command"),

@@ -7,18 +7,18 @@
 mod faithful;
 
 use asm_syntax::format;
-use faithful::{formatted, quoted};
+use faithful::{formatted, formatted_scenario, quoted};
 use proptest::prelude::*;
 use source::FileId;
 use std::path::{Path, PathBuf};
 
-fn files(folder: &Path) -> Vec<PathBuf> {
+fn files(folder: &Path, kind: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let path = entry.path();
         if path.is_dir() {
-            found.extend(files(&path));
-        } else if path.extension().is_some_and(|extension| extension == "asm") {
+            found.extend(files(&path, kind));
+        } else if path.extension().is_some_and(|extension| extension == kind) {
             found.push(path);
         }
     }
@@ -26,13 +26,21 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
+/// The text of a file in canonical layout, by the ending of its name.
+fn formatted_as(kind: &str, text: &str) -> Result<Option<String>, String> {
+    match kind {
+        "avalla" => formatted_scenario(text),
+        _ => formatted(text),
+    }
+}
+
 /// How many files of a folder are formatted, and what went wrong with the others.
-fn format_all(folder: &Path) -> (usize, Vec<String>) {
+fn format_all(folder: &Path, kind: &str) -> (usize, Vec<String>) {
     let mut count = 0;
     let mut wrong = Vec::new();
-    for path in files(folder) {
+    for path in files(folder, kind) {
         let text = String::from_utf8_lossy(&std::fs::read(&path).unwrap()).into_owned();
-        match formatted(&text) {
+        match formatted_as(kind, &text) {
             Ok(Some(_)) => count += 1,
             Ok(None) => {}
             Err(what) => wrong.push(format!("{} {what}", path.display())),
@@ -44,8 +52,14 @@ fn format_all(folder: &Path) -> (usize, Vec<String>) {
 #[test]
 fn keeps_what_our_programs_say() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    for folder in ["tests/language", "specs", "benches", "asm-lang"] {
-        let (count, wrong) = format_all(&root.join(folder));
+    for (folder, kind) in [
+        ("tests/language", "asm"),
+        ("specs", "asm"),
+        ("benches", "asm"),
+        ("asm-lang", "asm"),
+        ("specs", "avalla"),
+    ] {
+        let (count, wrong) = format_all(&root.join(folder), kind);
         assert!(wrong.is_empty(), "{}", wrong.join("\n===\n"));
         assert!(count > 5, "{count} files in {folder}");
     }
@@ -58,25 +72,29 @@ fn keeps_what_the_corpus_says() {
         println!("skipped: there is no corpus here");
         return;
     };
-    let (count, wrong) = format_all(Path::new(&corpus));
-    assert!(
-        wrong.is_empty(),
-        "{} of them: {}",
-        wrong.len(),
-        wrong.join("\n===\n")
-    );
-    println!("{count} files formatted");
+    for kind in ["asm", "avalla"] {
+        let (count, wrong) = format_all(Path::new(&corpus), kind);
+        assert!(
+            wrong.is_empty(),
+            "{} of them: {}",
+            wrong.len(),
+            wrong.join("\n===\n")
+        );
+        println!("{count} .{kind} files formatted");
+    }
 }
 
 /// Files of `tests/layout` as people might write them; the snapshots are read by people.
 #[test]
 fn lays_out() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/layout");
-    for path in files(&folder) {
-        let text = std::fs::read_to_string(&path).unwrap();
-        let name = path.file_stem().unwrap().to_str().unwrap();
-        let laid_out = formatted(&text).unwrap().unwrap();
-        insta::assert_snapshot!(name, laid_out);
+    for kind in ["asm", "avalla"] {
+        for path in files(&folder, kind) {
+            let text = std::fs::read_to_string(&path).unwrap();
+            let name = path.file_stem().unwrap().to_str().unwrap();
+            let laid_out = formatted_as(kind, &text).unwrap().unwrap();
+            insta::assert_snapshot!(name, laid_out);
+        }
     }
 }
 
@@ -233,9 +251,13 @@ proptest! {
         places in prop::collection::vec((any::<prop::sample::Index>(), prop::sample::select(COMMENTS)), 1..6),
     ) {
         let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-        let mut paths = files(&root.join("tests/layout"));
-        paths.extend(files(&root.join("../../specs")));
-        let mut text = std::fs::read_to_string(which.get(&paths)).unwrap();
+        let folders = [root.join("tests/layout"), root.join("../../specs")];
+        let kinds = ["asm", "avalla"];
+        let paths: Vec<PathBuf> =
+            folders.iter().flat_map(|folder| kinds.map(|kind| files(folder, kind))).flatten().collect();
+        let path = which.get(&paths);
+        let kind = path.extension().unwrap().to_str().unwrap();
+        let mut text = std::fs::read_to_string(path).unwrap();
         let mut places: Vec<_> = {
             let borders = borders(&text);
             places.iter().map(|(index, comment)| (*index.get(&borders), *comment)).collect()
@@ -244,7 +266,7 @@ proptest! {
         for (at, comment) in places {
             text.insert_str(at, comment);
         }
-        if let Err(what) = formatted(&text) {
+        if let Err(what) = formatted_as(kind, &text) {
             return Err(TestCaseError::fail(format!("{what}\n\n{text}")));
         }
     }

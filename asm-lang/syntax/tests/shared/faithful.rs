@@ -4,23 +4,42 @@
 #[path = "tree.rs"]
 mod tree;
 
-use asm_syntax::{format, parse};
-use source::FileId;
+use asm_syntax::{format, format_scenario, parse, parse_scenario};
+use source::{FileId, Report};
 
 /// The text in canonical layout, which says what the text says; `None` where it has errors.
 pub fn formatted(text: &str) -> Result<Option<String>, String> {
+    faithful(text, format, |text| {
+        let parsed = parse(FileId(0), text);
+        (tree::file(&parsed.file), parsed.report)
+    })
+}
+
+/// The same for the text of a scenario.
+#[allow(dead_code, reason = "other tests use other parts of it")]
+pub fn formatted_scenario(text: &str) -> Result<Option<String>, String> {
+    faithful(text, format_scenario, |text| {
+        let (scenario, report) = parse_scenario(FileId(0), text);
+        (tree::scenario(&scenario), report)
+    })
+}
+
+fn faithful(
+    text: &str,
+    format: fn(FileId, &str) -> Result<String, Report>,
+    read: fn(&str) -> (String, Report),
+) -> Result<Option<String>, String> {
     let Ok(once) = format(FileId(0), text) else {
         return Ok(None);
     };
-    let before = tree::file(&parse(FileId(0), text).file);
-    let again = parse(FileId(0), &once);
-    if again.report.has_errors() {
+    let (before, _) = read(text);
+    let (after, report) = read(&once);
+    if report.has_errors() {
         return Err(format!(
             "has errors: {:?}\n{once}",
-            again.report.diagnostics.first()
+            report.diagnostics.first()
         ));
     }
-    let after = tree::file(&again.file);
     if before != after {
         return Err(format!(
             "is another tree: {}",

@@ -49,6 +49,48 @@ pub fn file(file: &File) -> String {
     lines.join("\n")
 }
 
+#[allow(dead_code, reason = "other tests use other parts of it")]
+pub fn scenario(scenario: &Scenario) -> String {
+    let mut lines = Vec::new();
+    lines.extend(
+        scenario
+            .name
+            .iter()
+            .map(|it| format!("scenario {}", it.text)),
+    );
+    lines.extend(scenario.load.iter().map(|it| format!("load {:?}", it.text)));
+    let invariants = scenario.invariants.iter();
+    lines.extend(invariants.map(|it| format!("{} {}", it.name.text, term(&it.condition))));
+    lines.extend(scenario.commands.iter().map(command));
+    lines.join("\n")
+}
+
+#[allow(dead_code, reason = "other tests use other parts of it")]
+fn command(it: &Command) -> String {
+    match &it.kind {
+        CommandKind::Set(target, value) => format!("set {} {}", assignee(target), term(value)),
+        CommandKind::Check(condition) => format!("check {}", term(condition)),
+        CommandKind::Step => "step".to_owned(),
+        CommandKind::StepUntil(condition) => format!("until {}", term(condition)),
+        CommandKind::Exec(it) => format!("exec {}", rule(it)),
+        CommandKind::Pick(pick) => {
+            let rule = pick.rule.as_ref().map(|rule| {
+                let domains = rule.parameters.as_ref().map(|domains| names(domains));
+                format!("{} {domains:?}", rule.name.text)
+            });
+            format!("pick {} {rule:?} {}", pick.variable.text, term(&pick.value))
+        }
+        CommandKind::Block(block) => {
+            let inside: Vec<String> = block.commands.iter().map(command).collect();
+            format!("begin {}\n{}\nend", block.name.text, inside.join("\n"))
+        }
+        CommandKind::ExecBlock { scenario, block } => {
+            let scenario = scenario.as_ref().map(|name| &name.text);
+            format!("execblock {scenario:?} {}", block.text)
+        }
+    }
+}
+
 fn import(import: &Import) -> String {
     match &import.names {
         Some(listed) => format!("import {} ({})", import.path.text, names(listed)),

@@ -1,0 +1,180 @@
+//! `if` and `switch`: they choose between rules as they choose between terms.
+
+use super::layout::{Break, Layout};
+use crate::ast::*;
+use crate::lexer::{Keyword, Token};
+use source::Span;
+
+/// What is chosen between.
+pub(super) trait Branch: Sized {
+    /// Where it stands.
+    fn span(&self) -> Span;
+
+    /// Its parts, where it is an `if` itself.
+    fn as_if(&self) -> Option<If<'_, Self>>;
+
+    /// Prints it.
+    fn print(&self, layout: &mut Layout<'_>);
+}
+
+/// `if guard then … else … endif`.
+pub(super) struct If<'tree, T> {
+    guard: &'tree Term,
+    then: &'tree T,
+    otherwise: Option<&'tree T>,
+}
+
+impl<'tree, T> If<'tree, T> {
+    /// Its parts, as a tree has them.
+    pub(super) fn of(guard: &'tree Term, then: &'tree T, otherwise: &'tree Option<T>) -> Self {
+        Self {
+            guard,
+            then,
+            otherwise: otherwise.as_ref(),
+        }
+    }
+}
+
+impl Branch for Rule {
+    fn span(&self) -> Span {
+        self.span
+    }
+
+    fn as_if(&self) -> Option<If<'_, Self>> {
+        match &*self.kind {
+            RuleKind::If {
+                guard,
+                then,
+                otherwise,
+            } => Some(If::of(guard, then, otherwise)),
+            _ => None,
+        }
+    }
+
+    fn print(&self, layout: &mut Layout<'_>) {
+        layout.rule(self);
+    }
+}
+
+impl Branch for Term {
+    fn span(&self) -> Span {
+        self.span
+    }
+
+    fn as_if(&self) -> Option<If<'_, Self>> {
+        match &*self.kind {
+            TermKind::If {
+                guard,
+                then,
+                otherwise,
+            } => Some(If::of(guard, then, otherwise)),
+            _ => None,
+        }
+    }
+
+    fn print(&self, layout: &mut Layout<'_>) {
+        layout.term(self);
+    }
+}
+
+impl Layout<'_> {
+    /// `if g then … else … endif`; `else if` on one line goes on at the same level.
+    pub(super) fn choose_if<T: Branch>(&mut self, branch: &If<'_, T>, lines: bool) {
+        self.guarded(branch.guard);
+        self.part(branch.then, lines);
+        let mut chained = false;
+        if let Some(otherwise) = branch.otherwise {
+            self.separate(Break::line(lines));
+            chained = self.else_if();
+            self.token();
+            match otherwise.as_if().filter(|_| chained) {
+                Some(next) => {
+                    self.separate(Break::Blank);
+                    self.choose_if(&next, lines);
+                }
+                None => self.part(otherwise, lines),
+            }
+        }
+        self.separate(match chained {
+            true => Break::Blank,
+            false => Break::line(lines),
+        });
+        self.token();
+    }
+
+    /// Whether `else if` comes next, in one line.
+    fn else_if(&self) -> bool {
+        self.peek_second() == Some(Token::Keyword(Keyword::If)) && self.goes_on()
+    }
+
+    /// `switch t case c: … otherwise … endswitch`.
+    pub(super) fn choose_case<T: Branch>(
+        &mut self,
+        subject: &Term,
+        cases: &[(Term, T)],
+        otherwise: Option<&T>,
+        lines: bool,
+    ) {
+        self.subject(subject);
+        let between = if lines { Break::Item } else { Break::Line };
+        self.indent(|it| {
+            for (case, body) in cases {
+                it.separate(between);
+                it.case(case, body);
+            }
+            if let Some(otherwise) = otherwise {
+                it.separate(between);
+                it.otherwise(otherwise);
+            }
+        });
+        self.separate(Break::line(lines));
+        self.token();
+    }
+
+    /// `switch t`.
+    fn subject(&mut self, subject: &Term) {
+        self.token();
+        self.indent(|it| {
+            it.separate(Break::Blank);
+            it.term(subject);
+        });
+    }
+
+    /// `case c: …`.
+    fn case<T: Branch>(&mut self, case: &Term, body: &T) {
+        let apart = self.in_lines(case.span.to(body.span()));
+        self.group(|it| {
+            it.token();
+            it.indent(|it| {
+                it.separate(Break::Blank);
+                it.term(case);
+                it.token();
+                it.separate(Break::line(apart));
+                body.print(it);
+                it.comments_inside();
+            });
+        });
+    }
+
+    /// `otherwise …`.
+    fn otherwise<T: Branch>(&mut self, body: &T) {
+        let place = body.span();
+        let apart = self.in_lines(Span {
+            start: u32::try_from(self.start()).unwrap_or(place.start),
+            ..place
+        });
+        self.group(|it| {
+            it.token();
+            it.part(body, apart);
+        });
+    }
+
+    /// What stands between words.
+    pub(super) fn part<T: Branch>(&mut self, part: &T, lines: bool) {
+        self.indent(|it| {
+            it.separate(Break::line(lines));
+            part.print(it);
+            it.comments_inside();
+        });
+    }
+}

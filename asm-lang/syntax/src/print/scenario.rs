@@ -1,0 +1,250 @@
+//! Scenarios: a line for each command.
+
+use super::layout::{Break, Layout};
+use crate::ast::*;
+use crate::findings::Findings;
+use crate::lexer::{Lexer, Sign, Spanned, Token};
+use crate::parse_scenario;
+use crate::scenario::UNENDED;
+use source::{Diagnostic, FileId, Span};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What ends a command; a sign of scenarios, and none of the language.
+const END: Token<'_> = Token::Word(";");
+
+impl Layout<'_> {
+    /// All of it.
+    pub(super) fn scenario(&mut self, scenario: &Scenario) {
+        for _ in [&scenario.name, &scenario.load].into_iter().flatten() {
+            self.separate(Break::Item);
+            self.token();
+            self.separate(Break::Blank);
+            self.token();
+            self.no_end();
+        }
+        for invariant in &scenario.invariants {
+            self.separate(Break::Item);
+            self.group(|it| {
+                it.token();
+                it.separate(Break::Blank);
+                it.joined(2);
+                it.to_the_end(&invariant.condition);
+                it.token();
+                it.no_end();
+            });
+        }
+        for command in &scenario.commands {
+            self.separate(Break::Item);
+            self.command(command);
+        }
+    }
+
+    fn command(&mut self, command: &Command) {
+        self.group(|it| {
+            it.token();
+            match &command.kind {
+                CommandKind::Step => {}
+                CommandKind::Set(target, value) => {
+                    it.separate(Break::Blank);
+                    it.assignee(target);
+                    it.separate(Break::Blank);
+                    it.token();
+                    it.value(value);
+                }
+                CommandKind::Check(condition) => it.to_the_end(condition),
+                CommandKind::StepUntil(condition) => {
+                    it.separate(Break::Blank);
+                    it.token();
+                    it.to_the_end(condition);
+                }
+                CommandKind::Exec(rule) => it.body(rule),
+                CommandKind::Pick(pick) => it.pick(pick),
+                CommandKind::Block(block) => it.named_block(block),
+                CommandKind::ExecBlock { scenario, .. } => {
+                    it.separate(Break::Blank);
+                    it.joined(if scenario.is_some() { 3 } else { 1 });
+                }
+            }
+            match &command.kind {
+                CommandKind::Step | CommandKind::Block(_) => {}
+                CommandKind::Set(..)
+                | CommandKind::Check(_)
+                | CommandKind::StepUntil(_)
+                | CommandKind::Exec(_)
+                | CommandKind::Pick(_)
+                | CommandKind::ExecBlock { .. } => it.token(),
+            }
+            it.no_end();
+        });
+    }
+
+    /// A condition on the line of its command, or on the next ones where it does not fit.
+    fn to_the_end(&mut self, condition: &Term) {
+        self.indent(|it| {
+            it.separate(Break::Blank);
+            it.term(condition);
+        });
+    }
+
+    /// `pick $x in r_rule(Domain, …) := term`, behind its first word.
+    fn pick(&mut self, pick: &Pick) {
+        self.separate(Break::Blank);
+        self.token();
+        if pick.rule.is_some() {
+            self.separate(Break::Blank);
+            self.token();
+            self.separate(Break::Blank);
+        }
+        while self.peek().is_some() && !self.at(Sign::Assign) {
+            let is_comma = self.at(Sign::Comma);
+            self.token();
+            if is_comma {
+                self.separate(Break::Blank);
+            }
+        }
+        self.separate(Break::Blank);
+        self.token();
+        self.value(&pick.value);
+    }
+
+    /// `begin name … end`, behind its first word.
+    fn named_block(&mut self, block: &Block) {
+        self.separate(Break::Blank);
+        self.token();
+        self.no_end();
+        self.indent(|all| {
+            let mut begin = Break::Hard;
+            for command in &block.commands {
+                all.separate(begin);
+                all.command(command);
+                begin = Break::Item;
+            }
+            all.comments_inside();
+        });
+        self.separate(Break::Hard);
+        self.token();
+    }
+
+    /// Leaves out a `;` that ends nothing.
+    fn no_end(&mut self) {
+        while self.peek() == Some(END) {
+            self.leave_out();
+        }
+    }
+}
+
+/// With the `;` that are missing at the ends of commands.
+pub(super) fn with_ends(file: FileId, text: &str) -> String {
+    let (_, report) = parse_scenario(file, text);
+    let missing = report.diagnostics.iter();
+    let missing: Vec<Diagnostic> = missing
+        .filter(|finding| finding.code == UNENDED)
+        .cloned()
+        .collect();
+    source::apply(text, file, &missing).text
+}
+
+/// The tokens of a scenario. Names and paths are whole, whatever the language makes of their letters;
+/// a term begins as if nothing stood before it.
+pub(super) fn tokens<'text>(text: &'text str, scenario: &Scenario) -> Vec<Spanned<'text>> {
+    let unheard = Findings::new(FileId(0));
+    let mut places = Places::default();
+    places.scenario(scenario, text);
+    let mut lexer = Lexer::new(text, &unheard);
+    let mut tokens = Vec::new();
+    loop {
+        lexer.blanks_and_comments();
+        let start = lexer.position();
+        if places.begins.contains(&start) {
+            lexer = Lexer::new(text, &unheard);
+            lexer.start_at(start);
+        }
+        let whole = match places.whole.get(&start) {
+            Some(&end) => end,
+            None if lexer.rest().starts_with(';') => start + 1,
+            None => match lexer.next() {
+                Some(token) => {
+                    tokens.push(token);
+                    continue;
+                }
+                None => return tokens,
+            },
+        };
+        let word = text.get(start..whole).unwrap_or("");
+        tokens.push((start, Token::Word(word), whole));
+        lexer.start_at(whole);
+    }
+}
+
+/// What the tokens of a scenario depend on.
+#[derive(Default)]
+struct Places {
+    /// Where names and paths begin and end.
+    whole: BTreeMap<usize, usize>,
+    /// Where terms and rules begin.
+    begins: BTreeSet<usize>,
+}
+
+impl Places {
+    fn scenario(&mut self, scenario: &Scenario, text: &str) {
+        self.whole(scenario.name.iter().map(|name| name.span));
+        let paths = scenario.load.iter().map(|path| path.span.range());
+        let is_quoted = |start: usize| text.get(..start).is_some_and(|text| text.ends_with('"'));
+        self.whole
+            .extend(paths.map(|path| match is_quoted(path.start) {
+                true => (path.start - 1, path.end + 1),
+                false => (path.start, path.end),
+            }));
+        for invariant in &scenario.invariants {
+            self.whole([invariant.name.span]);
+            self.begins(invariant.condition.span);
+        }
+        scenario
+            .commands
+            .iter()
+            .for_each(|command| self.command(command));
+    }
+
+    fn command(&mut self, command: &Command) {
+        match &command.kind {
+            CommandKind::Step => {}
+            CommandKind::Set(target, value) => {
+                match target {
+                    Assignee::Variable(name) => self.begins(name.span),
+                    Assignee::Location { span, .. } => self.begins(*span),
+                }
+                self.begins(value.span);
+            }
+            CommandKind::Check(condition) | CommandKind::StepUntil(condition) => {
+                self.begins(condition.span);
+            }
+            CommandKind::Exec(rule) => self.begins(rule.span),
+            CommandKind::Pick(pick) => {
+                if let Some(rule) = &pick.rule {
+                    self.whole([rule.name.span]);
+                }
+                self.begins(pick.value.span);
+            }
+            CommandKind::Block(block) => {
+                self.whole([block.name.span]);
+                block
+                    .commands
+                    .iter()
+                    .for_each(|command| self.command(command));
+            }
+            CommandKind::ExecBlock { scenario, block } => {
+                self.whole(scenario.iter().chain([block]).map(|name| name.span));
+            }
+        }
+    }
+
+    fn whole(&mut self, spans: impl IntoIterator<Item = Span>) {
+        let ranges = spans.into_iter().map(Span::range);
+        self.whole
+            .extend(ranges.map(|range| (range.start, range.end)));
+    }
+
+    fn begins(&mut self, span: Span) {
+        self.begins.insert(span.range().start);
+    }
+}

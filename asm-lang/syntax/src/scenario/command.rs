@@ -1,0 +1,238 @@
+//! Commands: their words, and what stands up to their `;`.
+
+use super::error::ScenarioError;
+use super::reader::Reader;
+use crate::ast::{Block, Command, CommandKind, Name, Pick, PickedRule};
+use crate::fragment::{parse_assignment_in, parse_rule_in};
+use crate::spelling::nearest;
+use source::Span;
+
+/// The words that commands begin with.
+pub(super) const COMMANDS: &[&str] = &[
+    "set",
+    "check",
+    "step",
+    "exec",
+    "pick",
+    "begin",
+    "end",
+    "execblock",
+    "invariant",
+    "scenario",
+    "load",
+];
+
+/// Blocks may nest this deep.
+const MAX_DEPTH: usize = 64;
+
+impl Reader<'_, '_> {
+    /// The commands up to the end of the innermost open block, or of the text.
+    pub(super) fn commands(&mut self, open: &mut Vec<Name>) -> Vec<Command> {
+        let mut commands = Vec::new();
+        loop {
+            self.lexer.blanks_and_comments();
+            if self.lexer.rest().is_empty() {
+                if let Some(name) = open.last() {
+                    self.error(ScenarioError::OpenBlock {
+                        name: name.text.to_string(),
+                        at: name.span,
+                    });
+                }
+                return commands;
+            }
+            if self.takes_sign(";") {
+                continue;
+            }
+            let start = self.lexer.position();
+            let at = self.here();
+            let word = self.word();
+            if word == "end" {
+                if !open.is_empty() {
+                    return commands;
+                }
+                self.error(ScenarioError::StrayEnd { at });
+                continue;
+            }
+            if let Some(kind) = self.command(word, at, open) {
+                let end = self.lexer.position();
+                let span = self.span(start..start + self.text[start..end].trim_end().len());
+                commands.push(Command { kind, span });
+            }
+        }
+    }
+
+    fn command(&mut self, word: &str, at: Span, open: &mut Vec<Name>) -> Option<CommandKind> {
+        match word {
+            "set" => {
+                let part = self.part(at);
+                let parsed = parse_assignment_in(self.file, self.text, part);
+                let (target, value) = self.heard(parsed)?;
+                Some(CommandKind::Set(target, value))
+            }
+            "check" => {
+                let part = self.part(at);
+                Some(CommandKind::Check(self.term(part)?))
+            }
+            "step" => match self.takes("until") {
+                Some(until) => {
+                    let part = self.part(until);
+                    Some(CommandKind::StepUntil(self.term(part)?))
+                }
+                None => Some(CommandKind::Step),
+            },
+            "exec" => {
+                let part = self.part(at);
+                let parsed = parse_rule_in(self.file, self.text, part);
+                Some(CommandKind::Exec(self.heard(parsed)?))
+            }
+            "pick" => Some(CommandKind::Pick(self.pick(at)?)),
+            "begin" => Some(CommandKind::Block(self.block(at, open)?)),
+            "execblock" => self.exec_block(at),
+            "invariant" | "scenario" | "load" => {
+                let word = COMMANDS.iter().find(|known| **known == word)?;
+                self.part(at);
+                self.error(ScenarioError::Late { word, at });
+                None
+            }
+            _ => {
+                self.unknown(word, at);
+                None
+            }
+        }
+    }
+
+    fn unknown(&mut self, word: &str, at: Span) {
+        if word.is_empty() {
+            self.error(ScenarioError::NoCommand { at });
+        } else {
+            let similar = nearest(word, COMMANDS.iter().copied());
+            self.error(ScenarioError::UnknownCommand {
+                word: word.to_owned(),
+                at,
+                similar,
+            });
+        }
+        self.skip_command();
+    }
+
+    fn pick(&mut self, at: Span) -> Option<Pick> {
+        const FORM: &str = "pick $x := term;";
+        let variable = self.variable();
+        let Some(variable) = variable else {
+            self.incomplete("pick", "a variable", FORM, at);
+            return None;
+        };
+        let rule = match self.takes("in") {
+            Some(at) => Some(self.picked_rule(at)?),
+            None => None,
+        };
+        if !self.takes_sign(":=") {
+            self.incomplete("pick", "`:=` and a value", FORM, variable.span);
+            return None;
+        }
+        let part = self.part(at);
+        Some(Pick {
+            variable,
+            rule,
+            value: self.term(part)?,
+        })
+    }
+
+    fn picked_rule(&mut self, at: Span) -> Option<PickedRule> {
+        let form = "pick $x in r_rule := term;";
+        let name = self.wanted_name("pick", "a rule", form, at)?;
+        let parameters = self.takes_sign("(").then(|| self.domains());
+        Some(PickedRule { name, parameters })
+    }
+
+    /// The domains in brackets that tell a rule from others of its name, the closing one included.
+    fn domains(&mut self) -> Vec<Name> {
+        let mut domains = Vec::new();
+        let mut depth = 1;
+        let mut domain: Option<(String, Span)> = None;
+        loop {
+            self.lexer.blanks_and_comments();
+            let sign = self.lexer.rest().chars().next();
+            let ends = match sign {
+                Some('(') => {
+                    depth += 1;
+                    false
+                }
+                Some(')') => {
+                    depth -= 1;
+                    depth == 0
+                }
+                Some(',') => depth == 1,
+                None | Some(';') => return domains,
+                Some(_) => false,
+            };
+            let start = self.lexer.position();
+            self.lexer.pass();
+            let token = self.span(start..self.lexer.position());
+            if ends {
+                domains.extend(domain.take().map(|(text, span)| Name {
+                    text: text.into(),
+                    span,
+                }));
+            } else {
+                let (text, span) = domain.get_or_insert((String::new(), token));
+                text.push_str(&self.text[token.range()]);
+                text.push_str(if sign == Some(',') { " " } else { "" });
+                *span = span.to(token);
+            }
+            if depth == 0 {
+                return domains;
+            }
+        }
+    }
+
+    fn block(&mut self, at: Span, open: &mut Vec<Name>) -> Option<Block> {
+        let name = self.wanted_name("begin", "a name", "begin name … end", at)?;
+        if open.len() >= MAX_DEPTH {
+            self.error(ScenarioError::TooDeep { at });
+            self.skip_block();
+            return None;
+        }
+        open.push(name.clone());
+        let commands = self.commands(open);
+        open.pop();
+        Some(Block { name, commands })
+    }
+
+    /// Goes on behind the `end` of the block that has just begun.
+    fn skip_block(&mut self) {
+        let mut open = 1;
+        while open > 0 {
+            self.lexer.blanks_and_comments();
+            match self.word() {
+                "begin" => open += 1,
+                "end" => open -= 1,
+                "" if !self.lexer.pass() => return,
+                _ => {}
+            }
+        }
+    }
+
+    /// `scenario:block` or, as of old, `scenario.block`.
+    fn exec_block(&mut self, at: Span) -> Option<CommandKind> {
+        const FORM: &str = "execblock block;";
+        let first = self.wanted_name("execblock", "a block", FORM, at)?;
+        let second = if self.takes_sign(":") || self.takes_sign(".") {
+            Some(self.wanted_name("execblock", "a block", FORM, first.span)?)
+        } else {
+            None
+        };
+        let last = second.as_ref().unwrap_or(&first).span;
+        self.part_behind(last.range().end, at);
+        Some(match second {
+            Some(block) => CommandKind::ExecBlock {
+                scenario: Some(first),
+                block,
+            },
+            None => CommandKind::ExecBlock {
+                scenario: None,
+                block: first,
+            },
+        })
+    }
+}

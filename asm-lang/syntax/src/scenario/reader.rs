@@ -1,0 +1,197 @@
+//! The text of a scenario, word by word.
+
+use super::command::COMMANDS;
+use super::error::ScenarioError;
+use crate::ast::{Name, Term};
+use crate::fragment::parse_term_in;
+use crate::lexer::{Lexer, word_length};
+use source::{FileId, Report, Span};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Reads a scenario from its beginning to its end.
+pub(super) struct Reader<'input, 'run> {
+    pub file: FileId,
+    pub text: &'input str,
+    pub lexer: Lexer<'input, 'run>,
+    pub report: Report,
+}
+
+impl<'input> Reader<'input, '_> {
+    // ── parts of commands ──
+
+    /// What stands up to the `;`, which is taken too. Where it is missing, the command ends before
+    /// the line that begins with the next one.
+    pub(super) fn part(&mut self, command: Span) -> Range<usize> {
+        self.part_behind(self.lexer.position(), command)
+    }
+
+    /// The same; the last word of the command ends at `before`.
+    pub(super) fn part_behind(&mut self, before: usize, command: Span) -> Range<usize> {
+        self.lexer.blanks_and_comments();
+        let start = self.lexer.position();
+        let mut end = start;
+        loop {
+            self.lexer.blanks_and_comments();
+            let rest = self.lexer.rest();
+            if rest.starts_with(';') {
+                self.lexer.pass();
+                return start..end;
+            }
+            if rest.is_empty() || (end > start && self.begins_command()) {
+                let last = if end > start { end } else { before };
+                self.error(ScenarioError::Unended {
+                    command,
+                    next: self.here(),
+                    end: self.span(last..last),
+                });
+                return start..end;
+            }
+            self.lexer.pass();
+            end = self.lexer.position();
+        }
+    }
+
+    /// Goes on behind the next `;`, or before the line that begins with a command.
+    pub(super) fn skip_command(&mut self) {
+        loop {
+            self.lexer.blanks_and_comments();
+            if self.begins_command() || !self.lexer.pass() {
+                return;
+            }
+            if self.text[..self.lexer.position()].ends_with(';') {
+                return;
+            }
+        }
+    }
+
+    /// Whether a command stands here, the first of its line: its word alone, and no location.
+    pub(super) fn begins_command(&self) -> bool {
+        let before = self.text[..self.lexer.position()].trim_end_matches([' ', '\t']);
+        let rest = self.lexer.rest();
+        let word = rest.get(..word_length(rest)).unwrap_or("");
+        let after = rest.get(word.len()..).unwrap_or("").trim_start();
+        (before.is_empty() || before.ends_with(['\n', '\r']))
+            && COMMANDS.contains(&word)
+            && (after.starts_with("//") || !after.starts_with(|c| "(:=<>+-*/.,".contains(c)))
+    }
+
+    pub(super) fn term(&mut self, part: Range<usize>) -> Option<Term> {
+        let parsed = parse_term_in(self.file, self.text, part);
+        self.heard(parsed)
+    }
+
+    pub(super) fn heard<T>(&mut self, parsed: Result<T, Report>) -> Option<T> {
+        match parsed {
+            Ok(part) => Some(part),
+            Err(report) => {
+                self.report.extend(report);
+                None
+            }
+        }
+    }
+
+    // ── words ──
+
+    /// Takes the word that stands here.
+    pub(super) fn word(&mut self) -> &'input str {
+        let rest = self.lexer.rest();
+        let word = rest.get(..word_length(rest)).unwrap_or("");
+        self.lexer.start_at(self.lexer.position() + word.len());
+        word
+    }
+
+    /// Takes this word, if it stands here.
+    pub(super) fn takes(&mut self, wanted: &str) -> Option<Span> {
+        self.lexer.blanks_and_comments();
+        let rest = self.lexer.rest();
+        let start = self.lexer.position();
+        (rest.get(..word_length(rest)) == Some(wanted)).then(|| {
+            self.word();
+            self.span(start..start + wanted.len())
+        })
+    }
+
+    pub(super) fn takes_sign(&mut self, wanted: &str) -> bool {
+        self.lexer.blanks_and_comments();
+        let is_here = self.lexer.rest().starts_with(wanted);
+        if is_here {
+            self.lexer.start_at(self.lexer.position() + wanted.len());
+        }
+        is_here
+    }
+
+    pub(super) fn name(&mut self) -> Option<Name> {
+        self.lexer.blanks_and_comments();
+        let start = self.lexer.position();
+        let text = self.word();
+        (!text.is_empty()).then(|| Name {
+            text: Arc::from(text),
+            span: self.span(start..start + text.len()),
+        })
+    }
+
+    pub(super) fn variable(&mut self) -> Option<Name> {
+        self.lexer.blanks_and_comments();
+        let start = self.lexer.position();
+        if !self.takes_sign("$") {
+            return None;
+        }
+        let name = self.name()?;
+        Some(Name {
+            text: Arc::from(format!("${}", name.text)),
+            span: self.span(start..start).to(name.span),
+        })
+    }
+
+    pub(super) fn wanted_name(
+        &mut self,
+        command: &'static str,
+        wanted: &'static str,
+        form: &'static str,
+        at: Span,
+    ) -> Option<Name> {
+        let name = self.name();
+        if name.is_none() {
+            self.incomplete(command, wanted, form, at);
+        }
+        name
+    }
+
+    pub(super) fn incomplete(
+        &mut self,
+        command: &'static str,
+        wanted: &'static str,
+        form: &'static str,
+        at: Span,
+    ) {
+        self.error(ScenarioError::Incomplete {
+            command,
+            wanted,
+            form,
+            at,
+        });
+        self.skip_command();
+    }
+
+    // ── places ──
+
+    pub(super) fn span(&self, range: Range<usize>) -> Span {
+        Span::new(self.file, range.start, range.end.min(self.text.len()))
+    }
+
+    /// The next character that is no blank.
+    pub(super) fn here(&self) -> Span {
+        let start = self.lexer.position();
+        let rest = self.lexer.rest();
+        let length = match word_length(rest) {
+            0 => rest.chars().next().map_or(0, char::len_utf8),
+            length => length,
+        };
+        self.span(start..start + length)
+    }
+
+    pub(super) fn error(&mut self, error: ScenarioError) {
+        self.report.push(error.diagnostic());
+    }
+}
