@@ -9,6 +9,7 @@
 )]
 
 mod cli;
+mod composites;
 mod house;
 mod language;
 mod missions;

@@ -56,7 +56,9 @@ impl Finding for NestingError {
                     .rev()
                     .fold(error, |error, place| error.label(*place, "included here"))
             }
-            Self::TooDeep { at } => Diagnostic::error("C081", self).label(*at, "given up here"),
+            Self::TooDeep { at } => Diagnostic::error("C081", self)
+                .label(*at, "given up here")
+                .help("join some of them in one file"),
         }
     }
 }

@@ -39,6 +39,16 @@ fn codes(opened: &Opened) -> Vec<&'static str> {
     codes
 }
 
+/// The first finding, as people see it.
+fn shown(name: &str, opened: &Opened) {
+    let finding = opened.report.diagnostics.first();
+    let report = finding.cloned().into_iter().collect();
+    let rendered = support::render::report(&opened.sources, &report);
+    insta::with_settings!({ prepend_module_to_snapshot => false, omit_expression => true }, {
+        insta::assert_snapshot!(name, rendered);
+    });
+}
+
 #[test]
 fn it_says_what_an_empty_file_lacks() {
     let opened = opened("");
@@ -104,7 +114,9 @@ fn it_refuses_composites_that_nest_too_deep() {
     for n in 0..100 {
         files.add(&format!("c{n}.toml"), nest(&format!("c{}.toml", n + 1)));
     }
-    assert_eq!(codes(&open(&files)), ["C081"]);
+    let opened = open(&files);
+    assert_eq!(codes(&opened), ["C081"]);
+    shown("composites_that_nest_too_deep", &opened);
 }
 
 #[test]
@@ -124,7 +136,9 @@ fn it_refuses_composites_that_multiply() {
         "c25.toml",
         format!("{HEAD}[components.X]\nimplementation = {{ process = \"x\" }}\n"),
     );
-    assert_eq!(codes(&open(&files)), ["C082"]);
+    let opened = open(&files);
+    assert_eq!(codes(&opened), ["C082"]);
+    shown("composites_that_multiply", &opened);
 }
 
 #[test]
@@ -143,7 +157,9 @@ fn it_refuses_types_that_multiply() {
         HEAD.replace("name =", "types = [\"types.toml\"]\nname ="),
     );
     files.add("types.toml", types);
-    assert_eq!(codes(&open(&files)), ["C116"]);
+    let opened = open(&files);
+    assert_eq!(codes(&opened), ["C116"]);
+    shown("types_that_multiply", &opened);
 }
 
 #[test]

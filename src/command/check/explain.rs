@@ -2,26 +2,20 @@
 
 use crate::exit::Exit;
 use crate::terminal::{NAME, Terminal};
-use asm_lang::codes;
+use asm_lang::codes::{self, Code};
 use assembly::CODES;
 
 /// The page of a code, or all codes with one line each.
 pub fn explain(name: Option<&str>, terminal: &mut Terminal) -> Exit {
     let Some(name) = name else {
-        for (name, meaning) in all() {
-            terminal.result(format_args!("{NAME}{name}{NAME:#}  {meaning}"));
+        for code in all() {
+            let meaning = code.meaning();
+            terminal.result(format_args!("{NAME}{}{NAME:#}  {meaning}", code.name));
         }
         return Exit::Ok;
     };
-    if let Some(code) = codes::code(name) {
+    if let Some(code) = all().find(|code| code.name.eq_ignore_ascii_case(name)) {
         terminal.result(code.page.trim_end());
-        return Exit::Ok;
-    }
-    let known = CODES
-        .iter()
-        .find(|(code, _)| code.eq_ignore_ascii_case(name));
-    if let Some((code, meaning)) = known {
-        terminal.result(format_args!("# {code}: {meaning}"));
         return Exit::Ok;
     }
     terminal.error(format_args!("there is no code `{name}`"));
@@ -32,10 +26,9 @@ pub fn explain(name: Option<&str>, terminal: &mut Terminal) -> Exit {
     Exit::Usage
 }
 
-/// Every code and its meaning, by family.
-fn all() -> impl Iterator<Item = (&'static str, &'static str)> {
-    let language = codes::CODES.iter().map(|code| (code.name, code.meaning()));
-    language.chain(CODES.iter().copied())
+/// Every code, by family.
+fn all() -> impl Iterator<Item = &'static Code> {
+    codes::CODES.iter().chain(CODES)
 }
 
 /// The first code that differs in one letter, or in how many zeros it has.
@@ -51,12 +44,12 @@ fn nearest(name: &str) -> Option<&'static str> {
             .filter(|(one, other)| !one.eq_ignore_ascii_case(other))
             .count()
     };
-    let mut names = all().map(|(code, _)| code);
+    let mut names = all().map(|code| code.name);
     if number.is_some()
         && let Some(code) = names.find(same_number)
     {
         return Some(code);
     }
-    let mut names = all().map(|(code, _)| code);
+    let mut names = all().map(|code| code.name);
     names.find(|code| code.len() == name.len() && slips(code) == 1)
 }

@@ -61,7 +61,9 @@ impl Finding for MapError {
                 found,
                 ..
             } => {
-                let diagnostic = Diagnostic::error("C120", self).label(*at, "named here");
+                let diagnostic = Diagnostic::error("C120", self)
+                    .label(*at, "named here")
+                    .help("`oneway` writes to an input of the target, `last` reads an output of it");
                 match declared {
                     Some(declared) => diagnostic.label(*declared, format!("an {found}")),
                     None => diagnostic,
@@ -69,7 +71,8 @@ impl Finding for MapError {
             }
             Self::Elsewhere { at, target_at, .. } => Diagnostic::error("C121", self)
                 .label(*at, "a port of another component")
-                .label(*target_at, "the target"),
+                .label(*target_at, "the target")
+                .help("name a port of the target, or make the other component the target of a proxy of its own"),
             Self::NotListed {
                 name,
                 list,

@@ -67,8 +67,10 @@ fn connection(
     policy(&connection.policy, report);
     let before = report.diagnostics.len();
     let from = terminals(scene, &connection.from, Way::Out, report);
-    let misnamed = report.diagnostics.len() > before;
+    // an end that could not be read is not in the list
+    let misnamed = report.diagnostics.len() > before || connection.from.is_empty();
     let to = terminals(scene, &connection.to, Way::In, report);
+    let mut repeated = Vec::new();
     for source in &from {
         for target in &to {
             let key = (source.terminal.to_string(), target.terminal.to_string());
@@ -81,6 +83,7 @@ fn connection(
                     at,
                     first,
                 });
+                repeated.push(target.terminal.span());
                 continue;
             }
             pair(scene, connection, (source, target), links, report);
@@ -96,15 +99,20 @@ fn connection(
         let Terminal::Port(end) = target.terminal else {
             continue;
         };
+        if repeated.contains(&end.span()) {
+            continue;
+        }
         for source in &from {
             drive(scene, connection, source, end, drivers, report);
         }
-        if misnamed {
-            // somebody was meant to write it: one finding for one mistake
-            drivers
-                .elsewhere
-                .push((end.component.value.clone(), end.name.value.clone()));
-        }
+    }
+    if misnamed {
+        // somebody was meant to write these: one finding for one mistake
+        let ends = connection.from.iter().chain(&connection.to);
+        drivers.elsewhere.extend(ends.filter_map(|end| match end {
+            Terminal::Port(end) => Some((end.component.value.clone(), end.name.value.clone())),
+            Terminal::Topic(_) => None,
+        }));
     }
 }
 

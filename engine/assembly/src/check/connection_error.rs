@@ -78,8 +78,9 @@ impl Finding for ConnectionError {
                 declared,
                 ..
             } => {
-                let diagnostic =
-                    Diagnostic::error("C040", self).label(*at, format!("cannot {use_} an {is}"));
+                let diagnostic = Diagnostic::error("C040", self)
+                    .label(*at, format!("cannot {use_} an {is}"))
+                    .help("a connection goes `from` an output `to` an input");
                 match declared {
                     Some(declared) => diagnostic.label(*declared, "declared here"),
                     None => diagnostic,
@@ -98,7 +99,8 @@ impl Finding for ConnectionError {
             } => {
                 let mut diagnostic = Diagnostic::error("C042", self)
                     .label(*to_at, format!("takes `{}`", to_kind.text))
-                    .label(*from_at, format!("gives `{}`", from_kind.text));
+                    .label(*from_at, format!("gives `{}`", from_kind.text))
+                    .help("connect ends of one type, or put a component between that converts");
                 for place in [from_kind.at, to_kind.at].into_iter().flatten() {
                     diagnostic = diagnostic.label(place, "declared here");
                 }
@@ -110,7 +112,8 @@ impl Finding for ConnectionError {
                 .help("queue both with `type = \"buffer\"` and a `size`, or leave one out"),
             Self::Twice { at, first, .. } => Diagnostic::error("C049", self)
                 .label(*at, "again here")
-                .label(*first, "first here"),
+                .label(*first, "first here")
+                .help("leave one of the two out"),
             Self::NoSize { kind, at } => Diagnostic::error("C044", self)
                 .label(*at, "how long is the queue?")
                 .help(format!(
@@ -150,7 +153,9 @@ impl Finding for ConnectionError {
                     "use `lock_free`, or cycle one after the other: `activity.master` of `{to}` \
                      or `{from}`"
                 )),
-            Self::Idle { at, reason, .. } => Diagnostic::warning("C048", self).label(*at, *reason),
+            Self::Idle { at, reason, .. } => Diagnostic::warning("C048", self)
+                .label(*at, *reason)
+                .help("leave it out"),
         }
     }
 }

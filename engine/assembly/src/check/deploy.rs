@@ -51,7 +51,8 @@ impl Finding for DeployError {
                 .help("add it to the `components` of a process"),
             Self::SameName { at, first, .. } => Diagnostic::error("C072", self)
                 .label(*at, "again here")
-                .label(*first, "first here"),
+                .label(*first, "first here")
+                .help("rename one of them, or list all components in one"),
             Self::NoTopic { at, nearest, .. } => Diagnostic::warning("C073", self)
                 .label(*at, "no such topic")
                 .suggest(*at, nearest),

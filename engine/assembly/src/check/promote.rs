@@ -28,7 +28,8 @@ impl Finding for PromoteError {
         match self {
             Self::Twice { at, first, .. } => Diagnostic::error("C060", self)
                 .label(*at, "again here")
-                .label(*first, "first here"),
+                .label(*first, "first here")
+                .help("give one of them another name with `as`"),
         }
     }
 }

@@ -34,7 +34,9 @@ pub(crate) enum FlattenError {
 impl Finding for FlattenError {
     fn diagnostic(&self) -> Diagnostic {
         match self {
-            Self::TooMany { at } => Diagnostic::error("C082", self).label(*at, "given up here"),
+            Self::TooMany { at } => Diagnostic::error("C082", self)
+                .label(*at, "given up here")
+                .help("nest fewer composites: each stands here once for every time it is included"),
             Self::PollTooSlow {
                 poll_ms,
                 period_ms,

@@ -315,7 +315,7 @@ fn lawful(
     let Some(value) = conform(value, &declared.schema) else {
         notes.found(SettingError::WrongType {
             name,
-            wanted: format!("`{}`", declared.schema),
+            wanted: format!("a value of type `{}`", declared.schema),
             found,
             at,
             declared: None,

@@ -127,7 +127,7 @@ impl Finding for ReadError {
                 ..
             } => Diagnostic::error("C005", self)
                 .label(*at, format!("expected {expected}"))
-                .help(format!("for example `{key} = {example}`")),
+                .help(format!("write it as in `{key} = {example}`")),
             Self::UnknownWord {
                 at, known, nearest, ..
             } => Diagnostic::error("C006", self)
@@ -140,11 +140,14 @@ impl Finding for ReadError {
                 at,
                 ..
             } => Diagnostic::error("C007", self)
-                .label(*at, format!("must lie in {least} ..= {greatest}")),
+                .label(*at, "out of range")
+                .help(format!("take a number from {least} to {greatest}")),
             Self::UnknownSchema { wanted, at, .. } => Diagnostic::error("C008", self)
                 .label(*at, "not known here")
                 .guess(format!("this version reads `{wanted}`"), *at, *wanted),
-            Self::NotAName { rule, at, .. } => Diagnostic::error("C009", self).label(*at, *rule),
+            Self::NotAName { rule, at, .. } => Diagnostic::error("C009", self)
+                .label(*at, "not of this form")
+                .help(*rule),
             Self::Excluded {
                 first,
                 first_at,

@@ -103,6 +103,7 @@ impl Finding for SettingError {
                     at,
                     format!("expected {wanted}"),
                 );
+                let diagnostic = diagnostic.help(format!("give it {wanted}"));
                 match declared {
                     Some(declared) => diagnostic.label(*declared, "declared here"),
                     None => diagnostic,
@@ -117,8 +118,9 @@ impl Finding for SettingError {
                 let diagnostic = label(
                     Diagnostic::error("C016", self),
                     at,
-                    format!("must lie in {range}"),
-                );
+                    "out of range".to_owned(),
+                )
+                .help(format!("take a value in {range}"));
                 match declared {
                     Some(declared) => diagnostic.label(*declared, "the range is declared here"),
                     None => diagnostic,

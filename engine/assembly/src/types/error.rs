@@ -63,15 +63,16 @@ impl Finding for TypeError {
                     nearest,
                     "for example `f64`, `u16[5]`, `string`, `time`, `geometry_msgs/Pose[]`",
                 ),
-            Self::Recursive { at, .. } => {
-                Diagnostic::error("C111", self).label(*at, "so no message of this type ever ends")
-            }
+            Self::Recursive { at, .. } => Diagnostic::error("C111", self)
+                .label(*at, "so no message of this type ever ends")
+                .help("name the inner one by a number or a text instead"),
             Self::TooLarge { at } => Diagnostic::error("C116", self)
                 .label(*at, "given up here")
                 .help("send what is that large as bytes, or by name"),
             Self::Twice { at, first, .. } => Diagnostic::error("C112", self)
                 .label(*at, "described again here")
-                .label(*first, "described here"),
+                .label(*first, "described here")
+                .help("leave one of the two out"),
             Self::Differs { at, .. } => Diagnostic::error("C113", self)
                 .label(*at, "described here")
                 .help("leave the description out: the build knows the type"),

@@ -54,7 +54,7 @@ pub(crate) enum BindingError {
     },
     #[error("nothing gives `{}` a value, so it stays undef", function.name)]
     UnboundMonitored { function: FunctionInfo, at: Span },
-    #[error("nothing follows from updates of `{}`", function.name)]
+    #[error("nobody hears of what the specification writes to `{}`", function.name)]
     UnboundOut { function: FunctionInfo, at: Span },
     #[error("`@{name}` is neither an input nor kept from a reply")]
     UnknownKept {
@@ -114,7 +114,8 @@ impl Finding for BindingError {
             }
             Self::WrongValue { function, at, .. } => Diagnostic::error("C094", self)
                 .label(*at, format!("not of `{}`", function.codomain.name()))
-                .label(function.declared, "declared here"),
+                .label(function.declared, "declared here")
+                .help(format!("write a value of `{}`", function.codomain.name())),
             Self::WrongField {
                 function,
                 at,
@@ -123,7 +124,8 @@ impl Finding for BindingError {
             } => {
                 let diagnostic = Diagnostic::error("C095", self)
                     .label(*at, "bound here")
-                    .label(function.declared, "declared here");
+                    .label(function.declared, "declared here")
+                    .help("bind a field whose type the function takes; `map` reads a text as a literal, `edge = true` is for Booleans");
                 match typed {
                     Some(typed) => diagnostic.label(*typed, "the message is described here"),
                     None => diagnostic,
@@ -137,14 +139,14 @@ impl Finding for BindingError {
             }
             Self::UnboundMonitored { function, at } => Diagnostic::warning("C097", self)
                 .label(*at, format!("no binding for `{}`", function.name))
-                .label(function.declared, "monitored here")
+                .label(function.declared, "declared `monitored` here")
                 .help(format!(
                     "add `{} = {{ topic = \"…\" }}` to `bind.monitored`",
                     function.name
                 )),
             Self::UnboundOut { function, at } => Diagnostic::warning("C098", self)
                 .label(*at, format!("no binding for `{}`", function.name))
-                .label(function.declared, "declared out here")
+                .label(function.declared, "declared `out` here")
                 .help(format!(
                     "add `{} = {{ topic = \"…\" }}` to `bind.out`",
                     function.name

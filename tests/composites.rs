@@ -1,0 +1,75 @@
+//! The pages of the codes of composites: what their wrong example earns, the mended one does not.
+
+use asm_lang::codes::Code;
+use asm_lang::{Diagnostic, Files, Report, Severity};
+use assembly::{AsmFiles, CODES, Context, EmptyEnvironment, Tables};
+use std::collections::BTreeSet;
+
+const BUILD: Tables = Tables {
+    components: components::COMPONENTS,
+    messages: components::MESSAGES,
+    interfaces: components::INTERFACES,
+    builtins: &[],
+};
+
+/// Codes that no example of a page earns: they need many files, or large ones.
+const WITHOUT_EXAMPLE: &[&str] = &["C081", "C082", "C112", "C116"];
+
+#[test]
+fn codes_have_a_page_each() {
+    let files = std::fs::read_dir("engine/assembly/codes").unwrap();
+    assert_eq!(files.count(), CODES.len());
+    for code in CODES {
+        let heading = format!("# {}: {}\n\n", code.name, code.meaning());
+        assert!(code.page.starts_with(&heading), "{}", code.name);
+    }
+}
+
+#[test]
+fn pages_have_examples_that_are_true() {
+    let mut wrong = String::new();
+    for code in CODES {
+        let examples = (found(code, "toml wrong"), found(code, "toml mended"));
+        let (Some(before), Some(after)) = examples else {
+            let excused = WITHOUT_EXAMPLE.contains(&code.name);
+            assert!(excused, "{} has no example", code.name);
+            continue;
+        };
+        let codes: BTreeSet<&str> = before.diagnostics.iter().map(|it| it.code).collect();
+        let mut findings = before.diagnostics.iter();
+        let is_other = |it: &Diagnostic| it.severity == Severity::Error && it.code != code.name;
+        if !codes.contains(code.name) || findings.any(is_other) {
+            wrong.push_str(&format!(
+                "{}: the wrong example earns {codes:?}\n",
+                code.name
+            ));
+        }
+        let left = after.diagnostics.iter();
+        let left = left.filter(|it| it.severity == Severity::Error || it.code == code.name);
+        for finding in left {
+            let said = format!("{}: {}", finding.code, finding.message);
+            wrong.push_str(&format!("{}: the mended example earns {said}\n", code.name));
+        }
+    }
+    assert!(wrong.is_empty(), "\n{wrong}");
+}
+
+/// What is found in an example: a composite, or a file of types.
+fn found(code: &Code, info: &str) -> Option<Report> {
+    let mut files = Files::new();
+    files.add("example.toml", code.example(info)?);
+    if let Some(specification) = code.example("asm") {
+        files.add("example.asm", specification);
+    }
+    if let Some((report, _)) = assembly::open_types("example.toml", &files, &BUILD) {
+        return Some(report);
+    }
+    let context = Context {
+        loader: &files,
+        environment: &EmptyEnvironment,
+        catalogue: &BUILD,
+        specifications: &AsmFiles::new(&files),
+        settings: &[],
+    };
+    Some(assembly::open("example.toml", &context).report)
+}
