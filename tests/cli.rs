@@ -175,10 +175,10 @@ fn a_file_that_cannot_be_rewritten_is_left_as_it_is() {
 fn a_script_that_is_missing_is_named() {
     let (code, _, err) = run(&["sim", "specs/patrol/patrol.asm", "--env", "nowhere.toml"]);
     assert_eq!(code, 2);
-    assert!(
-        err.contains("error[S000]") && err.contains("nowhere.toml"),
-        "{err}"
-    );
+    insta::assert_snapshot!("a_missing_script", err);
+    let (code, _, err) = run(&["check", "nowhere.avalla"]);
+    assert_eq!(code, 2);
+    insta::assert_snapshot!("a_missing_scenario", err);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use crate::Session;
 use ir::{AddedTerm, FunctionId, FunctionKind, Origin, Slot};
 use machine::{Environment, Fault, Machine};
 use simulate::{Random, Seeded};
-use source::{Diagnostic, Report};
+use source::Report;
 use std::collections::BTreeMap;
 use value::Value;
 
@@ -337,15 +337,8 @@ impl History {
                 self.note(slot, None, before, value.clone());
                 Ok(())
             }
-            FunctionKind::Fixed | FunctionKind::Local => {
-                let name = &program.symbols.functions[function.0 as usize];
-                let finding =
-                    Diagnostic::error("R018", format!("`{name}` is computed, so it cannot be set"))
-                        .help("set what its definition reads");
-                let mut report = Report::new();
-                report.push(finding);
-                Err(report)
-            }
+            // what is computed, or local to a rule, was refused when the text was read
+            FunctionKind::Fixed | FunctionKind::Local => Ok(()),
         }
     }
 

@@ -12,6 +12,7 @@ use crate::resolver::Resolver;
 use crate::scope::Scope;
 use crate::types::{Type, TypeId};
 use source::{Report, Span};
+use std::collections::BTreeSet;
 use syntax::ast;
 
 /// A term that was added, by number.
@@ -165,6 +166,7 @@ impl Model {
             scopes: vec![std::mem::take(&mut self.scope)],
             report: Report::new(),
             chooses: false,
+            missed: BTreeSet::new(),
             compatible: self.compatible,
         };
         let result = work(Resolver::new(&mut declared, 0));

@@ -12,6 +12,7 @@ use crate::options::Options;
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
 use source::{Report, Sources, Span, similar};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use syntax::ast;
 use value::RuleId;
@@ -49,6 +50,7 @@ pub fn analyse_with(
     analysis.lint_schedule(&main.tree);
     analysis.undefined_domains();
     let report = std::mem::take(&mut analysis.declared.report);
+    let report = without_unread(report, loaded, sources);
     if report.has_errors() || loaded.report.has_errors() {
         return (None, report);
     }
@@ -156,7 +158,7 @@ impl Analysis<'_> {
                 why: "only a `subsetof` domain is defined by its elements",
                 help: "drop this definition",
                 at: name.span,
-                declared,
+                declared: Some(declared),
             };
             return self.declared.report.push(error.diagnostic());
         };
@@ -183,6 +185,7 @@ impl Analysis<'_> {
         let function = &self.declared.functions[id.0 as usize];
         let (codomain, declared, kind) = (function.codomain, function.span, function.kind);
         let reserved = matches!(function.meaning, Meaning::Machine);
+        let is_library = function.library;
         if let Some((why, help)) = purpose.forbids(kind, reserved) {
             let error = HirError::DefinesWrongKind {
                 name: name.text.clone(),
@@ -190,7 +193,7 @@ impl Analysis<'_> {
                 why,
                 help,
                 at: name.span,
-                declared,
+                declared: (!is_library).then_some(declared),
             };
             self.declared.report.push(error.diagnostic());
             return None;
@@ -582,4 +585,22 @@ fn meant<'a>(name: &str, known: impl Iterator<Item = &'a Arc<str>> + Clone) -> S
             format!("the specification has {}", known.join(", "))
         }
     }
+}
+
+/// Codes of names that nobody declares.
+const UNKNOWN: &[&str] = &["A001", "A003", "A004", "A005", "A020"];
+
+/// Without what only follows from a text that could not be read: a name in it may be declared there.
+fn without_unread(mut report: Report, loaded: &Loaded, sources: &Sources) -> Report {
+    let unread = loaded.units.iter().flat_map(|unit| &unit.tree.unread);
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    let words: BTreeSet<&str> = unread
+        .flat_map(|span| sources.snippet(*span).split(|c| !is_word(c)))
+        .collect();
+    report.diagnostics.retain(|finding| {
+        let at = finding.primary.as_ref().map(|label| label.span);
+        let name = at.map_or("", |at| sources.snippet(at));
+        !(UNKNOWN.contains(&finding.code) && words.contains(name))
+    });
+    report
 }

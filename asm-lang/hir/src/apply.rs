@@ -23,14 +23,8 @@ impl Resolver<'_> {
         };
         let candidates = self.candidates(&name);
         if candidates.is_empty() {
-            let types: Vec<String> = arguments.iter().map(|term| self.show(term.ty)).collect();
-            self.error(HirError::NoOverload {
-                name: Arc::from(operator.symbol()),
-                at,
-                actual: types.join(" and "),
-                candidates: Vec::new(),
-                hint: Some("operators come with `import StandardLibrary`".to_owned()),
-            });
+            let (name, symbol) = (&name.text, Arc::from(operator.symbol()));
+            self.not_imported(name, symbol, at);
             return self.invalid(span);
         }
         self.best(operator.symbol(), &name, &candidates, arguments, span)
@@ -82,6 +76,9 @@ impl Resolver<'_> {
             if let (Some(element), []) = (self.element(name), arguments.as_slice()) {
                 return element;
             }
+            if self.not_imported(&name.text, name.text.clone(), name.span) {
+                return self.invalid(span);
+            }
             let scope = &self.declared.scopes[self.unit];
             let similar = scope.similar_function(&name.text).map(|found| {
                 let declared = scope.functions.get(&found).and_then(|ids| ids.first());
@@ -98,6 +95,21 @@ impl Resolver<'_> {
             return self.invalid(span);
         }
         self.best(&name.text, name, &candidates, arguments, span)
+    }
+
+    /// Says which library declares a name that is not known, if one does; once for each library.
+    fn not_imported(&mut self, name: &str, shown: Arc<str>, at: Span) -> bool {
+        let Some(library) = stdlib::library_declaring(name) else {
+            return false;
+        };
+        if self.declared.missed.insert((self.unit, library.name)) {
+            self.error(HirError::NotImported {
+                name: shown,
+                library: library.name,
+                at,
+            });
+        }
+        true
     }
 
     /// `person!1`, as runs name what `extend` added to `Person`; the lexer lets it through in terms from
@@ -275,12 +287,20 @@ impl Resolver<'_> {
             .map(|term| self.show(self.declared.types.root(term.ty, &self.declared.domains)))
             .collect();
         let hint = overload_hint(&roots);
+        let number = roots.iter().any(|root| root == "Real").then(|| {
+            let mut terms = arguments.iter();
+            terms.find_map(|term| match &*term.kind {
+                TermKind::Value(Value::Int(number)) => Some((term.span, format!("{number}.0"))),
+                _ => None,
+            })
+        });
         self.error(HirError::NoOverload {
             name: Arc::from(name),
             at: span,
             actual,
             candidates: own,
             hint,
+            number: number.flatten(),
         });
         self.invalid(span)
     }

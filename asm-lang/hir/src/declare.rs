@@ -26,6 +26,8 @@ pub(crate) struct Declared {
     pub report: Report,
     /// Whether some rule chooses.
     pub chooses: bool,
+    /// The libraries that a unit does not import and needs, which is said once.
+    pub missed: BTreeSet<(usize, &'static str)>,
     /// Whether library functions compute what the reference computes.
     pub compatible: bool,
 }
@@ -38,6 +40,7 @@ pub(crate) fn declare(units: &[Unit], compatible: bool) -> Declared {
         functions: Vec::new(),
         rules: Vec::new(),
         atoms: Vec::new(),
+        missed: BTreeSet::new(),
         scopes: Vec::new(),
         report: Report::new(),
         chooses: false,

@@ -14,6 +14,12 @@ pub(crate) enum HirError {
         at: Span,
         similar: Option<(Name, Span)>,
     },
+    #[error("`{name}` is known only with `import {library}`")]
+    NotImported {
+        name: Name,
+        library: &'static str,
+        at: Span,
+    },
     #[error("unknown variable `{name}`")]
     UnknownVariable {
         name: Name,
@@ -47,6 +53,8 @@ pub(crate) enum HirError {
         actual: String,
         candidates: Vec<(String, Span)>,
         hint: Option<String>,
+        /// A whole number that stands where a real one is wanted, and how that is written.
+        number: Option<(Span, String)>,
     },
     #[error("{what} expects {wanted}, this is {actual}")]
     Mismatch {
@@ -104,7 +112,7 @@ pub(crate) enum HirError {
         actual: String,
         at: Span,
     },
-    #[error("{what} disagree: {first} and {second}")]
+    #[error("{what} are of different domains: {first} and {second}")]
     Disagree {
         what: &'static str,
         first: String,
@@ -125,7 +133,8 @@ pub(crate) enum HirError {
         why: &'static str,
         help: &'static str,
         at: Span,
-        declared: Span,
+        /// Where, if not in a library.
+        declared: Option<Span>,
     },
     #[error("`{name}` has no main rule")]
     NoMain { name: Name, at: Span },
@@ -223,6 +232,9 @@ impl HirError {
                 let help = "declare it in the signature, or import the module that declares it";
                 with_similar(finding, *at, similar, help)
             }
+            Self::NotImported { library, at, .. } => error("A036")
+                .label(*at, format!("declared by `{library}`, which this file does not import"))
+                .help(format!("write `import {library}` behind the name of the specification")),
             Self::UnknownVariable { at, similar, .. } => {
                 let finding = error("A002").label(*at, "not bound here");
                 match similar {
@@ -268,15 +280,19 @@ impl HirError {
                 at,
                 candidates,
                 hint,
+                number,
                 ..
             } => {
                 let mut finding = error("A006").label(*at, "applied here");
                 for (signature, declared) in candidates.iter().take(4) {
                     finding = finding.label(*declared, signature.clone());
                 }
-                match hint {
-                    Some(hint) => finding.help(hint.clone()),
-                    None => finding
+                match (number, hint) {
+                    (Some((at, number)), _) => {
+                        finding.fix("a number of Real is written so", *at, number.clone())
+                    }
+                    (None, Some(hint)) => finding.help(hint.clone()),
+                    (None, None) => finding
                         .help("give arguments of the declared domains, or declare an overload"),
                 }
             }
@@ -362,7 +378,7 @@ impl HirError {
             Self::WritesMonitored { at, declared, .. } => error("A014")
                 .label(*at, "updated here")
                 .label(*declared, "declared monitored here")
-                .help("declare it `shared`, or write an `out` function"),
+                .help("declare it `shared` if rules write it, too; what the environment is to hear goes to an `out` function"),
             Self::WritesVariable { at, bound, .. } => warning("W020")
                 .label(*at, "assigned here, for the rules that follow in a `seq`")
                 .label(*bound, "bound here to its first value, and forgotten after the rule")
@@ -379,17 +395,25 @@ impl HirError {
             } => error("A019")
                 .label(*second_at, format!("this is {second}"))
                 .label(*first_at, format!("this is {first}"))
-                .help("let all of them be of one domain"),
+                .help(match (first.as_str(), second.as_str()) {
+                    ("Integer", "Real") | ("Real", "Integer") => {
+                        "write the whole numbers with a point, as in `1.0`, or convert with `itor(…)`"
+                    }
+                    _ => "let all of them be of one domain",
+                }),
             Self::DefinesUndeclared { at, similar, .. } => {
                 let finding = error("A020").label(*at, "defined here");
                 with_similar(finding, *at, similar, "declare it in the signature first")
             }
             Self::DefinesWrongKind {
                 at, declared, help, ..
-            } => error("A021")
-                .label(*at, "defined here")
-                .label(*declared, "declared here")
-                .help(*help),
+            } => {
+                let finding = error("A021").label(*at, "defined here").help(*help);
+                match declared {
+                    Some(declared) => finding.label(*declared, "declared here"),
+                    None => finding,
+                }
+            }
             Self::NoMain { at, .. } => warning("W005")
                 .label(*at, "this `asm` cannot run")
                 .help("add `main rule r_Main = …`, or make it a `module`"),
@@ -433,9 +457,13 @@ impl HirError {
                 .label(*declared, "declared monitored here")
                 .help("declare it `controlled`, or `shared` if both may write it"),
             Self::CallForm {
-                at, declared, want, ..
+                at,
+                declared,
+                want,
+                is,
+                ..
             } => error("A025")
-                .label(*at, "called in the other form")
+                .label(*at, format!("called as a {}", other_form(is)))
                 .label(*declared, "declared here")
                 .help(*want),
             Self::CannotExtend {
@@ -520,4 +548,12 @@ fn conversion(wanted: &str, actual: &str) -> Option<String> {
         _ => return None,
     };
     Some(format!("convert it: `{function}(…)`"))
+}
+
+/// What a rule was taken for that is called in the other form.
+fn other_form(is: &str) -> &'static str {
+    match is {
+        "turbo" => "macro rule",
+        _ => "turbo rule",
+    }
 }

@@ -1,7 +1,7 @@
 //! What code sees while a step runs.
 
 use crate::choose::Chooser;
-use crate::compile::Code;
+use crate::compile::{Code, MAX_ITERATIONS};
 use crate::environment::Environment;
 use crate::extent::is_bounded;
 use crate::fault::{Fault, FaultKind};
@@ -160,6 +160,14 @@ impl Record {
 }
 
 impl Run<'_> {
+    /// How often the loops of the step may go round.
+    pub fn max_iterations(&self) -> u32 {
+        match &self.notes {
+            Some(notes) => notes.max_iterations(),
+            None => MAX_ITERATIONS,
+        }
+    }
+
     /// Notes why the step fails; the first reason counts.
     #[cold]
     pub fn fail(&mut self, kind: FaultKind, origin: Origin) -> Value {

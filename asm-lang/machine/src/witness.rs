@@ -5,7 +5,7 @@
 //! watched.
 
 use crate::choose::Chooser;
-use crate::compile::Code;
+use crate::compile::{Code, MAX_ITERATIONS};
 use crate::environment::Environment;
 use crate::fault::{Fault, FaultKind};
 use crate::machine::{Choice, Machine};
@@ -36,6 +36,9 @@ pub struct Passed {
 }
 
 impl Witness {
+    /// Of a loop without end, only so many rounds are done once more.
+    pub const ROUNDS: u32 = 10_000;
+
     /// What a machine saw that could not be built.
     pub fn initially(program: &Arc<Program>, fault: &Fault) -> Option<Self> {
         let mut again = Machine::blank(program.clone(), Code::watched(program));
@@ -48,7 +51,7 @@ impl Witness {
 impl Machine {
     /// What the step saw that failed just now.
     pub fn witness(&self, fault: &Fault) -> Option<Witness> {
-        if matches!(fault.kind, FaultKind::Endless(_) | FaultKind::ManyCalls(_)) {
+        if matches!(fault.kind, FaultKind::ManyCalls(_)) {
             // it would take that long once more, and longer
             return None;
         }
@@ -94,10 +97,14 @@ impl Machine {
         again.told(fault, failed)
     }
 
-    /// The witness, if it was the same fault.
+    /// The witness, if it was the same fault; of a loop without end, the same loop.
     fn told(&mut self, fault: &Fault, again: Option<Box<Fault>>) -> Option<Witness> {
-        let notes = self.notes()?;
-        (again.as_deref() == Some(fault)).then(|| notes.witness())
+        let (notes, again) = (self.notes()?, again?);
+        let is_it = match (&again.kind, &fault.kind) {
+            (FaultKind::Endless(_), FaultKind::Endless(_)) => again.origin == fault.origin,
+            _ => *again == *fault,
+        };
+        is_it.then(|| notes.witness())
     }
 }
 
@@ -157,6 +164,8 @@ pub(crate) struct Notes {
     failed: Vec<Passed>,
     /// The updates that clash, and the ways to them.
     writers: Vec<(Update, Vec<Passed>)>,
+    /// Whether it is about a loop without end.
+    endless: bool,
 }
 
 impl Notes {
@@ -177,6 +186,15 @@ impl Notes {
             path: vec![Passed::new(fault.origin, false)],
             failed: Vec::new(),
             writers,
+            endless: matches!(fault.kind, FaultKind::Endless(_)),
+        }
+    }
+
+    /// How often loops may go round.
+    pub fn max_iterations(&self) -> u32 {
+        match self.endless {
+            true => Witness::ROUNDS,
+            false => MAX_ITERATIONS,
         }
     }
 

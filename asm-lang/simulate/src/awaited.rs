@@ -1,7 +1,7 @@
 //! An update that a run waits for, as a person names it: `mode=ARRIVED`.
 
 use crate::literal::Literals;
-use ir::{Elements, Function, FunctionKind, Program, Shape};
+use ir::{Function, FunctionKind, Program, Shape};
 use machine::Machine;
 use source::similar;
 use std::sync::Arc;
@@ -125,31 +125,17 @@ fn element(
     shape: &Shape,
     place: String,
 ) -> Result<String, Unawaited> {
-    let program = machine.program();
-    match Literals::new(program, &[]).value(text, shape) {
+    let literals = Literals::new(machine.program(), &[]);
+    match literals.value(text, shape) {
         Some(value) => Ok(value.show(&machine.naming()).to_string()),
         // an element that `extend` will take from the reserve
         None if text.contains('!') => Ok(text.trim().to_owned()),
         None => Err(Unawaited::NotAValue {
             text: text.to_owned(),
             place,
-            similar: names(program, shape).and_then(|names| similar(text, names).cloned()),
+            similar: literals
+                .names(shape)
+                .and_then(|names| similar(text, names).cloned()),
         }),
-    }
-}
-
-/// The names a value may have, where they are known before the run.
-fn names<'p>(program: &'p Program, shape: &Shape) -> Option<&'p [Arc<str>]> {
-    let Shape::Domain(domain) = shape else {
-        return None;
-    };
-    match program.domains.get(domain.0 as usize)?.elements {
-        Elements::Atoms { first, count } => {
-            let first = first.0 as usize;
-            program.symbols.atoms.get(first..first + count as usize)
-        }
-        Elements::Ints { .. } | Elements::Computed(_) | Elements::Undefined | Elements::Open => {
-            None
-        }
     }
 }

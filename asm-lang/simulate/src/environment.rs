@@ -184,7 +184,7 @@ impl Reading<'_> {
                 .zip(&self.program.functions[first.0 as usize].parameters);
             for (argument, shape) in shapes {
                 if self.literals().value(argument, shape).is_none() {
-                    self.misfit(&format!("`{argument}`"), shape, at);
+                    self.misfit(&format!("`{argument}`"), argument, shape, at);
                 }
             }
             return None;
@@ -194,7 +194,11 @@ impl Reading<'_> {
             Some(value) => Some(((function, values), value)),
             None => {
                 let at = self.span(value.span());
-                self.misfit(&format!("this value of `{name}`"), &declared.codomain, at);
+                let (what, text) = match value.get_ref() {
+                    DeValue::String(text) => (format!("`{text}`"), text.as_ref()),
+                    _ => (format!("this value of `{name}`"), ""),
+                };
+                self.misfit(&what, text, &declared.codomain, at);
                 None
             }
         }
@@ -219,13 +223,20 @@ impl Reading<'_> {
         });
     }
 
-    fn misfit(&mut self, what: &str, shape: &Shape, at: Span) {
+    fn misfit(&mut self, what: &str, text: &str, shape: &Shape, at: Span) {
         let wanted = self.describe(shape);
-        self.report.push(
-            Diagnostic::error("S004", format!("{what} is not {wanted}"))
-                .label(at, format!("expected {wanted}"))
-                .help("booleans and numbers stand for themselves, literals and texts in quotes, sequences, sets and tuples as arrays"),
-        );
+        let names = self.literals().names(shape).unwrap_or_default();
+        let help = match (source::similar(text, names), names) {
+            (Some(name), _) => format!("did you mean `{name}`?"),
+            (None, []) => FORMS.to_owned(),
+            (None, names) => {
+                let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+                format!("its elements are {}", names.join(", "))
+            }
+        };
+        let finding = Diagnostic::error("S004", format!("{what} is not {wanted}"));
+        self.report
+            .push(finding.label(at, format!("expected {wanted}")).help(help));
     }
 
     fn describe(&self, shape: &Shape) -> String {
@@ -290,6 +301,9 @@ impl Reading<'_> {
             .collect()
     }
 }
+
+/// How values are written in a script.
+const FORMS: &str = "booleans and numbers stand for themselves, literals and texts in quotes, sequences, sets and tuples as arrays";
 
 fn is_input(kind: FunctionKind) -> bool {
     matches!(kind, FunctionKind::Monitored | FunctionKind::Shared)

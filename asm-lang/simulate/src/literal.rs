@@ -1,6 +1,7 @@
 //! Values read back from text: of scripts, of traces.
 
 use ir::{DomainId, Elements, FunctionId, FunctionKind, Program, Shape};
+use std::sync::Arc;
 use value::{Atom, RuleId, Value};
 
 /// Values may nest this deep.
@@ -71,6 +72,24 @@ impl<'a> Literals<'a> {
             let value = self.value(value, &self.program.functions[function.0 as usize].codomain)?;
             Some(((function, arguments), value))
         })
+    }
+
+    /// The names a value of this shape may have, where they are known before the run.
+    pub fn names(self, shape: &Shape) -> Option<&'a [Arc<str>]> {
+        let Shape::Domain(domain) = shape else {
+            return None;
+        };
+        match self.program.domains.get(domain.0 as usize)?.elements {
+            Elements::Atoms { first, count } => {
+                let first = first.0 as usize;
+                let atoms = &self.program.symbols.atoms;
+                atoms.get(first..first + count as usize)
+            }
+            Elements::Ints { .. }
+            | Elements::Computed(_)
+            | Elements::Undefined
+            | Elements::Open => None,
+        }
     }
 
     fn element(self, word: &str, domain: DomainId) -> Option<Value> {

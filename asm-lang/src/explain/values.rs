@@ -43,6 +43,7 @@ pub(super) fn add(
                 format!("when {} was written", show(second))
             }
             (FaultKind::Clash { first, .. }, true) => format!("when {} was written", show(first)),
+            (FaultKind::Endless(_), _) => format!("after {} rounds", Witness::ROUNDS),
             _ => "at that moment".to_owned(),
         };
         finding = finding.note(format!("{there}, {}", facts.join(", ")));

@@ -35,4 +35,4 @@ pub mod tuple;
 
 pub use builtin::{Body, Builtin, Context, RESERVED, TEMPORAL, builtin, builtins, compatible};
 pub use fault::{Fault, LIMIT};
-pub use library::{Library, libraries, library, library_spelt_like};
+pub use library::{Library, libraries, library, library_declaring, library_spelt_like};

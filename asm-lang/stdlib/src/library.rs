@@ -65,3 +65,40 @@ fn stem(file: &str) -> &str {
 pub fn libraries() -> &'static [Library] {
     &LIBRARIES
 }
+
+/// The library that declares a name, for who did not import it. The temporal operators of the others
+/// have one letter or two: whoever writes such a name means something else.
+///
+/// ```
+/// # use asm_stdlib as stdlib;
+/// let name = |name| stdlib::library_declaring(name).map(|library| library.name);
+/// assert_eq!(name("isDef"), Some("StandardLibrary"));
+/// assert_eq!(name("TimerUnit"), Some("TimeLibrary"));
+/// assert_eq!(name("r_fly"), None);
+/// ```
+pub fn library_declaring(name: &str) -> Option<&'static Library> {
+    let declares = |line: &str| {
+        let mut words = line.split(|c: char| c.is_whitespace() || c == ':');
+        let begins = words.next().is_some_and(|first| DECLARES.contains(&first));
+        begins && words.take(2).any(|word| word == name)
+    };
+    let mut libraries = ["StandardLibrary", "TimeLibrary"]
+        .into_iter()
+        .filter_map(library);
+    libraries.find(|library| library.text.lines().map(str::trim_start).any(declares))
+}
+
+/// The words that declarations begin with.
+const DECLARES: &[&str] = &[
+    "static",
+    "derived",
+    "monitored",
+    "controlled",
+    "shared",
+    "out",
+    "basic",
+    "abstract",
+    "enum",
+    "domain",
+    "anydomain",
+];

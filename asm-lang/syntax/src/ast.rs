@@ -57,6 +57,8 @@ pub struct File {
     pub inits: Vec<Init>,
     /// `//@…` comments, in order; each belongs to the declaration that follows it.
     pub annotations: Vec<Annotation>,
+    /// What could not be read: names that are declared there are not known.
+    pub unread: Vec<Span>,
 }
 
 /// `import path (names)`.

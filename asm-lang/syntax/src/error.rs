@@ -179,7 +179,11 @@ pub(crate) enum SyntaxError {
     OldExists { at: Span },
 
     #[error("`..` is now written `:`")]
-    OldInterval { at: Span },
+    OldInterval {
+        at: Span,
+        /// With the blanks that it needs.
+        new: &'static str,
+    },
 
     #[error("`{block}` with {count}")]
     FewRules {
@@ -344,7 +348,8 @@ impl SyntaxError {
             Self::ElseIf { at, outer, inner } => error("L032")
                 .label(*at, "expected another `endif` before this")
                 .label(*outer, "this `if` is still open")
-                .label(*inner, "this one is an `if` of its own"),
+                .label(*inner, "this one is an `if` of its own")
+                .help("end both: `if … else if … endif endif`"),
             Self::ClosesNothing { found } => {
                 error("L033").label(found.1, "nothing is open that this could close")
             }
@@ -463,9 +468,9 @@ impl SyntaxError {
             Self::OldExists { at } => warning("L070")
                 .label(*at, "the spelling before AsmetaS 26.06")
                 .fix("write it the new way", *at, "exists"),
-            Self::OldInterval { at } => warning("L071")
+            Self::OldInterval { at, new } => warning("L071")
                 .label(*at, "an old spelling, AsmetaS refuses it")
-                .fix("write it the new way", *at, " : "),
+                .fix("write it the new way", *at, *new),
             Self::FewRules {
                 at, count, without, ..
             } => {

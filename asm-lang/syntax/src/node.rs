@@ -168,7 +168,7 @@ impl<'input, 'run> Nodes<'input, 'run> {
     /// An item that could not be read.
     pub(crate) fn broken_item(&self, start: usize, caught: Caught<'input>, end: usize) -> Item {
         self.explain(&caught.error, start, end);
-        Item::Broken
+        Item::Broken(self.span(start, end))
     }
 
     /// A rule that could not be read.

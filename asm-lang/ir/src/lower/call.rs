@@ -54,7 +54,10 @@ impl Lowering<'_> {
         if self.depth >= MAX_DEPTH {
             let finding = Diagnostic::error(
                 "A031",
-                format!("`{}` calls itself with ever other terms", declared.name),
+                format!(
+                    "`{}` calls itself with an argument that grows with every call",
+                    declared.name
+                ),
             )
             .label(
                 declared.span,

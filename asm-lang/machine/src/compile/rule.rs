@@ -233,7 +233,8 @@ impl Compiler<'_> {
         let body = self.rule(body);
         Box::new(move |run| {
             let sequence = run.updates.open();
-            while run.iterations < MAX_ITERATIONS {
+            let limit = run.max_iterations();
+            while run.iterations < limit {
                 run.iterations += 1;
                 let holds = guard.as_ref().map_or(Truth::True, |guard| guard(run));
                 run.checked()?;
@@ -250,7 +251,7 @@ impl Compiler<'_> {
                     return run.restore(sequence);
                 }
             }
-            Err(run.stop(FaultKind::Endless(MAX_ITERATIONS), origin))
+            Err(run.stop(FaultKind::Endless(limit), origin))
         })
     }
 

@@ -1,6 +1,7 @@
 //! What may be wrong with a scenario, given its specification.
 
 use source::{Diagnostic, Span};
+use std::sync::Arc;
 
 #[derive(Debug, thiserror::Error)]
 pub(super) enum PlanError {
@@ -9,6 +10,7 @@ pub(super) enum PlanError {
         name: String,
         at: Span,
         scenario: Option<String>,
+        similar: Option<Arc<str>>,
     },
 
     #[error("the scenario `{name}` cannot be read")]
@@ -22,10 +24,15 @@ pub(super) enum PlanError {
         variable: String,
         rule: Option<String>,
         at: Span,
+        similar: Option<Arc<str>>,
     },
 
     #[error("there is no rule `{name}`")]
-    NoRule { name: String, at: Span },
+    NoRule {
+        name: String,
+        at: Span,
+        similar: Option<Arc<str>>,
+    },
 
     #[error("`undef` cannot be picked")]
     PicksUndef { at: Span },
@@ -44,13 +51,17 @@ impl PlanError {
     pub fn diagnostic(&self) -> Diagnostic {
         let error = |code| Diagnostic::error(code, self);
         match self {
-            Self::NoBlock { at, scenario, .. } => {
+            Self::NoBlock {
+                at,
+                scenario,
+                similar,
+                ..
+            } => {
                 let place = match scenario {
                     Some(scenario) => format!("not in the scenario `{scenario}`"),
                     None => "not in this scenario".to_owned(),
                 };
-                error("V011")
-                    .label(*at, place)
+                meant(error("V011").label(*at, place), *at, similar)
                     .help("declare it with `begin name … end`; `execblock scenario:block` runs one of another file")
             }
             Self::NoScenario { at, .. } => error("V012")
@@ -59,18 +70,20 @@ impl PlanError {
             Self::Circle { at, .. } => error("V013")
                 .label(*at, "here, directly or over other blocks")
                 .help("blocks run once; write the commands out where they repeat"),
-            Self::NoChoice { at, rule, .. } => {
+            Self::NoChoice {
+                at, rule, similar, ..
+            } => {
                 let place = match rule {
                     Some(rule) => format!("no `choose` of `{rule}` does"),
                     None => "no rule of the specification does".to_owned(),
                 };
-                error("V014")
-                    .label(*at, place)
+                meant(error("V014").label(*at, place), *at, similar)
                     .help("name a variable that stands behind `choose`")
             }
-            Self::NoRule { at, .. } => error("V015")
-                .label(*at, "not declared")
-                .help("name the rule in which the `choose` stands"),
+            Self::NoRule { at, similar, .. } => {
+                meant(error("V015").label(*at, "not declared"), *at, similar)
+                    .help("name the rule in which the `choose` stands")
+            }
             Self::PicksUndef { at } => error("V016")
                 .label(*at, "no candidate")
                 .help("pick an element of the range, or leave the pick out"),
@@ -87,5 +100,13 @@ impl PlanError {
                 .label(*at, "a module runs nothing by itself")
                 .help("load a specification with a main rule that imports it"),
         }
+    }
+}
+
+/// Offers a similar name, if there is one.
+fn meant(finding: Diagnostic, at: Span, similar: &Option<Arc<str>>) -> Diagnostic {
+    match similar {
+        Some(name) => finding.guess(format!("did you mean `{name}`?"), at, name.to_string()),
+        None => finding,
     }
 }

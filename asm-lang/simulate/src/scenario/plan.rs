@@ -2,7 +2,7 @@
 
 use super::error::PlanError;
 use hir::{AddedRule, AddedTerm, Assignment, Model, RuleKind, TermKind};
-use source::{Report, Span};
+use source::{Report, Span, similar};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use syntax::ast::{Command, CommandKind, Name, Pick, PickedRule, Scenario};
@@ -221,10 +221,13 @@ impl Planning<'_> {
     /// Writes a block out where it is run.
     fn block(&mut self, scenario: &Scenario, name: &Name, from: Option<&str>) {
         let Some(block) = scenario.block(&name.text) else {
+            let blocks = scenario.blocks();
+            let known = blocks.iter().map(|block| &block.name.text);
             return self.error(PlanError::NoBlock {
                 name: name.text.to_string(),
                 at: name.span,
                 scenario: from.map(str::to_owned),
+                similar: similar(&name.text, known).cloned(),
             });
         };
         let place: Arc<str> = format!("{:?} {}", block.name.span, name.text).into();
@@ -299,24 +302,28 @@ impl Planning<'_> {
             None => model.rules.iter().collect(),
             Some(wanted) => picked_rules(model, wanted),
         };
-        let mut found = Vec::new();
+        let (mut found, mut known) = (Vec::new(), Vec::new());
         for body in rules.iter().filter_map(|rule| rule.body.as_ref()) {
             ir::visit_rules(&body.root, &mut |rule| {
                 let RuleKind::Choose(binders, ..) = &*rule.kind else {
                     return;
                 };
-                let is_it = |binder: &&hir::Binder| {
+                for binder in binders {
                     let variable = &body.variables[binder.variable.0 as usize];
-                    variable.name == pick.variable.text
-                };
-                let picked = binders.iter().filter(is_it);
-                found.extend(picked.map(|binder| binder.range.span));
+                    match variable.name == pick.variable.text {
+                        true => found.push(binder.range.span),
+                        false => known.push(variable.name.clone()),
+                    }
+                }
             });
         }
         if let (Some(wanted), true) = (&pick.rule, rules.is_empty()) {
+            let known = model.rules.iter().filter(|rule| !rule.library);
+            let similar = similar(&wanted.name.text, known.map(|rule| &rule.name)).cloned();
             self.error(PlanError::NoRule {
                 name: wanted.name.text.to_string(),
                 at: wanted.name.span,
+                similar,
             });
             return None;
         }
@@ -325,6 +332,7 @@ impl Planning<'_> {
                 variable: pick.variable.text.to_string(),
                 rule: pick.rule.as_ref().map(|rule| rule.name.text.to_string()),
                 at: pick.variable.span,
+                similar: similar(&pick.variable.text, &known).cloned(),
             });
             return None;
         }

@@ -147,7 +147,7 @@ impl Seen {
     fn explain(&self, finding: Diagnostic) -> Diagnostic {
         let mut finding = finding.label(self.condition, format!("is {}", self.value));
         for (span, value) in &self.parts {
-            finding = finding.label(*span, value.clone());
+            finding = finding.label(*span, format!("is {value}"));
         }
         let more = self.written.len().saturating_sub(MAX_WRITTEN);
         let mut written: Vec<&str> = self

@@ -41,7 +41,7 @@ pub(crate) enum Item {
     /// `agent D: r_x[]`, of an initial state.
     Agent(AgentInit),
     /// What could not be read.
-    Broken,
+    Broken(Span),
 }
 
 /// The kinds of items in the order AsmetaS wants them.
@@ -131,7 +131,7 @@ impl Nodes<'_, '_> {
         }
         assembly.whole = end;
         assembly.place(Kind::End, end);
-        if assembly.in_order && !assembly.broken {
+        if assembly.in_order && assembly.file.unread.is_empty() {
             order::rules(self.text, &assembly.file.rules, self.findings);
         }
         assembly.file
@@ -150,7 +150,6 @@ struct Assembly<'run> {
     /// The furthest kind so far, and its last item.
     furthest: Option<(Kind, Span)>,
     in_order: bool,
-    broken: bool,
     heading: Option<Span>,
     signature: bool,
     definitions: bool,
@@ -166,7 +165,6 @@ impl<'run> Assembly<'run> {
             placed: Vec::new(),
             furthest: None,
             in_order: true,
-            broken: false,
             heading: None,
             signature: false,
             definitions: false,
@@ -246,7 +244,7 @@ impl<'run> Assembly<'run> {
                 });
             }
             Item::Agent(agent) => self.agent(agent),
-            Item::Broken => self.broken = true,
+            Item::Broken(place) => self.file.unread.push(place),
         }
     }
 
@@ -309,12 +307,12 @@ impl<'run> Assembly<'run> {
 
     /// Checks that an item stands where AsmetaS wants it; says so once.
     fn place(&mut self, kind: Kind, at: Span) {
-        if self.furthest.is_none() && kind != Kind::Heading && !self.broken {
+        if self.furthest.is_none() && kind != Kind::Heading && self.file.unread.is_empty() {
             self.findings.report(SyntaxError::NoHeading { at });
         }
         let (text, whole) = (self.text, self.whole);
         let mut section = |missing: bool, section: &'static str| {
-            if missing && self.in_order && !self.broken {
+            if missing && self.in_order && self.file.unread.is_empty() {
                 let what = kind.described();
                 self.findings.report(SyntaxError::NoSection {
                     section,
@@ -385,5 +383,6 @@ pub(super) fn empty() -> File {
         main: None,
         inits: Vec::new(),
         annotations: Vec::new(),
+        unread: Vec::new(),
     }
 }

@@ -166,8 +166,12 @@ impl Nodes<'_, '_> {
 
     /// `..`, as old AsmetaL wrote intervals.
     pub(crate) fn old_interval(&self, start: usize, end: usize) {
+        let blanks = |text: Option<&str>, has: fn(&str) -> bool| text.is_some_and(has);
+        let apart = blanks(self.text.get(..start), |text| text.ends_with(' '))
+            && blanks(self.text.get(end..), |text| text.starts_with(' '));
         self.findings.report(SyntaxError::OldInterval {
             at: self.span(start, end),
+            new: if apart { ":" } else { " : " },
         });
     }
 
