@@ -1,23 +1,23 @@
 //! A composite put together, and its run until something ends it.
 
-use std::fmt;
+mod error;
+mod watch;
+
+pub use error::MissionError;
+
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use asm_lang::machine::Machine;
-use asm_lang::simulate::{Awaited, Unawaited};
 use asm_lang::source::similar;
-use asm_lang::{Report, Sources};
-use assembly::plan::Implementation;
-use assembly::{Opened, Plan, Standard};
+use assembly::{Opened, Standard};
 use component::{Event, Observer, Pace, Run, Time};
-use coordinator::{STEP_REPORT, StepRecord};
 use datum::Datum;
 
 use crate::build;
 use crate::files::Disk;
 use crate::story::{Story, Summary};
+use watch::{Watch, awaited};
 
 /// What is run, and how.
 #[derive(Clone, Debug)]
@@ -81,100 +81,6 @@ pub struct Ended {
     pub time: Duration,
     /// How long it took on the wall.
     pub wall: Duration,
-}
-
-/// Why a mission cannot begin.
-#[derive(Debug)]
-pub enum MissionError {
-    /// The composite has errors, or there is no such profile.
-    Composite {
-        /// The texts.
-        sources: Sources,
-        /// The findings.
-        report: Report,
-        /// Whether a value that was set from outside is among what is wrong.
-        outside: bool,
-    },
-    /// The profile does not exist, or one must be chosen.
-    Profile {
-        /// What was asked for.
-        wanted: Option<String>,
-        /// What there is.
-        known: Vec<String>,
-    },
-    /// No component of this name has a property to set.
-    Component {
-        /// What was written.
-        name: String,
-        /// A component with a name like it.
-        similar: Option<String>,
-    },
-    /// No step can bring what the run is to end with.
-    NeverEnds {
-        /// As in `mode=ARRIVED`.
-        wanted: String,
-        /// Why, by specification.
-        reasons: Vec<(String, Unawaited)>,
-    },
-    /// It cannot be put together.
-    Launch(String),
-}
-
-impl fmt::Display for MissionError {
-    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Composite {
-                sources, report, ..
-            } => to.write_str(&asm_lang::render_all(
-                report,
-                sources,
-                asm_lang::Style::Plain,
-            )),
-            Self::Profile { known, .. } if known.is_empty() => {
-                to.write_str("the composite has no profiles: leave out `--profile`")
-            }
-            Self::Profile {
-                wanted: Some(wanted),
-                known,
-            } => {
-                let similar = similar(wanted, known).cloned();
-                let (meant, known) = (meant(&similar), known.join(", "));
-                write!(to, "there is no profile `{wanted}`, but {known}{meant}")
-            }
-            Self::Profile {
-                wanted: None,
-                known,
-            } => {
-                write!(
-                    to,
-                    "choose a profile with `--profile`: {}",
-                    known.join(", ")
-                )
-            }
-            Self::Component { name, similar } => {
-                write!(to, "there is no component `{name}`{}", meant(similar))
-            }
-            Self::NeverEnds { wanted, reasons } if reasons.is_empty() => write!(
-                to,
-                "the run cannot end with `{wanted}`: no component runs a specification"
-            ),
-            Self::NeverEnds { wanted, reasons } => {
-                write!(to, "the run cannot end with `{wanted}`")?;
-                reasons.iter().try_for_each(|(specification, reason)| {
-                    write!(to, "\n  {specification}: {reason}")
-                })
-            }
-            Self::Launch(reason) => to.write_str(reason),
-        }
-    }
-}
-
-impl std::error::Error for MissionError {}
-
-fn meant(similar: &Option<String>) -> String {
-    similar
-        .as_ref()
-        .map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
 }
 
 /// How often the run looks up to see whether it shall stop, in its own time.
@@ -316,86 +222,6 @@ impl Mission {
             run.run_until_event(until, &mut |_, event| {
                 matches!(event, Event::Report { .. } | Event::Fault { .. })
             });
-        }
-    }
-}
-
-/// What a run waits for; without wishes, `mode` with the usual value.
-fn awaited(
-    plan: &Plan,
-    wished: Option<&[(String, String)]>,
-    usual: &str,
-) -> Result<Vec<Awaited>, MissionError> {
-    let Some(wished) = wished else {
-        let (location, value) = ("mode".to_owned(), usual.to_owned());
-        return Ok(vec![Awaited { location, value }]);
-    };
-    let machines = machines(plan);
-    let mut all = Vec::new();
-    for (location, value) in wished {
-        let mut reasons = Vec::new();
-        for (path, machine) in &machines {
-            match Awaited::of(machine, location, value) {
-                Ok(awaited) => all.push(awaited),
-                Err(reason) => reasons.push((path.clone(), reason)),
-            }
-        }
-        // one specification that can bring it is enough
-        if reasons.len() == machines.len() {
-            let wanted = format!("{location}={value}");
-            return Err(MissionError::NeverEnds { wanted, reasons });
-        }
-    }
-    Ok(all)
-}
-
-/// The specifications of a plan; one that cannot begin is found out when it is started.
-fn machines(plan: &Plan) -> Vec<(String, Machine)> {
-    let of = |component: &assembly::plan::Component| match &component.implementation {
-        Implementation::Asm(asm) => {
-            let specification = asm_lang::open(&asm.path, &Disk).ok()?;
-            Some((asm.path.clone(), specification.machine().ok()?))
-        }
-        Implementation::Rust(_)
-        | Implementation::Builtin(_)
-        | Implementation::Process(_)
-        | Implementation::Ros(_)
-        | Implementation::Orocos(_) => None,
-    };
-    plan.components.iter().filter_map(of).collect()
-}
-
-/// Looks out for the end.
-struct Watch {
-    until: Vec<Awaited>,
-    unless: Vec<Awaited>,
-    outcome: Option<Outcome>,
-}
-
-impl Observer for Watch {
-    fn observe(&mut self, _at: Time, event: &Event<'_>) {
-        if self.outcome.is_some() {
-            return;
-        }
-        match event {
-            Event::Fault { .. } => self.outcome = Some(Outcome::Fault),
-            Event::Report { kind, what, .. } if *kind == STEP_REPORT => {
-                let Ok(step) = what.to::<StepRecord>() else {
-                    return;
-                };
-                let has = |ends: &[Awaited]| {
-                    step.updates.iter().any(|update| {
-                        ends.iter()
-                            .any(|end| end.location == update.location && end.value == update.after)
-                    })
-                };
-                if has(&self.until) {
-                    self.outcome = Some(Outcome::Reached);
-                } else if has(&self.unless) {
-                    self.outcome = Some(Outcome::Failed);
-                }
-            }
-            _ => {}
         }
     }
 }

@@ -379,7 +379,10 @@ fn an_argument_that_names_what_is_not_there_is_a_wrong_usage() {
         ),
         (run_with("--until", "mod=FAILED"), "did you mean `mode`?"),
         (run_with("--unless", "mode=FALED"), "did you mean `FAILED`?"),
-        (run_with("--until", "mode(1)=FAILED"), "takes 0 arguments"),
+        (
+            run_with("--until", "mode(1)=FAILED"),
+            "takes 0 arguments, not 1",
+        ),
         (run_with("--until", "estop=true"), "it is monitored"),
         (run_with("--speed", "NaN"), "a number from 0 is wanted"),
     ] {

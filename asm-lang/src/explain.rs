@@ -116,7 +116,7 @@ impl Specification {
                 .help("give the location a rule, as in `<<r_x>>`"),
             FaultKind::RuleArity { wanted, actual } => {
                 let plural = if *wanted == 1 { "" } else { "s" };
-                Diagnostic::error("R008", format!("the rule takes {wanted} argument{plural}, here are {actual}, {when}"))
+                Diagnostic::error("R008", format!("the rule takes {wanted} argument{plural}, not {actual}, {when}"))
                     .label(at, "run here")
                     .help("give one argument for each parameter")
             }

@@ -1,6 +1,6 @@
 //! Names applied to arguments: which of several functions or rules is meant.
 
-use crate::error::HirError;
+use crate::error::{HirError, Respelt};
 use crate::model::{DomainKind, FunctionId, Meaning, Term, TermKind};
 use crate::resolver::Resolver;
 use crate::types::{Bindings, Type, TypeId};
@@ -287,22 +287,34 @@ impl Resolver<'_> {
             .map(|term| self.show(self.declared.types.root(term.ty, &self.declared.domains)))
             .collect();
         let hint = overload_hint(&roots);
-        let number = roots.iter().any(|root| root == "Real").then(|| {
-            let mut terms = arguments.iter();
-            terms.find_map(|term| match &*term.kind {
-                TermKind::Value(Value::Int(number)) => Some((term.span, format!("{number}.0"))),
-                _ => None,
-            })
-        });
+        let number = self.respelt(arguments, &roots);
         self.error(HirError::NoOverload {
             name: Arc::from(name),
             at: span,
             actual,
             candidates: own,
             hint,
-            number: number.flatten(),
+            number,
         });
         self.invalid(span)
+    }
+
+    /// A whole number among the arguments, as it is written in the domain of the others.
+    fn respelt(&self, arguments: &[Term], roots: &[String]) -> Option<Respelt> {
+        let other = roots.iter().find(|root| *root != "Integer")?;
+        let (domain, suffix) = match other.as_str() {
+            "Real" => ("Real", ".0"),
+            "Natural" => ("Natural", "n"),
+            _ => return None,
+        };
+        arguments.iter().find_map(|term| match &*term.kind {
+            TermKind::Value(Value::Int(number)) if *number >= 0 => Some(Respelt {
+                at: term.span,
+                domain,
+                text: format!("{number}{suffix}"),
+            }),
+            _ => None,
+        })
     }
 
     pub fn rule_ref(&mut self, name: &ast::Name, domains: &[ast::Type], span: Span) -> Term {

@@ -53,8 +53,8 @@ pub(crate) enum HirError {
         actual: String,
         candidates: Vec<(String, Span)>,
         hint: Option<String>,
-        /// A whole number that stands where a real one is wanted, and how that is written.
-        number: Option<(Span, String)>,
+        /// A number that is written for another domain.
+        number: Option<Respelt>,
     },
     #[error("{what} expects {wanted}, this is {actual}")]
     Mismatch {
@@ -67,7 +67,7 @@ pub(crate) enum HirError {
         /// How a number that stands here is written in the wanted domain.
         number: Option<String>,
     },
-    #[error("`{name}` takes {wanted} argument{}, here are {actual}", if *wanted == 1 { "" } else { "s" })]
+    #[error("`{name}` takes {wanted} argument{}, not {actual}", if *wanted == 1 { "" } else { "s" })]
     Arity {
         name: Name,
         wanted: usize,
@@ -221,6 +221,14 @@ pub(crate) enum HirError {
     EmptyDomain { domain: Name, at: Span },
 }
 
+/// A number as it is written in the domain that is wanted.
+#[derive(Debug)]
+pub(crate) struct Respelt {
+    pub at: Span,
+    pub domain: &'static str,
+    pub text: String,
+}
+
 impl HirError {
     /// The finding for people.
     pub(crate) fn diagnostic(&self) -> Diagnostic {
@@ -288,9 +296,11 @@ impl HirError {
                     finding = finding.label(*declared, signature.clone());
                 }
                 match (number, hint) {
-                    (Some((at, number)), _) => {
-                        finding.fix("a number of Real is written so", *at, number.clone())
-                    }
+                    (Some(Respelt { at, domain, text }), _) => finding.fix(
+                        format!("a number of {domain} is written so"),
+                        *at,
+                        text.clone(),
+                    ),
                     (None, Some(hint)) => finding.help(hint.clone()),
                     (None, None) => finding
                         .help("give arguments of the declared domains, or declare an overload"),

@@ -27,7 +27,7 @@ pub enum Unawaited {
         similar: Option<Arc<str>>,
     },
     /// No function of this name takes so many arguments.
-    #[error("`{name}` takes {wanted} arguments, here are {found}")]
+    #[error("`{name}` takes {wanted} argument{}, not {found}", if *wanted == 1 { "" } else { "s" })]
     Arity {
         /// The function.
         name: String,

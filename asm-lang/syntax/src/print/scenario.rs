@@ -28,7 +28,7 @@ impl Layout<'_> {
                 it.token();
                 it.separate(Break::Blank);
                 it.joined(2);
-                it.to_the_end(&invariant.condition);
+                it.rest_of_line(&invariant.condition);
                 it.token();
                 it.no_end();
             });
@@ -51,11 +51,11 @@ impl Layout<'_> {
                     it.token();
                     it.value(value);
                 }
-                CommandKind::Check(condition) => it.to_the_end(condition),
+                CommandKind::Check(condition) => it.rest_of_line(condition),
                 CommandKind::StepUntil(condition) => {
                     it.separate(Break::Blank);
                     it.token();
-                    it.to_the_end(condition);
+                    it.rest_of_line(condition);
                 }
                 CommandKind::Exec(rule) => it.body(rule),
                 CommandKind::Pick(pick) => it.pick(pick),
@@ -79,7 +79,7 @@ impl Layout<'_> {
     }
 
     /// A condition on the line of its command, or on the next ones where it does not fit.
-    fn to_the_end(&mut self, condition: &Term) {
+    fn rest_of_line(&mut self, condition: &Term) {
         self.indent(|it| {
             it.separate(Break::Blank);
             it.term(condition);
