@@ -3,7 +3,7 @@
 use amqprs::callbacks::ChannelCallback;
 use amqprs::channel::{
     BasicConsumeArguments, BasicQosArguments, Channel, ConfirmSelectArguments, ConsumerMessage,
-    QueueBindArguments, QueueDeclareArguments, QueueDeleteArguments,
+    QueueBindArguments, QueueDeclareArguments, QueueDeleteArguments, QueuePurgeArguments,
 };
 use amqprs::connection::Connection;
 use amqprs::{Ack, BasicProperties, Cancel, CloseChannel, Nack, Return};
@@ -132,6 +132,13 @@ pub(crate) async fn consume(
         Ok(messages)
     })
     .await
+}
+
+/// Throws away what waits in a queue.
+pub(crate) async fn purge(connection: &Connection, queue: &str) -> Ends<()> {
+    let (channel, _words) = open(connection).await?;
+    let queue = QueuePurgeArguments::new(queue);
+    to_the_end(async move { channel.queue_purge(queue).await.map(drop) }).await
 }
 
 /// Deletes a queue that nobody will read any more. What cannot be deleted expires, or goes with its connection.

@@ -20,6 +20,11 @@ const GOODBYE: Duration = Duration::from_secs(1);
 /// The client never uses the number of a channel again that the broker has closed, and has 2047 of them.
 const REFUSALS: usize = 1000;
 
+/// A life that breaks sooner was hardly one.
+const SHORT: Duration = Duration::from_secs(2);
+/// So many of them in a row, with a broker that is there each time, are no accident.
+const POISON: usize = 8;
+
 /// The two connections of one life of the link.
 pub(crate) struct Pair {
     pub publishers: Connection,
@@ -56,6 +61,8 @@ pub(crate) struct Link {
     refusals: AtomicUsize,
     /// So many that new connections are due.
     worn: Notify,
+    /// How many lives of the link in a row have broken as soon as they had begun.
+    short_lives: AtomicUsize,
 }
 
 /// A task that uses the link, until it ends.
@@ -85,6 +92,7 @@ impl Link {
             crew: watch::Sender::new(0),
             refusals: AtomicUsize::new(0),
             worn: Notify::new(),
+            short_lives: AtomicUsize::new(0),
         }
     }
 
@@ -168,6 +176,21 @@ impl Link {
         if self.refusals.fetch_add(1, Ordering::Relaxed) == REFUSALS {
             self.worn.notify_one();
         }
+    }
+
+    /// A life of the link has ended; or, if it never came to one, `None`.
+    pub(crate) fn lived(&self, life: Option<Duration>) {
+        match life {
+            Some(life) if life < SHORT => {
+                self.short_lives.fetch_add(1, Ordering::Relaxed);
+            }
+            Some(_) | None => self.short_lives.store(0, Ordering::Relaxed),
+        }
+    }
+
+    /// Whether some message waiting for us seems to break the client whenever it comes.
+    pub(crate) fn is_poisoned(&self) -> bool {
+        self.short_lives.load(Ordering::Relaxed) >= POISON
     }
 
     /// Waits until the connections are worn out.

@@ -89,6 +89,14 @@ impl Task {
         let (channel, mut words) = channel::open(&pair.consumers)
             .await
             .map_err(|_| Broken::Lost)?;
+        if self.link.is_poisoned() && channel::purge(&pair.consumers, &self.queue).await.is_ok() {
+            let what = self.pattern.to_string();
+            let reason = "the client broke at it again and again; what waited was thrown away";
+            self.link.note(Notice::Unreadable {
+                what,
+                reason: reason.to_owned(),
+            });
+        }
         let begun = self.declare(&channel).await;
         let mut messages = begun.map_err(|_| channel::why(&mut words))?;
         self.first(Ok(()));

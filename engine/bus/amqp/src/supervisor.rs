@@ -1,7 +1,7 @@
 //! The supervisor: connects, looks after the connections, and makes them again when they break.
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use amqprs::Close;
 use amqprs::callbacks::ConnectionCallback;
@@ -27,10 +27,19 @@ pub(crate) async fn supervise(link: Arc<Link>) {
             let reason = match timeout(timing.connect, connect(&link.settings)).await {
                 Ok(Ok((pair, closes))) => {
                     backoff.reset();
-                    live(&link, pair, closes).await
+                    let begun = Instant::now();
+                    let reason = live(&link, pair, closes).await;
+                    link.lived(Some(begun.elapsed()));
+                    reason
                 }
-                Ok(Err(reason)) => reason,
-                Err(_) => format!("no answer within {:?}", timing.connect),
+                Ok(Err(reason)) => {
+                    link.lived(None);
+                    reason
+                }
+                Err(_) => {
+                    link.lived(None);
+                    format!("no answer within {:?}", timing.connect)
+                }
             };
             link.announce(bus::Link::Down {
                 reason: reason.as_str().into(),

@@ -341,6 +341,39 @@ fn what_cannot_be_read_is_counted_and_said_and_never_fatal() {
 }
 
 #[test]
+fn a_message_that_breaks_the_client_does_not_break_it_for_ever() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let (settings, notices) = noted(&vhost.url());
+    let bus = connect(settings);
+    let subscription = subscribe(&bus, "t", all(10));
+    // A header whose text is not UTF-8, as clients in other languages can write it.
+    let undefined = ["undefined"; 11].join(", ");
+    broker
+        .evaluate(&format!(
+            "rabbit_basic:publish(rabbit_misc:r(<<\"{}\">>, exchange, <<\"robots\">>), <<\"t\">>, \
+             {{'P_basic', <<\"application/json\">>, undefined, [{{<<\"x\">>, longstr, <<255,254>>}}], \
+             {undefined}}}, <<\"1\">>)",
+            vhost.name()
+        ))
+        .unwrap();
+    eventually("it is thrown away", || {
+        let notices = notices.lock().unwrap();
+        let thrown = |notice: &Notice| notice.to_string().contains("thrown away");
+        notices.iter().any(thrown)
+    });
+    let mut publisher = publisher(&bus, "t", events());
+    eventually("messages come", || {
+        publisher.publish(0, number(2)).unwrap();
+        subscription
+            .next_within(Duration::from_millis(50))
+            .is_some()
+    });
+    std::thread::sleep(Duration::from_millis(2500));
+    assert!(bus.health().is_up());
+}
+
+#[test]
 fn one_connection_carries_two_hundred_components() {
     let Some(broker) = broker::calm() else { return };
     let vhost = broker.vhost().unwrap();
