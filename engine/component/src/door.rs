@@ -130,12 +130,22 @@ impl Doors {
         now: Time,
         outside: &mut dyn Outside,
     ) {
-        let doors = match place {
+        for door in self.at(place) {
+            door.drop_some(1, Some(reason), now, outside);
+        }
+    }
+
+    /// Counts samples of a topic that were lost on their way.
+    pub(crate) fn lose(&mut self, place: Place, count: u64, now: Time, outside: &mut dyn Outside) {
+        for door in self.at(place) {
+            door.drop_some(count, None, now, outside);
+        }
+    }
+
+    fn at(&mut self, place: Place) -> &mut [Door] {
+        match place {
             Place::Port(port) => std::slice::from_mut(&mut self.ports[port]),
             Place::Topic(topic) => self.topics[topic].1.as_mut_slice(),
-        };
-        for door in doors {
-            door.drop_one(Some(reason), now, outside);
         }
     }
 }
@@ -172,12 +182,18 @@ impl Door {
             outside.trigger(self.component);
         }
         if delivery != Ok(Delivery::Stored) {
-            self.drop_one(delivery.as_ref().err(), now, outside);
+            self.drop_some(1, delivery.as_ref().err(), now, outside);
         }
     }
 
-    fn drop_one(&mut self, reason: Option<&DatumError>, now: Time, outside: &mut dyn Outside) {
-        self.dropped += 1;
+    fn drop_some(
+        &mut self,
+        count: u64,
+        reason: Option<&DatumError>,
+        now: Time,
+        outside: &mut dyn Outside,
+    ) {
+        self.dropped += count;
         outside.emit(
             now,
             &Event::Dropped {

@@ -5,7 +5,7 @@ mod join;
 
 use std::sync::Arc;
 
-use bus::{Bus, BusError};
+use bus::{Bus, BusError, Sending};
 use datum::Datum;
 
 pub use error::BuildError;
@@ -71,6 +71,8 @@ pub(crate) struct Topic {
     pub name: String,
     pub publishers: Vec<End>,
     pub subscribers: Vec<(End, Policy)>,
+    /// How it goes over a bus.
+    pub sending: Sending,
 }
 
 impl System {
@@ -149,7 +151,7 @@ impl System {
     }
 
     /// Joins the topics declared so far to those of a bus: what is published here goes out, what others publish
-    /// comes in, to each subscriber by its own policy. `incarnation` numbers the lives of this process; what carries
+    /// comes in, to each subscriber by its own policy; see [`System::sending`] for how. `incarnation` numbers the lives of this process; what carries
     /// it is our own, and does not come in again.
     pub fn attach(&mut self, bus: &dyn Bus, incarnation: u64) -> Result<(), BusError> {
         let exchange = Exchange::new(&mut self.units, &self.topics, bus, incarnation)?;

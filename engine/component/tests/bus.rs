@@ -130,6 +130,31 @@ fn what_others_publish_comes_in_typed_or_encoded_and_what_does_not_fit_is_counte
 }
 
 #[test]
+fn what_is_lost_on_its_way_in_is_seen() {
+    let bus = Local::new();
+    let (system, log) = attached(7, &bus);
+    let mut run = system.simulate();
+    run.transition("Counter", component::Transition::Stop)
+        .unwrap();
+    let mut elsewhere = bus
+        .publisher(
+            "numbers",
+            &Origin::new("Elsewhere", 8),
+            "test/Number",
+            Sending::default(),
+        )
+        .unwrap();
+    for n in 0..300 {
+        elsewhere.publish(0, Payload::of(number(n))).unwrap();
+    }
+    run.run_for(1.ms());
+    // 300 - 256 on the way, and of those 256 all but 16 at the port.
+    let dropped = log.lines_with("dropped");
+    let last = dropped.last().unwrap();
+    assert!(last.contains("284 dropped"), "{last}");
+}
+
+#[test]
 fn what_comes_in_is_kept_by_the_subscribers_policy() {
     let bus = Local::new();
     let log = Log::new();

@@ -6,8 +6,10 @@
 
 use std::io;
 
-use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::net::TcpStream;
+use tokio_rustls::TlsConnector;
+use tokio_rustls::rustls::pki_types::ServerName;
 
 use crate::Settings;
 
@@ -33,6 +35,8 @@ pub(crate) enum Refusal {
     Refused(String),
     #[error("this is no AMQP broker")]
     Stranger,
+    #[error("no encrypted link: {0}")]
+    Encryption(String),
 }
 
 /// A method frame on channel 0.
@@ -41,9 +45,30 @@ struct Method {
     arguments: Vec<u8>,
 }
 
-/// Asks whether we may come in.
-pub(crate) async fn knock(settings: &Settings) -> Result<(), Refusal> {
-    let mut stream = TcpStream::connect((&*settings.host, settings.port)).await?;
+/// Asks whether we may come in; through a connector, if the link is encrypted.
+pub(crate) async fn knock(
+    settings: &Settings,
+    connector: Option<&TlsConnector>,
+) -> Result<(), Refusal> {
+    let stream = TcpStream::connect((&*settings.host, settings.port)).await?;
+    let Some(connector) = connector else {
+        return ask(settings, stream).await;
+    };
+    let encryption = |reason: String| Refusal::Encryption(reason);
+    let name = ServerName::try_from(settings.host.clone());
+    let name = name.map_err(|error| encryption(error.to_string()))?;
+    let stream = connector.connect(name, stream).await;
+    ask(
+        settings,
+        stream.map_err(|error| encryption(error.to_string()))?,
+    )
+    .await
+}
+
+async fn ask(
+    settings: &Settings,
+    mut stream: impl AsyncRead + AsyncWrite + Unpin,
+) -> Result<(), Refusal> {
     stream.write_all(b"AMQP\0\0\x09\x01").await?;
     expect(&mut stream, START).await?;
     send(&mut stream, START_OK, &start_ok(settings)).await?;
@@ -88,7 +113,11 @@ fn long(bytes: &[u8]) -> Vec<u8> {
     long
 }
 
-async fn send(stream: &mut TcpStream, id: u16, arguments: &[u8]) -> io::Result<()> {
+async fn send(
+    stream: &mut (impl AsyncRead + AsyncWrite + Unpin),
+    id: u16,
+    arguments: &[u8],
+) -> io::Result<()> {
     let mut method = vec![0, 10];
     method.extend(id.to_be_bytes());
     method.extend(arguments);
@@ -99,7 +128,10 @@ async fn send(stream: &mut TcpStream, id: u16, arguments: &[u8]) -> io::Result<(
 }
 
 /// The method that is due; or why it does not come.
-async fn expect(stream: &mut TcpStream, due: u16) -> Result<Method, Refusal> {
+async fn expect(
+    stream: &mut (impl AsyncRead + AsyncWrite + Unpin),
+    due: u16,
+) -> Result<Method, Refusal> {
     let method = receive(stream).await?;
     if method.id == due {
         return Ok(method);
@@ -115,7 +147,7 @@ async fn expect(stream: &mut TcpStream, due: u16) -> Result<Method, Refusal> {
     }
 }
 
-async fn receive(stream: &mut TcpStream) -> Result<Method, Refusal> {
+async fn receive(stream: &mut (impl AsyncRead + AsyncWrite + Unpin)) -> Result<Method, Refusal> {
     let mut header = [0; 7];
     stream.read_exact(&mut header).await?;
     let [kind, _, _, size @ ..] = header;

@@ -32,8 +32,10 @@ mod service;
 mod settings;
 mod subscriber;
 mod supervisor;
+mod tls;
 pub mod wire;
 
 pub use bus::AmqpBus;
 pub use notice::Notice;
 pub use settings::{AddressError, Credentials, Settings, Timing};
+pub use tls::{Identity, Tls};

@@ -5,8 +5,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::Notice;
 use crate::names::LONGEST;
+use crate::{Notice, Tls};
 
 /// Everything a bus needs to know.
 #[derive(Clone)]
@@ -17,6 +17,8 @@ pub struct Settings {
     pub port: u16,
     /// The virtual host, one for a robot or a cell.
     pub vhost: String,
+    /// How the link is encrypted; not at all, if this is absent.
+    pub tls: Option<Tls>,
     /// Who we are to the broker.
     pub credentials: Credentials,
     /// Whose topics these are: keys are `<robot>.<topic>`. Without, topics are whole keys, as tools like them.
@@ -158,12 +160,16 @@ pub enum AddressError {
 }
 
 impl Settings {
-    /// Reads `amqp://user:password@host:port/vhost`; what is left out is `guest`, 5672 and `/`.
+    /// Reads `amqp://user:password@host:port/vhost`; what is left out is `guest`, 5672 and `/`. With `amqps` the link is
+    /// encrypted, and the port left out is 5671.
     pub fn parse(address: &str) -> Result<Self, AddressError> {
         let wrong = |reason| AddressError::Address { reason };
-        let rest = address
-            .strip_prefix("amqp://")
-            .ok_or(wrong("it begins with another scheme"))?;
+        let (scheme, rest) = address.split_once("://").unwrap_or_default();
+        let (tls, usual_port) = match scheme {
+            "amqp" => (None, 5672),
+            "amqps" => (Some(Tls::default()), 5671),
+            _ => return Err(wrong("it begins with another scheme")),
+        };
         let (authority, vhost) = match rest.split_once('/') {
             Some((authority, vhost)) if !vhost.is_empty() => (authority, plain(vhost)?),
             Some((authority, _)) => (authority, "/".to_owned()),
@@ -178,7 +184,7 @@ impl Settings {
         };
         let (host, port) = match place.rsplit_once(':') {
             Some((host, port)) => (host, port.parse().map_err(|_| wrong("no such port"))?),
-            None => (place, 5672),
+            None => (place, usual_port),
         };
         if host.is_empty() {
             return Err(wrong("no host"));
@@ -190,6 +196,7 @@ impl Settings {
             host: host.to_owned(),
             port,
             vhost,
+            tls,
             credentials,
             robot: None,
             process: "asmotion".to_owned(),
@@ -255,6 +262,11 @@ mod tests {
         assert_eq!(settings.place(), "rover1:5673/cell/1");
         assert_eq!(settings.credentials, Credentials::new("ann", "p@ss"));
         assert_eq!(Settings::parse("amqp://h").unwrap().place(), "h:5672//");
+        let encrypted = Settings::parse("amqps://h").unwrap();
+        assert_eq!(
+            (encrypted.place(), encrypted.tls),
+            ("h:5671//".into(), Some(Tls::default()))
+        );
         for wrong in [
             "http://h",
             "amqp://",

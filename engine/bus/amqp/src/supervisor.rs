@@ -7,16 +7,18 @@ use amqprs::Close;
 use amqprs::callbacks::ConnectionCallback;
 use amqprs::channel::ExchangeDeclareArguments;
 use amqprs::connection::{Connection, OpenConnectionArguments};
+use amqprs::tls::TlsAdaptor;
 use async_trait::async_trait;
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 use tokio::time::{sleep, timeout};
+use tokio_rustls::TlsConnector;
 
 use crate::backoff::Backoff;
 use crate::channel::{self, Ends};
 use crate::knock::knock;
 use crate::link::{Link, Pair};
 use crate::pulse;
-use crate::{Notice, Settings};
+use crate::{Notice, Settings, Tls};
 
 /// Connects, watches, connects again, until the bus is closed.
 pub(crate) async fn supervise(link: Arc<Link>) {
@@ -81,15 +83,16 @@ async fn live(link: &Link, pair: Pair, mut closes: UnboundedReceiver<String>) ->
 
 /// Knocks, opens both connections and declares the exchanges; or says why not.
 async fn connect(settings: &Settings) -> Result<(Pair, UnboundedReceiver<String>), String> {
-    knock(settings)
+    let connector = settings.tls.as_ref().map(Tls::connector).transpose()?;
+    knock(settings, connector.as_ref())
         .await
         .map_err(|refusal| refusal.to_string())?;
     let (ear, closes) = unbounded_channel();
     let pair = Pair {
-        publishers: open(settings, "publishers", &ear)
+        publishers: open(settings, connector.as_ref(), "publishers", &ear)
             .await
             .map_err(|error| error.to_string())?,
-        consumers: open(settings, "consumers", &ear)
+        consumers: open(settings, connector.as_ref(), "consumers", &ear)
             .await
             .map_err(|error| error.to_string())?,
     };
@@ -106,6 +109,7 @@ async fn connect(settings: &Settings) -> Result<(Pair, UnboundedReceiver<String>
 
 async fn open(
     settings: &Settings,
+    connector: Option<&TlsConnector>,
     purpose: &str,
     ear: &UnboundedSender<String>,
 ) -> Ends<Connection> {
@@ -121,6 +125,9 @@ async fn open(
         .connection_name(&format!("{} ({purpose})", settings.process))
         // At 1 the client would send them without a pause.
         .heartbeat(settings.timing.heartbeat.max(2));
+    if let Some(connector) = connector {
+        arguments.tls_adaptor(TlsAdaptor::new(connector.clone(), settings.host.clone()));
+    }
     let connection = Connection::open(&arguments).await?;
     connection.register_callback(Ear(ear.clone())).await?;
     Ok(connection)

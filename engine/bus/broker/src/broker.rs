@@ -2,6 +2,7 @@
 
 use std::io::{self, Read, Write};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, TcpStream};
+use std::path::PathBuf;
 use std::process::Child;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -26,6 +27,7 @@ pub struct Broker {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ports {
     pub amqp: u16,
+    pub amqps: u16,
     pub distribution: u16,
     pub epmd: u16,
 }
@@ -59,9 +61,11 @@ impl Ports {
     fn free() -> io::Result<Self> {
         // Held together, so that they differ.
         let bind = || TcpListener::bind((Ipv4Addr::LOCALHOST, 0));
-        let (amqp, distribution, epmd) = (bind()?, bind()?, bind()?);
+        let (amqp, amqps) = (bind()?, bind()?);
+        let (distribution, epmd) = (bind()?, bind()?);
         Ok(Self {
             amqp: amqp.local_addr()?.port(),
+            amqps: amqps.local_addr()?.port(),
             distribution: distribution.local_addr()?.port(),
             epmd: epmd.local_addr()?.port(),
         })
@@ -99,6 +103,21 @@ impl Broker {
     /// Where it listens.
     pub fn address(&self) -> SocketAddr {
         (Ipv4Addr::LOCALHOST, self.ports.amqp).into()
+    }
+
+    /// The port where it talks encrypted, and wants to see a certificate. Its own is of `localhost`.
+    pub fn encrypted_port(&self) -> u16 {
+        self.ports.amqps
+    }
+
+    /// The file of the authority that vouches for it and for its clients.
+    pub fn authority(&self) -> PathBuf {
+        self.files.path("authority.pem")
+    }
+
+    /// The files of a client's certificate and key.
+    pub fn client_identity(&self) -> (PathBuf, PathBuf) {
+        (self.files.path("client.pem"), self.files.path("client.key"))
     }
 
     /// The user who may do everything.

@@ -4,6 +4,9 @@ use std::io;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
+use rcgen::{
+    BasicConstraints, CertificateParams, DistinguishedName, DnType, IsCa, Issuer, KeyPair,
+};
 use tempfile::TempDir;
 
 use crate::broker::Ports;
@@ -40,6 +43,7 @@ impl Files {
         std::fs::write(files.path("env.conf"), "")?;
         std::fs::write(files.path("enabled_plugins"), "[].\n")?;
         std::fs::write(files.path("advanced.config"), "[].\n")?;
+        files.write_certificates().map_err(io::Error::other)?;
         std::fs::write(files.path("rabbitmq.conf"), files.configuration(ports))?;
         Ok(files)
     }
@@ -50,13 +54,45 @@ impl Files {
              default_user = {USER}\n\
              default_pass = {PASSWORD}\n\
              loopback_users = none\n\
+             listeners.ssl.1 = 127.0.0.1:{}\n\
+             ssl_options.cacertfile = {}\n\
+             ssl_options.certfile = {}\n\
+             ssl_options.keyfile = {}\n\
+             ssl_options.verify = verify_peer\n\
+             ssl_options.fail_if_no_peer_cert = true\n\
              log.console = false\n\
              log.file = {}\n\
              vm_memory_high_watermark.absolute = 1GB\n\
              disk_free_limit.absolute = 50MB\n",
             ports.amqp,
+            ports.amqps,
+            self.path("authority.pem").display(),
+            self.path("server.pem").display(),
+            self.path("server.key").display(),
             self.path("log/broker.log").display()
         )
+    }
+
+    /// An authority of our own, and two whom it vouches for.
+    fn write_certificates(&self) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
+        let key = KeyPair::generate()?;
+        let mut parameters = CertificateParams::new(Vec::new())?;
+        parameters.is_ca = IsCa::Ca(BasicConstraints::Unconstrained);
+        parameters.distinguished_name = named("authority");
+        std::fs::write(
+            self.path("authority.pem"),
+            parameters.self_signed(&key)?.pem(),
+        )?;
+        let authority = Issuer::new(parameters, key);
+        for (name, host) in [("server", "localhost"), ("client", "tester")] {
+            let key = KeyPair::generate()?;
+            let mut parameters = CertificateParams::new([host.to_owned()])?;
+            parameters.distinguished_name = named(name);
+            let certificate = parameters.signed_by(&key, &authority)?;
+            std::fs::write(self.path(&format!("{name}.pem")), certificate.pem())?;
+            std::fs::write(self.path(&format!("{name}.key")), key.serialize_pem())?;
+        }
+        Ok(())
     }
 
     pub(crate) fn path(&self, name: &str) -> PathBuf {
@@ -73,4 +109,11 @@ impl Files {
         let lines: Vec<_> = log.lines().collect();
         lines[lines.len().saturating_sub(20)..].join("\n")
     }
+}
+
+/// A name of its own: who has its issuer's name is taken for its own issuer.
+fn named(name: &str) -> DistinguishedName {
+    let mut names = DistinguishedName::new();
+    names.push(DnType::CommonName, name);
+    names
 }

@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
+use bus::Sending;
+
 use super::{BuildError, System, Topic};
 use crate::Policy;
 use crate::body::Body;
@@ -115,6 +117,13 @@ impl System {
         Ok(())
     }
 
+    /// Says how a topic is sent over a bus: how sure its messages are to arrive, and what becomes of them while the bus
+    /// is away. Inside the system nothing changes.
+    pub fn sending(&mut self, topic: &str, sending: Sending) {
+        let index = self.topic(topic);
+        self.topics[index].sending = sending;
+    }
+
     /// Wires a reference to a service: `wire("ASMCoordinator.planner", "TrajectoryPlanner.planning", wire)`.
     pub fn wire(&mut self, from: &str, to: &str, wire: Wire) -> Result<(), BuildError> {
         let from = self.end(from, references)?;
@@ -159,6 +168,7 @@ impl System {
                 name: name.to_owned(),
                 publishers: Vec::new(),
                 subscribers: Vec::new(),
+                sending: Sending::default(),
             });
             self.topics.len() - 1
         })

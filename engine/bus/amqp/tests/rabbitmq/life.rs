@@ -4,7 +4,7 @@ use std::net::TcpListener;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use amqp::{AmqpBus, Credentials, Notice};
+use amqp::{AmqpBus, Credentials, Identity, Notice, Settings, Tls};
 use bus::{Bell, Bus, BusError, CallFailure, Link, Origin, Pattern, Request, Sending};
 
 use crate::common::{
@@ -93,7 +93,12 @@ fn names_that_the_client_breaks_at_are_refused() {
     for end in ends {
         assert!(matches!(end, Err(BusError::BadName { .. })), "{end:?}");
     }
-    assert_eq!(bus::contract::violations(&bus, &"y".repeat(100)), []);
+    let longest = "y".repeat(255);
+    let subscription = subscribe(&bus, &longest, all(1));
+    publisher(&bus, &longest, Sending::default())
+        .publish(0, number(1))
+        .unwrap();
+    assert!(subscription.next_within(LONG).is_some());
 }
 
 #[test]
@@ -223,6 +228,55 @@ fn credentials_come_from_a_file_and_are_not_shown() {
         notices.lock().unwrap()[0],
         Notice::Connected { .. }
     ));
+}
+
+/// Settings of an encrypted link to the broker.
+fn encrypted(broker: &broker::Broker, vhost: &broker::Vhost<'_>) -> Settings {
+    let port = broker.encrypted_port();
+    let (certificate, key) = broker.client_identity();
+    let mut settings = settings(&format!(
+        "amqps://{}:{}@localhost:{port}/{}",
+        broker.user(),
+        broker.password(),
+        vhost.name()
+    ));
+    settings.tls = Some(Tls {
+        authority: Some(broker.authority()),
+        identity: Some(Identity { certificate, key }),
+    });
+    settings
+}
+
+#[test]
+fn an_encrypted_link_with_certificates_on_both_sides_keeps_the_contract() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let bus = connect(encrypted(&broker, &vhost));
+    assert_eq!(bus::contract::violations(&bus, "secret"), []);
+}
+
+#[test]
+fn an_encrypted_link_is_refused_where_the_certificates_do_not_fit() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let right = encrypted(&broker, &vhost);
+    let with = |change: fn(&mut Tls)| {
+        let mut settings = right.clone();
+        change(settings.tls.as_mut().unwrap());
+        let end = AmqpBus::connect(settings, Duration::from_secs(1));
+        end.map(drop).unwrap_err().to_string()
+    };
+    let unknown = with(|tls| tls.authority = None);
+    assert!(unknown.contains("UnknownIssuer"), "{unknown}");
+    let nobody = with(|tls| tls.identity = None);
+    assert!(nobody.contains("no connection"), "{nobody}");
+    let missing = with(|tls| tls.authority = Some("nowhere.pem".into()));
+    assert!(missing.contains("`nowhere.pem`"), "{missing}");
+    let mut elsewhere = right.clone();
+    elsewhere.host = "127.0.0.1".to_owned();
+    let end = AmqpBus::connect(elsewhere, Duration::from_secs(1));
+    let other = end.map(drop).unwrap_err().to_string();
+    assert!(other.contains("not valid for name"), "{other}");
 }
 
 #[test]

@@ -12,3 +12,4 @@ mod faults;
 mod life;
 mod services;
 mod soak;
+mod systems;

@@ -1,0 +1,73 @@
+//! Encrypted links: whom we trust, and who we are.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use tokio_rustls::TlsConnector;
+use tokio_rustls::rustls::crypto::ring;
+use tokio_rustls::rustls::pki_types::pem::PemObject;
+use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer};
+use tokio_rustls::rustls::{ClientConfig, RootCertStore};
+
+/// How a link is encrypted. Files are PEM.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Tls {
+    /// Who vouches for the broker; without, the authorities that browsers trust.
+    pub authority: Option<PathBuf>,
+    /// Who we are, where the broker wants to know: a certificate and its key.
+    pub identity: Option<Identity>,
+}
+
+/// A certificate and its key.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Identity {
+    /// The file of the certificate, and of those between it and the authority.
+    pub certificate: PathBuf,
+    /// The file of its private key.
+    pub key: PathBuf,
+}
+
+impl Tls {
+    /// What the client connects with. Read anew each time, so that a certificate can be renewed.
+    pub(crate) fn connector(&self) -> Result<TlsConnector, String> {
+        let provider = Arc::new(ring::default_provider());
+        let config = ClientConfig::builder_with_provider(provider)
+            .with_safe_default_protocol_versions()
+            .map_err(|error| error.to_string())?
+            .with_root_certificates(self.authorities()?);
+        let config = match &self.identity {
+            None => config.with_no_client_auth(),
+            Some(identity) => {
+                let unread = |error| unread(&identity.key, &error);
+                let key = PrivateKeyDer::from_pem_file(&identity.key).map_err(unread)?;
+                config
+                    .with_client_auth_cert(certificates(&identity.certificate)?, key)
+                    .map_err(|error| error.to_string())?
+            }
+        };
+        Ok(TlsConnector::from(Arc::new(config)))
+    }
+
+    fn authorities(&self) -> Result<RootCertStore, String> {
+        let mut authorities = RootCertStore::empty();
+        let Some(file) = &self.authority else {
+            let public = webpki_roots::TLS_SERVER_ROOTS.iter().cloned();
+            authorities.extend(public);
+            return Ok(authorities);
+        };
+        for certificate in certificates(file)? {
+            let added = authorities.add(certificate);
+            added.map_err(|error| format!("`{}`: {error}", file.display()))?;
+        }
+        Ok(authorities)
+    }
+}
+
+fn certificates(file: &Path) -> Result<Vec<CertificateDer<'static>>, String> {
+    let all = CertificateDer::pem_file_iter(file).and_then(Iterator::collect);
+    all.map_err(|error| unread(file, &error))
+}
+
+fn unread(file: &Path, error: &dyn std::fmt::Display) -> String {
+    format!("`{}`: {error}", file.display())
+}
