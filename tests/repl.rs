@@ -99,3 +99,25 @@ fn what_happened_is_saved_as_a_scenario() {
     let saved = saved.replace(&home.display().to_string(), "HOME");
     insta::assert_snapshot!(saved);
 }
+
+#[test]
+fn a_saved_scenario_names_what_extend_added() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "asm orders import StandardLibrary signature: abstract domain Order
+      controlled size: Order -> Integer controlled last: Order
+      definitions: main rule r_Main = extend Order with $o do par size($o) := 3 last := $o endpar
+      default init s0: function size($o in Order) = 0";
+    std::fs::write(folder.path().join("orders.asm"), text).unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let lines = format!(
+        "step\nstep\nset size(order!1) := 4\nstep\nsave {}\n",
+        path("found.avalla")
+    );
+    talk(&[&path("orders.asm")], &lines);
+    let saved = std::fs::read_to_string(path("found.avalla")).unwrap();
+    assert!(saved.contains("check last = order!2;"), "{saved}");
+    assert!(saved.contains("exec size(order!1) := 4;"), "{saved}");
+    let mut test = assert_cmd::Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    let output = test.args(["test", &path("found.avalla")]).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{saved}{output:?}");
+}

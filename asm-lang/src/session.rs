@@ -161,7 +161,8 @@ impl Session {
     /// The program cannot be lowered anew; it is as before.
     pub fn count(&mut self) -> Result<(), Report> {
         self.specification.lower_covered()?;
-        self.adopt()
+        self.go_on();
+        Ok(())
     }
 
     /// Forgets what was added meanwhile.
@@ -182,9 +183,14 @@ impl Session {
     /// Lets the machine know what was added.
     fn adopt(&mut self) -> Result<(), Report> {
         self.specification.lower()?;
-        // the locations are the same: only terms and rules were added
-        let _ = self.machine.adopt(self.specification.program.clone());
+        self.go_on();
         Ok(())
+    }
+
+    /// The machine goes on with the program that was lowered last.
+    fn go_on(&mut self) {
+        // the locations are the same: only terms, rules and counters were added
+        let _ = self.machine.adopt(self.specification.program.clone());
     }
 
     fn report(&self, fault: &Fault) -> Report {
