@@ -245,6 +245,48 @@ fn a_script_with_mistakes_says_where_they_are() {
 }
 
 #[test]
+fn what_lies_outside_its_domain_is_told_unless_the_reference_is_followed() {
+    let text = "asm levels
+import StandardLibrary
+signature:
+  domain Level subsetof Integer
+  monitored wish: Level
+  controlled level: Level
+  controlled n: Integer
+definitions:
+  domain Level = {$l in {0 : 9} | $l != 5 : $l}
+  main rule r_Main = n := wish
+default init s0:
+  function level = 12
+";
+    let (folder, path) = file("levels.asm", text);
+    let script = folder.path().join("levels.toml").display().to_string();
+    std::fs::write(&script, "[default]\nwish = 5\n").unwrap();
+    let sim = ["sim", &path, "--env", &script, "--steps", "1"];
+    let compatible = ["--compat", "asmeta"];
+
+    let (code, out, err) = run(&["check", &path]);
+    assert_eq!(code, 0, "{out}{err}");
+    assert!(
+        err.contains("W030") && err.contains("the initial value of `level`"),
+        "{err}"
+    );
+    let (code, out, err) = run(&sim);
+    assert_eq!(code, 3, "{out}{err}");
+    assert!(err.contains("W030") && err.contains("R022"), "{err}");
+    assert!(
+        err.contains("the value came from `[default]` in the script"),
+        "{err}"
+    );
+
+    let (code, _, err) = run(&[&["check", &path], &compatible[..]].concat());
+    assert_eq!((code, err.contains("W030")), (0, false), "{err}");
+    let (code, out, err) = run(&[&sim[..], &compatible[..]].concat());
+    assert_eq!((code, err.contains("W030")), (0, false), "{out}{err}");
+    assert!(out.contains("n := 5"), "{out}");
+}
+
+#[test]
 fn the_same_seed_simulates_the_same_run() {
     let sim = |seed: &str| {
         run(&[

@@ -84,6 +84,10 @@ impl Environment for Held {
             (None, None) => Ok(None),
         }
     }
+
+    fn source(&self, _function: FunctionId, _arguments: &[Value]) -> String {
+        "a `set`".to_owned()
+    }
 }
 
 impl History {

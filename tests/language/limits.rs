@@ -391,7 +391,7 @@ fn bounds_what_is_passed_by_name() {
         assert!(begin.elapsed() < PATIENCE, "took {:?}", begin.elapsed());
         opened
     };
-    let deep = "$t".to_owned() + &" + 1".repeat(300);
+    let deep = "(".repeat(300) + "$t" + &" + 1)".repeat(300);
     assert!(macros(40, "$t").is_ok());
     for term in ["$t + $t", &deep] {
         let report = macros(40, term).unwrap_err().report;

@@ -84,3 +84,30 @@ fn replays_a_trace() {
         assert_eq!(run.text(), recorded, "{name}.asm");
     }
 }
+
+/// A trace of another tool says nothing of choices. A replay takes the first candidates, and says so.
+#[test]
+fn writes_down_choices_that_no_trace_has() {
+    let mut made = 0;
+    for (name, specification) in programs() {
+        let recorded = by_chance(&specification, 11);
+        let choices = recorded
+            .lines()
+            .filter(|line| line.starts_with("C "))
+            .count();
+        let silent = recorded.lines().filter(|line| !line.starts_with("C "));
+        let silent: Vec<&str> = silent.collect();
+        let recording = Recording::read(&silent.join("\n"));
+        let mut run = Run::of(&specification);
+        let Some(step) = recording.steps().first() else {
+            continue;
+        };
+        let mut inputs = step.inputs(&run.machine).unwrap();
+        run.step(&mut inputs, &mut step.choices(), step.now_ns);
+        let replayed = run.text();
+        let mut first = replayed.lines().filter(|line| line.starts_with("C "));
+        assert!(first.all(|line| line.starts_with("C 0 of ")), "{name}.asm");
+        made += usize::from(choices > 0 && replayed.contains("\nC 0 of "));
+    }
+    assert!(made > 3, "only {made} programs choose");
+}

@@ -5,7 +5,7 @@ use crate::compile::Code;
 use crate::environment::{Environment, NoInputs};
 use crate::fault::{Fault, FaultKind};
 use crate::machine::{Machine, Step};
-use crate::run::{Codomain, Stopped};
+use crate::run::Codomain;
 use ir::{AddedRule, AddedTerm, Assignment, FunctionId, FunctionKind, Origin, Program, Slot};
 use std::sync::Arc;
 use value::Value;
@@ -96,15 +96,27 @@ impl Machine {
         value: Value,
     ) -> Result<Slot, Box<Fault>> {
         let step = self.steps;
+        let is_input = matches!(
+            self.program.functions[function.0 as usize].kind,
+            FunctionKind::Monitored | FunctionKind::Shared
+        );
         self.aside(|machine| {
             machine.run(&mut NoInputs, &mut First, step, 0, |run| {
                 run.stack.extend_from_slice(arguments);
                 let slot = run.slot(function, 0);
                 let codomain = Codomain::of(run.program, function);
-                match run.accepts(slot, &value, codomain, Origin::default()) {
-                    Ok(()) => run.state.slots[slot as usize] = value,
-                    // what is wrong with it is the fault of the run
-                    Err(Stopped) => run.fault = run.fault.take().map(given(run.program, function)),
+                let nowhere = Origin::default();
+                // what is wrong with the value is the fault of the run
+                if let Some(misfit) = run.misfit(function, &value).filter(|_| is_input) {
+                    let source = "a `set`".to_owned();
+                    let kind = FaultKind::OutsideInput {
+                        slot,
+                        misfit,
+                        source,
+                    };
+                    run.fail(kind, nowhere);
+                } else if run.accepts(slot, &value, codomain, nowhere).is_ok() {
+                    run.state.slots[slot as usize] = value;
                 }
                 slot
             })
@@ -159,23 +171,5 @@ impl Machine {
         let result = work(self);
         self.scratch = kept;
         result
-    }
-}
-
-/// What is wrong with a value of an input is the fault of whoever gave it.
-fn given(program: &Program, function: FunctionId) -> impl Fn(Box<Fault>) -> Box<Fault> {
-    let is_input = matches!(
-        program.functions[function.0 as usize].kind,
-        FunctionKind::Monitored | FunctionKind::Shared
-    );
-    move |mut fault| {
-        if let (true, FaultKind::Outside { slot, misfit }) = (is_input, &fault.kind) {
-            fault.kind = FaultKind::OutsideInput {
-                slot: *slot,
-                misfit: misfit.clone(),
-                source: "outside".to_owned(),
-            };
-        }
-        fault
     }
 }
