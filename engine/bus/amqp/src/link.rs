@@ -19,10 +19,7 @@ use crate::{Notice, Settings, channel};
 const GOODBYE: Duration = Duration::from_secs(1);
 /// The client never uses the number of a channel again that the broker has closed, and has 2047 of them.
 const REFUSALS: usize = 1000;
-
-/// A life that breaks sooner was hardly one.
-const SHORT: Duration = Duration::from_secs(2);
-/// So many of them in a row, with a broker that is there each time, are no accident.
+/// So many short lives in a row, with a broker that is there each time, are no accident.
 const POISON: usize = 8;
 
 /// The two connections of one life of the link.
@@ -61,7 +58,7 @@ pub(crate) struct Link {
     refusals: AtomicUsize,
     /// So many that new connections are due.
     worn: Notify,
-    /// How many lives of the link in a row have broken as soon as they had begun.
+    /// How many lives of the link in a row have broken in reading as soon as they had begun.
     short_lives: AtomicUsize,
 }
 
@@ -178,14 +175,11 @@ impl Link {
         }
     }
 
-    /// A life of the link has ended; or, if it never came to one, `None`.
-    pub(crate) fn lived(&self, life: Option<Duration>) {
-        match life {
-            Some(life) if life < SHORT => {
-                self.short_lives.fetch_add(1, Ordering::Relaxed);
-            }
-            Some(_) | None => self.short_lives.store(0, Ordering::Relaxed),
-        }
+    /// A life of the link has ended: in reading, as soon as it had begun, or otherwise.
+    pub(crate) fn broke_in_reading(&self, broke: bool) {
+        let before = self.short_lives.load(Ordering::Relaxed);
+        let now = if broke { before + 1 } else { 0 };
+        self.short_lives.store(now, Ordering::Relaxed);
     }
 
     /// Whether some message waiting for us seems to break the client whenever it comes.

@@ -1,5 +1,6 @@
 //! The supervisor: connects, looks after the connections, and makes them again when they break.
 
+use std::fmt;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -20,29 +21,26 @@ use crate::link::{Link, Pair};
 use crate::pulse;
 use crate::{Notice, Settings, Tls};
 
+/// A life that breaks sooner was hardly one.
+const SHORT: Duration = Duration::from_secs(3);
+
 /// Connects, watches, connects again, until the bus is closed.
 pub(crate) async fn supervise(link: Arc<Link>) {
     let timing = link.settings.timing;
     let mut backoff = Backoff::new(timing.first_retry, timing.last_retry, link.settings.seed);
     loop {
         let life = async {
-            let reason = match timeout(timing.connect, connect(&link.settings)).await {
+            let begun = Instant::now();
+            let end = match timeout(timing.connect, connect(&link.settings)).await {
                 Ok(Ok((pair, closes))) => {
                     backoff.reset();
-                    let begun = Instant::now();
-                    let reason = live(&link, pair, closes).await;
-                    link.lived(Some(begun.elapsed()));
-                    reason
+                    live(&link, pair, closes).await
                 }
-                Ok(Err(reason)) => {
-                    link.lived(None);
-                    reason
-                }
-                Err(_) => {
-                    link.lived(None);
-                    format!("no answer within {:?}", timing.connect)
-                }
+                Ok(Err(reason)) => End::Said(reason),
+                Err(_) => End::Said(format!("no answer within {:?}", timing.connect)),
             };
+            link.broke_in_reading(end == End::Reading && begun.elapsed() < SHORT);
+            let reason = end.to_string();
             link.announce(bus::Link::Down {
                 reason: reason.as_str().into(),
             });
@@ -64,21 +62,41 @@ pub(crate) async fn supervise(link: Arc<Link>) {
     link.announce(bus::Link::Down { reason });
 }
 
+/// Why a life of the connections ended, or never began.
+#[derive(PartialEq)]
+enum End {
+    /// For a reason that somebody has said.
+    Said(String),
+    /// The connection that we read broke.
+    Reading,
+    /// The one that we write broke.
+    Writing,
+}
+
+impl fmt::Display for End {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Said(reason) => f.write_str(reason),
+            Self::Reading | Self::Writing => f.write_str("the connection broke"),
+        }
+    }
+}
+
 /// One life of the connections; why it ended.
-async fn live(link: &Link, pair: Pair, mut closes: UnboundedReceiver<String>) -> String {
+async fn live(link: &Link, pair: Pair, mut closes: UnboundedReceiver<String>) -> End {
     let pair = Arc::new(pair);
     link.begin(&pair);
-    let reason = tokio::select! {
+    let end = tokio::select! {
         biased;
-        Some(reason) = closes.recv() => reason,
-        reason = pulse::feel(link, &pair) => reason,
-        _ = pair.publishers.listen_network_io_failure() => "the connection broke".to_owned(),
-        _ = pair.consumers.listen_network_io_failure() => "the connection broke".to_owned(),
-        () = link.worn() => "too many channels were refused on it".to_owned(),
+        Some(reason) = closes.recv() => End::Said(reason),
+        reason = pulse::feel(link, &pair) => End::Said(reason),
+        _ = pair.publishers.listen_network_io_failure() => End::Writing,
+        _ = pair.consumers.listen_network_io_failure() => End::Reading,
+        () = link.worn() => End::Said("too many channels were refused on it".to_owned()),
     };
     link.end();
     tokio::spawn(async move { pair.hang_up().await });
-    reason
+    end
 }
 
 /// Knocks, opens both connections and declares the exchanges; or says why not.
