@@ -48,8 +48,14 @@ pub fn step_json(machine: &Machine, step: &Step<'_>) -> Value {
         .iter()
         .map(|choice| json!({ "index": choice.index, "of": choice.count }))
         .collect();
+    let sent: Vec<String> = step
+        .sent()
+        .iter()
+        .map(|sent| simulate::sent(machine, sent))
+        .collect();
     json!({
         "type": "step", "v": 1, "step": step.number(),
         "inputs": inputs, "choices": choices, "updates": updates, "printed": step.printed(),
+        "sent": sent,
     })
 }

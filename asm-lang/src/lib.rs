@@ -36,7 +36,7 @@ pub use render::{Style, concise, render, render_all};
 pub use session::Session;
 pub use source::{Diagnostic, Loader, Report, Severity, Sources, Span};
 pub use value::Value;
-pub use {hir, ir, machine, simulate, source, syntax, value};
+pub use {hir, ir, machine, simulate, source, stdlib, syntax, value};
 
 use std::fmt;
 use std::sync::Arc;

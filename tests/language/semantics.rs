@@ -6,6 +6,7 @@
 //! ```asm
 //! //? step 1: m = 3, choose 1      what the environment answers; which candidate is chosen
 //! //= step 1: x := 4, y := undef   the update set of the step; `nothing` if it is empty
+//! //= step 1: a -> b: order(3)      a message that the step sends
 //! //= step 2: R001                 the step fails with this code
 //! ```
 
@@ -105,6 +106,7 @@ pub(super) fn updates(trace: &str) -> Vec<String> {
         match word {
             "U" => Some(fact.replacen(" = ", " := ", 1)),
             "UD" => Some(fact.replacen(" = ", " + ", 1)),
+            "P" => Some(fact.to_owned()),
             _ => None,
         }
     });

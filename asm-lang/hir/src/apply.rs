@@ -396,13 +396,21 @@ impl Resolver<'_> {
         let rule = &self.declared.rules[first.0 as usize];
         let (declared, parameters) = (rule.span, rule.parameters.clone());
         if parameters.len() == arguments.len() {
+            let what = format!("`{}`", name.text);
+            let mut fits = true;
             for (&wanted, argument) in parameters.iter().zip(arguments) {
-                self.expect(
-                    argument,
-                    wanted,
-                    &format!("`{}`", name.text),
-                    Some((declared, "takes")),
-                );
+                fits &= self.compatible(wanted, argument.ty);
+                self.expect(argument, wanted, &what, Some((declared, "takes")));
+            }
+            if fits {
+                // of two parameters of one any-domain, each fits by itself
+                for (index, argument) in arguments.iter().enumerate() {
+                    let same = |&other: &usize| parameters[other] == parameters[index];
+                    if let Some(first) = (0..index).find(same) {
+                        let wanted = types[first];
+                        self.expect(argument, wanted, &what, Some((declared, "takes")));
+                    }
+                }
             }
         } else {
             self.error(HirError::Arity {

@@ -57,9 +57,9 @@ pub(crate) fn declare(units: &[Unit], compatible: bool) -> Declared {
         declared.literals(index, &unit.tree);
         declared.imported_literals(units, index);
     }
-    for (index, unit) in units.iter().enumerate() {
+    for index in 0..units.len() {
         declared.imported_functions(units, index);
-        functions.extend(declared.unit_functions(index, unit));
+        functions.extend(declared.unit_functions(index, units));
     }
     declared.constants(&functions);
     for (index, unit) in units.iter().enumerate() {
@@ -188,7 +188,8 @@ impl Declared {
     }
 
     /// Declares the functions of a unit; returns those without definition that may be constants.
-    fn unit_functions(&mut self, index: usize, unit: &Unit) -> Vec<FunctionId> {
+    fn unit_functions(&mut self, index: usize, units: &[Unit]) -> Vec<FunctionId> {
+        let unit = &units[index];
         let defined: BTreeSet<&str> = unit
             .tree
             .function_definitions
@@ -236,7 +237,11 @@ impl Declared {
                 unit.library,
                 is_defined,
             );
-            if !is_defined && matches!(meaning, Meaning::Missing) && parameters.is_empty() {
+            let annotation = annotation(&unit.tree, function);
+            let is_element = matches!(meaning, Meaning::Missing) && parameters.is_empty();
+            // who a reference leads to is decided outside: an element stands for it
+            let is_reference = annotation == Some("Reference") && !begins(units, &name.text);
+            if !is_defined && (is_element || is_reference) {
                 undefined.push(id);
             }
             self.functions.push(Function {
@@ -253,6 +258,7 @@ impl Declared {
                 declaration: function.span,
                 library: unit.library,
                 run: None,
+                is_client: annotation == Some("Backref"),
             });
             self.scopes[index]
                 .functions
@@ -282,6 +288,7 @@ impl Declared {
             declaration: function.span,
             library: false,
             run: Some(run),
+            is_client: false,
         });
         let known = &mut self.scopes[unit].functions;
         known.insert(function.name.text.clone(), vec![id]);
@@ -302,6 +309,7 @@ impl Declared {
             declaration: Span::default(),
             library: true,
             run: None,
+            is_client: false,
         });
         FunctionId(self.functions.len() as u32 - 1)
     }
@@ -437,6 +445,7 @@ impl Declared {
                 body: None,
                 span: name.span,
                 library: unit.library,
+                act: stdlib::Act::named(&name.text).filter(|_| unit.library),
             });
             self.scopes[index]
                 .rules
@@ -509,4 +518,28 @@ impl Declared {
         };
         self.types.id(ty)
     }
+}
+
+/// The name of the annotation in front of a function.
+fn annotation<'a>(tree: &'a ast::File, function: &ast::Function) -> Option<&'a str> {
+    let functions = tree.functions.iter();
+    let before = functions
+        .map(|known| known.span)
+        .filter(|known| known.start < function.span.start)
+        .map(|known| known.end)
+        .max()
+        .unwrap_or(0);
+    let mut annotations = tree.annotations.iter().rev();
+    let found = annotations
+        .find(|annotation| (before..function.span.start).contains(&annotation.name.span.start));
+    found.map(|annotation| &*annotation.name.text)
+}
+
+/// Whether an initial state gives a function its values.
+fn begins(units: &[Unit], function: &str) -> bool {
+    let mut inits = units.iter().flat_map(|unit| &unit.tree.inits);
+    inits.any(|init| {
+        let mut functions = init.functions.iter();
+        functions.any(|definition| &*definition.name.text == function)
+    })
 }

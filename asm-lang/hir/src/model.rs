@@ -142,6 +142,8 @@ pub struct Function {
     /// For a `local` function, the variable of its rule that holds the number of the run: the first
     /// argument of all its locations, which nobody writes down.
     pub run: Option<VarId>,
+    /// Whether it is annotated `//@Backref`: who sent the message at hand.
+    pub is_client: bool,
 }
 
 /// What computes a function.
@@ -203,6 +205,8 @@ pub struct Rule {
     pub span: Span,
     /// Whether it is declared in a standard library.
     pub library: bool,
+    /// What the machine does in its place.
+    pub act: Option<stdlib::Act>,
 }
 
 /// `agent D: r_x[…]`.

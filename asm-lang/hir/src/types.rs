@@ -101,6 +101,8 @@ impl Bindings {
         }
     }
 }
+/// The domain that all values are elements of.
+const ANY: &str = "Any";
 
 impl Types {
     /// The id of a type.
@@ -265,6 +267,10 @@ impl Types {
         bindings: &mut Bindings,
     ) -> Fit {
         bindings.looks += 1;
+        if &*domains[variable.0 as usize].name == ANY {
+            // no variable: each place takes values of its own
+            return Some(3);
+        }
         let Some(&bound) = bindings.variables.get(&variable) else {
             bindings.variables.insert(variable, actual);
             return Some(3);

@@ -2,6 +2,7 @@
 
 use crate::cover::Counter;
 use crate::program::{BodyId, DomainId, FunctionId, Local, Origin, RoutineId, Shape, Slot};
+use stdlib::Act;
 use value::Value;
 
 pub use hir::{Collection, Quantifier};
@@ -269,4 +270,6 @@ pub enum RuleNode {
     Draw(Vec<(Local, Endless, Origin)>, Rule),
     /// A rule that is counted.
     Counted(Counter, Rule),
+    /// What an agent does with messages.
+    Act(Act, Vec<Term>),
 }

@@ -141,6 +141,7 @@ impl Covering {
             RuleNode::Skip
             | RuleNode::Assign(None, ..)
             | RuleNode::Call(..)
+            | RuleNode::Act(..)
             | RuleNode::Run(..)
             | RuleNode::RunAgent(..)
             | RuleNode::Par(_)

@@ -15,5 +15,7 @@ mod visit;
 pub use code::*;
 pub use cover::{Counted, Counter, Part};
 pub use interval::Interval;
-pub use lower::{Lowered, lower, lower_with, visit_rules, visit_terms};
+pub use lower::{
+    Lowered, MessageUse, Role, lower, lower_with, message_uses, visit_rules, visit_terms,
+};
 pub use program::*;

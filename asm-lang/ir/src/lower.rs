@@ -6,6 +6,7 @@ mod facts;
 mod frame;
 mod layout;
 mod lint;
+mod message;
 mod needs;
 mod order;
 mod reach;
@@ -18,6 +19,8 @@ use crate::program::{
     Symbols,
 };
 pub use facts::{visit as visit_terms, walk as visit_rules};
+
+pub use message::{MessageUse, Role, message_uses};
 
 use facts::Facts;
 use frame::Frame;
@@ -63,6 +66,7 @@ pub fn lower_with(model: &Model, dense: u32) -> Result<Lowered, Report> {
     let main = model.main.map(|rule| lowering.routine_by_value(rule));
     lowering.rule_values();
     lowering.program.main = main;
+    message::check(model, &mut lowering.report);
     lowering.lazy_layout();
     lowering.added();
     if lowering.report.has_errors() {
@@ -142,6 +146,7 @@ impl<'a> Lowering<'a> {
             caches: 0,
             result: 0,
             variables: function_id(model.reserved.variables),
+            messages: message::messages(model),
         };
         Self {
             model,

@@ -3,6 +3,7 @@
 use crate::code::{Body, Rule, Term};
 use crate::cover::Counted;
 use std::sync::Arc;
+use stdlib::Mail;
 use value::{Atom, RuleId, Value};
 
 pub use hir::{AddedRule, AddedTerm, Assignment};
@@ -80,6 +81,31 @@ pub struct Program {
     /// The function whose locations are the variables that rules assign: the number of a run of
     /// the rule that binds them, and the number of the variable.
     pub variables: FunctionId,
+    /// What a specification with messages is told with.
+    pub messages: Option<Messages>,
+}
+
+/// The status of agents and the literals that say what became of messages.
+#[derive(Clone, Debug)]
+pub struct Messages {
+    /// The status of an agent.
+    pub status: FunctionId,
+    /// The status of an agent that has received a message.
+    pub ready: Value,
+    /// The status of one that has found none.
+    pub blocked: Value,
+    /// Messages go out.
+    pub available: Value,
+    /// They do not.
+    pub unavailable: Value,
+    /// A call that was not answered in time.
+    pub timeout: Value,
+    /// One that nobody could take.
+    pub no_provider: Value,
+    /// One whose provider failed.
+    pub failed: Value,
+    /// One that was taken back.
+    pub cancelled: Value,
 }
 
 /// What the initial state is made of.
@@ -168,6 +194,8 @@ pub struct Function {
     /// Nanoseconds a unit, if it tells the time (`mCurrTimeSecs`): what the environment leaves open
     /// is the time of the step.
     pub clock: Option<i64>,
+    /// What it asks about messages: the machine answers, the environment where it cannot.
+    pub mail: Option<Mail>,
     /// Whether the specification declares it itself: only these are shown.
     pub own: bool,
 }
@@ -283,6 +311,31 @@ pub enum AxisRange {
 }
 
 impl Program {
+    /// What an operation of an agent takes and gives, as an out function of its name declares it; anything
+    /// where none does.
+    pub fn operation(&self, name: &str) -> (Shape, Shape) {
+        let mut functions = self.symbols.functions.iter().zip(&self.functions);
+        let found = functions.find(|(known, function)| {
+            function.own
+                && function.kind == FunctionKind::Out
+                && stdlib::operation(known) == name
+                && matches!(function.parameters.first(), Some(Shape::Domain(_)))
+        });
+        let Some((_, function)) = found else {
+            return (Shape::Any, Shape::Any);
+        };
+        let takes = match &function.parameters[1..] {
+            [one] => one.clone(),
+            [] => Shape::Any,
+            several => Shape::Tuple(several.to_vec()),
+        };
+        let gives = match &function.codomain {
+            Shape::Rule => Shape::Any,
+            shape => shape.clone(),
+        };
+        (takes, gives)
+    }
+
     /// The function one of whose locations has this fixed slot.
     pub fn dense_function(&self, slot: Slot) -> Option<FunctionId> {
         let begins_after = |id: &FunctionId| match self.functions[id.0 as usize].storage {

@@ -75,7 +75,7 @@ impl RuleNode {
                 .flat_map(Place::terms_mut)
                 .chain(arguments)
                 .collect(),
-            Self::Call(_, arguments) => arguments.iter_mut().collect(),
+            Self::Call(_, arguments) | Self::Act(_, arguments) => arguments.iter_mut().collect(),
             Self::Run(term, arguments) | Self::RunAgent(term, arguments) => {
                 std::iter::once(term).chain(arguments).collect()
             }
@@ -99,6 +99,7 @@ impl RuleNode {
             | Self::Update(..)
             | Self::Assign(..)
             | Self::Call(..)
+            | Self::Act(..)
             | Self::Run(..)
             | Self::RunAgent(..) => Vec::new(),
             Self::Par(rules) | Self::Seq(rules) => rules.iter_mut().collect(),

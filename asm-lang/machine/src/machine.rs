@@ -7,6 +7,7 @@ use crate::environment::{Environment, NoInputs};
 use crate::fault::{Fault, FaultKind};
 use crate::native::Native;
 use crate::plain;
+use crate::post::{Post, Sent};
 use crate::run::{Record, Run, Stopped, Truth};
 use crate::state::{Naming, State};
 use crate::updates::{Update, Updates};
@@ -78,6 +79,11 @@ impl<'a> Step<'a> {
         &self.machine.scratch.record.printed
     }
 
+    /// The messages it sent, in order.
+    pub fn sent(self) -> &'a [Sent] {
+        &self.machine.scratch.record.sent
+    }
+
     /// The time it was done at.
     pub fn now_ns(self) -> i64 {
         self.machine.scratch.record.now_ns
@@ -120,6 +126,8 @@ pub struct Machine {
     pub(crate) code: Arc<Code>,
     pub(crate) state: State,
     pub(crate) scratch: Scratch,
+    /// Messages on their way.
+    pub(crate) post: Post,
     pub(crate) steps: u64,
     /// How often a step was begun: what was asked of the environment counts for one of them.
     pub(crate) rounds: u64,
@@ -188,6 +196,7 @@ impl Machine {
             code: Arc::new(code),
             state,
             scratch: Scratch::default(),
+            post: Post::default(),
             steps: 0,
             rounds: 0,
             is_complete: false,
@@ -307,10 +316,15 @@ impl Machine {
         if is_step && self.steps == 0 && needs_inputs(&self.program) {
             self.check_initial(environment, now_ns)?;
         }
+        if self.program.messages.is_some() {
+            self.post.begin(now_ns);
+        }
         let number = self.steps + 1;
         let evaluated = self.run(environment, chooser, number, now_ns, |run| {
             // whoever stopped has noted the fault
-            let _ = rules(run);
+            if rules(run).is_ok() && !run.record.done.is_empty() {
+                let _ = run.settle_status();
+            }
             u64::from(run.bindings)
         });
         match evaluated {
@@ -322,6 +336,10 @@ impl Machine {
         }
         self.fire_updates();
         self.state.commit();
+        if self.program.messages.is_some() {
+            let record = &mut self.scratch.record;
+            self.post.settle(&record.done, now_ns, &mut record.sent);
+        }
         Ok(())
     }
 
@@ -545,6 +563,7 @@ impl Machine {
             program: &self.program,
             code: &self.code,
             state: &mut self.state,
+            post: &self.post,
             updates,
             environment,
             chooser,

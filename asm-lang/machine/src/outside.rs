@@ -5,6 +5,7 @@ use crate::compile::Code;
 use crate::environment::{Environment, NoInputs};
 use crate::fault::{Fault, FaultKind};
 use crate::machine::{Machine, Step};
+use crate::post::{CallFault, MessageId};
 use crate::run::Codomain;
 use ir::{AddedRule, AddedTerm, Assignment, FunctionId, FunctionKind, Origin, Program, Slot};
 use std::sync::Arc;
@@ -144,6 +145,37 @@ impl Machine {
             arguments = items.to_vec();
         }
         Ok((function, arguments, value))
+    }
+
+    /// Says which agents are outside: messages to them are given out, see [`Sent::leaves`], and not
+    /// delivered.
+    pub fn set_partners(&mut self, partners: Vec<Value>) {
+        self.post.set_partners(partners);
+    }
+
+    /// Brings a message of a partner to an agent. A reply to it is one to this number.
+    pub fn deliver(&mut self, from: Value, to: Value, operation: &str, data: Value) -> MessageId {
+        self.post.deliver(from, to, Value::text(operation), data)
+    }
+
+    /// Brings the end of a call to the agent that waits for it; nothing if none does any longer.
+    pub fn end_call(&mut self, call: MessageId, outcome: Result<Value, CallFault>) {
+        self.post.end_call(call, outcome);
+    }
+
+    /// Says that the last message of an agent could not be sent.
+    pub fn set_unsent(&mut self, from: Value, operation: &str) {
+        self.post.set_unsent(from, operation);
+    }
+
+    /// Says whether messages do not go out at present.
+    pub fn set_channel_down(&mut self, is_down: bool) {
+        self.post.set_down(is_down);
+    }
+
+    /// How many messages were dropped because too many waited.
+    pub fn dropped_messages(&self) -> u64 {
+        self.post.dropped()
     }
 
     /// Goes on with a program that differs in what was added to it.

@@ -7,6 +7,7 @@ use crate::extent::is_bounded;
 use crate::fault::{Fault, FaultKind};
 use crate::machine::{BackEnd, Choice, Input};
 use crate::membership::Misfit;
+use crate::post::{Done, Post, Sent};
 use crate::state::{State, dense};
 use crate::updates::{Layer, Updates, Written};
 use crate::witness::Notes;
@@ -90,6 +91,10 @@ pub(crate) struct Record {
     /// What was picked from outside, by the place of the variable's range.
     pub picked: Vec<(Origin, Value)>,
     pub printed: Vec<String>,
+    /// What agents did with messages.
+    pub done: Vec<Done>,
+    /// What was sent.
+    pub sent: Vec<Sent>,
     pub now_ns: i64,
     /// How often what is counted ran, in all steps.
     pub counts: Vec<u64>,
@@ -105,6 +110,7 @@ pub(crate) struct Run<'a> {
     pub state: &'a mut State,
     pub updates: &'a mut Updates,
     pub environment: &'a mut dyn Environment,
+    pub post: &'a Post,
     pub chooser: &'a mut dyn Chooser,
     pub record: &'a mut Record,
     pub locals: &'a mut Vec<Value>,
@@ -155,6 +161,8 @@ impl Record {
         self.choices.clear();
         self.picked.clear();
         self.printed.clear();
+        self.done.clear();
+        self.sent.clear();
         self.now_ns = now_ns;
     }
 }
@@ -217,11 +225,14 @@ impl Run<'_> {
         if is_past || self.state.asked[index] == self.round {
             return self.state.slots[index].clone();
         }
+        let declared = &self.program.functions[function.0 as usize];
         let from = self.stack.len();
         self.state.arguments(self.program, slot, self.stack);
+        if let (Some(mail), Some(messages)) = (declared.mail, &self.program.messages) {
+            return self.hear(slot, mail, messages, from);
+        }
         let answer = self.answer(slot, function, from);
         self.stack.truncate(from);
-        let declared = &self.program.functions[function.0 as usize];
         // one question a round, whatever comes of it
         self.asked(slot);
         let value = match (answer, declared.clock) {
@@ -273,7 +284,7 @@ impl Run<'_> {
 
     /// Notes that the environment was asked: not again in this step. The reference forgets it with the
     /// intermediate state in which it asked.
-    fn asked(&mut self, slot: Slot) {
+    pub fn asked(&mut self, slot: Slot) {
         let before = std::mem::replace(&mut self.state.asked[slot as usize], self.round);
         if self.program.compatible {
             self.updates.forget_asking(slot, before);

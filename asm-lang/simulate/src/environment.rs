@@ -10,16 +10,23 @@
 //! [[step]]
 //! ev = "MAP_OK"             # an enumeration literal
 //! "battery(ROB1)" = 42      # an argument
+//!
+//! [partner.planner]         # an agent that is not there, and what it answers
+//! plan = { reply = [3, 4], after = 2 }      # in the second step after the one that asked
+//! cancel = { fault = "CALL_UNAVAILABLE" }   # in the next one
 //! ```
 
 use crate::literal::Literals;
+use crate::partner::Answer;
 use ir::{FunctionId, FunctionKind, Program, Shape};
-use machine::Environment;
+use machine::{CallFault, Environment};
 use source::{Diagnostic, FileId, Report, Span};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
-use value::Value;
+use value::{Atom, Value};
 
 /// The inputs of a run, step by step.
 #[derive(Clone, Debug, Default)]
@@ -28,6 +35,8 @@ pub struct Script {
     /// The functions that tell the time: where the script is silent, the run's clock speaks.
     clocks: Vec<FunctionId>,
     steps: Vec<Inputs>,
+    /// What partners answer.
+    pub(crate) answers: Vec<Answer>,
     /// The step the machine is in, from 0.
     at: usize,
 }
@@ -129,6 +138,11 @@ impl Reading<'_> {
         };
         for (key, value) in &table {
             match (&**key.get_ref(), value.get_ref()) {
+                ("partner", DeValue::Table(partners)) => {
+                    for (name, operations) in partners {
+                        script.answers.extend(self.partner(name, operations));
+                    }
+                }
                 ("default", DeValue::Table(inputs)) => script.defaults = self.inputs(inputs),
                 ("step", DeValue::Array(steps)) => {
                     for step in steps {
@@ -142,6 +156,72 @@ impl Reading<'_> {
             }
         }
         script
+    }
+
+    /// What a partner answers to its operations.
+    fn partner(
+        &mut self,
+        name: &Spanned<Cow<'_, str>>,
+        operations: &Spanned<DeValue<'_>>,
+    ) -> Vec<Answer> {
+        let atoms = &self.program.symbols.atoms;
+        let Some(atom) = (0..)
+            .zip(atoms)
+            .find(|(_, atom)| ***atom == **name.get_ref())
+        else {
+            let at = self.span(name.span());
+            self.report.push(no_partner(name.get_ref(), at, atoms));
+            return Vec::new();
+        };
+        let DeValue::Table(operations) = operations.get_ref() else {
+            self.not_an_answer(operations.span());
+            return Vec::new();
+        };
+        let mut answers = Vec::new();
+        for (operation, answer) in operations {
+            match self.answer(operation.get_ref(), answer.get_ref()) {
+                Some((outcome, after)) => answers.push(Answer {
+                    partner: Value::Atom(Atom(atom.0)),
+                    operation: stdlib::operation(operation.get_ref()).to_owned(),
+                    outcome,
+                    after,
+                }),
+                None => self.not_an_answer(answer.span()),
+            }
+        }
+        answers
+    }
+
+    fn answer(
+        &self,
+        operation: &str,
+        answer: &DeValue<'_>,
+    ) -> Option<(Result<Value, CallFault>, u64)> {
+        let DeValue::Table(answer) = answer else {
+            return None;
+        };
+        let (_, shape) = self.program.operation(stdlib::operation(operation));
+        let (mut outcome, mut after) = (None, 1);
+        for (key, value) in answer {
+            match (&**key.get_ref(), value.get_ref()) {
+                ("reply", value) => outcome = Some(Ok(self.value(value, &shape)?)),
+                ("fault", DeValue::String(fault)) => outcome = Some(Err(fault_named(fault)?)),
+                ("after", DeValue::Integer(steps)) => {
+                    after = steps.to_string().parse().ok().filter(|&steps| steps > 0)?;
+                }
+                _ => return None,
+            }
+        }
+        Some((outcome?, after))
+    }
+
+    fn not_an_answer(&mut self, at: std::ops::Range<usize>) {
+        let at = self.span(at);
+        self.report.push(
+            Diagnostic::error("S005", "this is not what a partner answers")
+                .label(at, "expected a reply that fits the operation, or a fault")
+                .help("write `{ reply = …, after = 2 }` or `{ fault = \"CALL_TIMEOUT\" }`, also `CALL_UNAVAILABLE`, `CALL_FAILED`, `CALL_CANCELLED`; `after` counts steps from 1"),
+        );
     }
 
     fn not_a_section(&mut self, at: std::ops::Range<usize>) {
@@ -264,7 +344,7 @@ impl Reading<'_> {
     /// A value of TOML as a value of the shape.
     fn value(&self, value: &DeValue<'_>, shape: &Shape) -> Option<Value> {
         match (value, shape) {
-            (DeValue::String(text), Shape::Text) => Some(Value::text(text.as_ref())),
+            (DeValue::String(text), Shape::Text | Shape::Any) => Some(Value::text(text.as_ref())),
             (DeValue::String(text), Shape::Char) => {
                 let mut letters = text.chars();
                 letters
@@ -273,9 +353,15 @@ impl Reading<'_> {
                     .map(Value::Char)
             }
             (DeValue::String(text), shape) => self.literals().value(text, shape),
-            (DeValue::Boolean(truth), Shape::Bool) => Some(Value::Bool(*truth)),
+            (DeValue::Boolean(truth), Shape::Bool | Shape::Any) => Some(Value::Bool(*truth)),
+            (DeValue::Integer(number), Shape::Any) => {
+                number.to_string().parse().ok().map(Value::Int)
+            }
             (DeValue::Integer(number), shape) => self.literals().value(&number.to_string(), shape),
-            (DeValue::Float(number), Shape::Real) => number.as_str().parse().ok().map(Value::real),
+            (DeValue::Array(items), Shape::Any) => self.items(items, shape).map(Value::seq),
+            (DeValue::Float(number), Shape::Real | Shape::Any) => {
+                number.as_str().parse().ok().map(Value::real)
+            }
             (DeValue::Array(items), Shape::Tuple(shapes)) if items.len() == shapes.len() => {
                 let items = items
                     .iter()
@@ -304,6 +390,24 @@ impl Reading<'_> {
 
 /// How values are written in a script.
 const FORMS: &str = "booleans and numbers stand for themselves, literals and texts in quotes, sequences, sets and tuples as arrays";
+fn fault_named(name: &str) -> Option<CallFault> {
+    match name {
+        "CALL_TIMEOUT" => Some(CallFault::Timeout),
+        "CALL_UNAVAILABLE" => Some(CallFault::Unavailable),
+        "CALL_FAILED" => Some(CallFault::Failed),
+        "CALL_CANCELLED" => Some(CallFault::Cancelled),
+        _ => None,
+    }
+}
+
+fn no_partner(name: &str, at: Span, atoms: &[Arc<str>]) -> Diagnostic {
+    let finding = Diagnostic::error("S006", format!("the specification has no agent `{name}`"))
+        .label(at, "no element of this name");
+    match source::similar(name, atoms) {
+        Some(known) => finding.help(format!("did you mean `{known}`?")),
+        None => finding.help("declare it, as in `static planner: Planner`"),
+    }
+}
 
 fn is_input(kind: FunctionKind) -> bool {
     matches!(kind, FunctionKind::Monitored | FunctionKind::Shared)

@@ -1,7 +1,7 @@
 //! Locations and updates as text.
 
 use ir::Slot;
-use machine::{Machine, Step};
+use machine::{Machine, Sent, SentKind, Step};
 use value::Value;
 
 /// A location, as in `doing(ROB1, TASK2)`.
@@ -44,4 +44,36 @@ pub fn updates(machine: &Machine, step: &Step<'_>) -> Vec<(String, String, Strin
         .collect();
     shown.sort();
     shown
+}
+
+/// A message that a step sent, as in `self -> planner: plan((3,4))`.
+pub fn sent(machine: &Machine, sent: &Sent) -> String {
+    let naming = machine.naming();
+    let (from, to) = (sent.from.show(&naming), sent.to.show(&naming));
+    let operation = match &sent.operation {
+        Value::Text(text) => text.as_str(),
+        _ => "",
+    };
+    let operation = stdlib::operation(operation);
+    match &sent.kind {
+        SentKind::Message { data } => {
+            format!("{from} -> {to}: {operation}({})", data.show(&naming))
+        }
+        SentKind::Call { data, deadline_ns } => {
+            let data = data.show(&naming);
+            match deadline_ns {
+                Some(deadline) => {
+                    format!("{from} -> {to}: call {operation}({data}) until {deadline} ns")
+                }
+                None => format!("{from} -> {to}: call {operation}({data})"),
+            }
+        }
+        SentKind::Reply { data, .. } => {
+            format!(
+                "{from} -> {to}: reply to {operation}: {}",
+                data.show(&naming)
+            )
+        }
+        SentKind::Cancel { .. } => format!("{from} -> {to}: cancel {operation}"),
+    }
 }

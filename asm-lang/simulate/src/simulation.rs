@@ -1,5 +1,6 @@
 //! A machine that runs alone: what causes its steps, and what is written down about them.
 
+use crate::partner::Partners;
 use crate::recording::Ticks;
 use crate::{Clock, Random, Recording, Script, Seeded, Trace};
 use machine::{Chooser, Environment, Fault, Machine};
@@ -66,6 +67,7 @@ impl fmt::Display for Stopped {
 pub struct Simulation {
     machine: Machine,
     causes: Causes,
+    partners: Partners,
     choices: Seeded,
     clock: Clock,
     ticks: Ticks,
@@ -74,8 +76,13 @@ pub struct Simulation {
 
 impl Simulation {
     /// A run that begins in the state of the machine. The seed decides choices that are not recorded.
-    pub fn new(machine: Machine, causes: Causes, seed: u64) -> Self {
+    pub fn new(mut machine: Machine, causes: Causes, seed: u64) -> Self {
+        let answers = match &causes {
+            Causes::Script(script) => script.answers.clone(),
+            Causes::Random(_) | Causes::Recording(_) => Vec::new(),
+        };
         Self {
+            partners: Partners::new(answers, &mut machine),
             machine,
             causes,
             choices: Seeded::new(seed),
@@ -133,7 +140,9 @@ impl Simulation {
         let now_ns = self.clock.now(machine.steps() + 1);
         match &mut self.causes {
             Causes::Script(script) => {
+                self.partners.answer(machine);
                 step(machine, script, choices, now_ns)?;
+                self.partners.hear(machine);
                 script.advance();
             }
             Causes::Random(random) => step(machine, &mut **random, choices, now_ns)?,

@@ -8,6 +8,7 @@
 //! T 40000000                    the time of the step in nanoseconds, unless it is 0
 //! M estop = false               what was read of the environment, in reading order
 //! C 1 of 3                      which candidate was chosen, counted from 0
+//! P self -> planner: plan(3)    what was sent, in sending order
 //! U mode = MOVING               the update set, sorted
 //! UD Order = {order!1}          the elements that joined a domain
 //! S mode = MOVING               every location that rules may write, after the step
@@ -137,6 +138,10 @@ impl Trace {
     }
 
     fn effects(&mut self, machine: &Machine, step: &Step<'_>) {
+        for sent in step.sent() {
+            let sent = crate::show::sent(machine, sent);
+            self.line(format_args!("P {sent}"));
+        }
         let updates = step
             .updates()
             .iter()

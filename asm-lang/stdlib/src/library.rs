@@ -9,7 +9,7 @@ pub struct Library {
     pub text: &'static str,
 }
 
-static LIBRARIES: [Library; 6] = [
+static LIBRARIES: [Library; 7] = [
     Library {
         name: "StandardLibrary",
         text: include_str!("../asm/StandardLibrary.asm"),
@@ -29,6 +29,10 @@ static LIBRARIES: [Library; 6] = [
     Library {
         name: "TimeLibrarySimple",
         text: include_str!("../asm/TimeLibrarySimple.asm"),
+    },
+    Library {
+        name: "CommonBehavior",
+        text: include_str!("../asm/CommonBehavior.asm"),
     },
     Library {
         name: "MAPEpatterns",

@@ -24,6 +24,8 @@ pub struct Interfaces {
     pub outputs: Vec<(String, String)>,
     /// References and the names of their interfaces.
     pub references: Vec<(String, String)>,
+    /// Services and the names of their interfaces.
+    pub services: Vec<(String, String)>,
 }
 
 /// A monitored function and the port its value comes from.

@@ -4,6 +4,7 @@ use asm_lang::ir::{DomainId, Elements, Program, Shape};
 use asm_lang::machine::Naming;
 use asm_lang::value::{Atom, Value};
 use datum::Datum;
+use std::borrow::Cow;
 
 /// A datum as a value of the shape; `None` if it is none. Texts name enumeration literals.
 pub(crate) fn value_of(datum: &Datum, shape: &Shape, program: &Program) -> Option<Value> {
@@ -33,6 +34,40 @@ pub(crate) fn value_of(datum: &Datum, shape: &Shape, program: &Program) -> Optio
                 .map(|(item, shape)| value_of(item, shape, program));
             items.collect::<Option<Vec<_>>>().map(Value::tuple)
         }
+        // a record is a map of its fields, where any value will do
+        (Datum::Record(fields), Shape::Any) if fields.len() != 1 => {
+            let field = |(name, value): &(Cow<'_, str>, Datum)| {
+                Some((Value::text(&**name), value_of(value, shape, program)?))
+            };
+            fields
+                .iter()
+                .map(field)
+                .collect::<Option<Vec<_>>>()
+                .map(Value::map)
+        }
+        (Datum::Record(fields), Shape::Map(..)) => {
+            let Shape::Map(key, item) = shape else {
+                return None;
+            };
+            let field = |(name, value): &(Cow<'_, str>, Datum)| {
+                let key = value_of(&Datum::text(&**name), key, program)?;
+                Some((key, value_of(value, item, program)?))
+            };
+            fields
+                .iter()
+                .map(field)
+                .collect::<Option<Vec<_>>>()
+                .map(Value::map)
+        }
+        // and a tuple of them, in order, where a tuple is wanted
+        (Datum::Record(fields), Shape::Tuple(shapes)) if fields.len() == shapes.len() => {
+            let items = fields
+                .iter()
+                .zip(shapes)
+                .map(|((_, item), shape)| value_of(item, shape, program));
+            items.collect::<Option<Vec<_>>>().map(Value::tuple)
+        }
+        (Datum::List(items), Shape::Any) => each(items, shape).map(Value::seq),
         // a message with one field stands for that field
         (Datum::Record(fields), shape) => match fields.as_slice() {
             [(_, only)] => value_of(only, shape, program),
@@ -79,6 +114,14 @@ pub(crate) fn datum_of(value: &Value, naming: &Naming<'_>) -> Datum {
         Value::Char(character) => Datum::text(character.to_string()),
         Value::Tuple(items) | Value::Seq(items) => each(&mut items.iter()),
         Value::Set(items) => each(&mut items.iter()),
+        // a map from texts is a record
+        Value::Map(pairs) if pairs.keys().all(|key| matches!(key, Value::Text(_))) => {
+            let field = |(key, value): (&Value, &Value)| match key {
+                Value::Text(name) => Some((name.to_string(), datum_of(value, naming))),
+                _ => None,
+            };
+            Datum::record(pairs.iter().filter_map(field))
+        }
         Value::Atom(_) | Value::Rule(_) | Value::Complex(_) | Value::Bag(_) | Value::Map(_) => {
             Datum::text(value.show(naming).to_string())
         }

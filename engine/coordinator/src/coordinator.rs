@@ -4,6 +4,7 @@ use crate::binding::{Action, Binding, Effect, Interfaces};
 use crate::frame::Frame;
 use crate::inbox::Inbox;
 use crate::outbox::{Handles, Outbox};
+use crate::partners::Partners;
 use crate::step::{STEP_REPORT, StepRecord};
 use asm_lang::machine::Machine;
 use asm_lang::simulate::Seeded;
@@ -55,6 +56,7 @@ pub struct Coordinator {
     chooser: Seeded,
     inbox: Inbox,
     outbox: Outbox,
+    partners: Partners,
     frame: Frame,
 }
 
@@ -71,7 +73,13 @@ impl Coordinator {
         interface: &mut Interface,
     ) -> Result<Self, BindError> {
         let handles = declare(binding, interfaces, interface)?;
-        let machine = specification.machine().map_err(|fault| {
+        let partners = Partners::declare(
+            &specification,
+            &interfaces.references,
+            &interfaces.services,
+            interface,
+        );
+        let mut machine = specification.machine().map_err(|fault| {
             let finding = specification.explain(&fault);
             BindError::Initial(asm_lang::render(
                 &finding,
@@ -79,6 +87,7 @@ impl Coordinator {
                 Style::Plain,
             ))
         })?;
+        machine.set_partners(partners.agents());
         let mut inbox = Inbox::new(binding, &specification, &handles.inputs)?;
         let outbox = Outbox::new(binding, &specification, handles, &mut inbox)?;
         Ok(Self {
@@ -87,6 +96,7 @@ impl Coordinator {
             chooser: Seeded::new(seed),
             inbox,
             outbox,
+            partners,
             frame: Frame::default(),
         })
     }
@@ -97,6 +107,7 @@ impl Component for Coordinator {
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         self.inbox.receive(cycle, self.machine.program());
         self.outbox.receive(cycle, &mut self.inbox);
+        self.inbox.misfits += self.partners.receive(cycle, &mut self.machine);
         self.inbox.freeze(cycle.now(), &mut self.frame);
         let stepped = self
             .machine
@@ -110,13 +121,14 @@ impl Component for Coordinator {
             )));
         }
         let step = self.machine.last_step();
-        if !step.updates().is_empty() {
+        if !step.updates().is_empty() || !step.sent().is_empty() {
             let record = StepRecord::of(&self.specification, &self.machine, &step);
             // the step is told before what it causes
             cycle.report(STEP_REPORT, Datum::of(&record)?);
         }
         self.outbox
             .send(&self.machine, &step, cycle, &mut self.inbox);
+        self.partners.send(&self.machine, cycle);
         Ok(())
     }
 }

@@ -11,6 +11,7 @@ mod coordinator;
 mod frame;
 mod inbox;
 mod outbox;
+mod partners;
 mod step;
 
 pub use binding::{

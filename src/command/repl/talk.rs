@@ -419,6 +419,9 @@ impl Talk {
                 "  {location} := {after}  {FAINT}(was {before}){FAINT:#}"
             ));
         }
+        for sent in step.sent() {
+            terminal.result(simulate::sent(machine, sent));
+        }
         for line in step.printed() {
             terminal.result(format_args!("  print: {line}"));
         }

@@ -108,6 +108,9 @@ impl Sim {
                 "  {location} := {after}  {FAINT}(was {before}){FAINT:#}"
             ));
         }
+        for sent in step.sent() {
+            terminal.result(format_args!("  {}", simulate::sent(machine, sent)));
+        }
         for line in step.printed() {
             terminal.result(format_args!("  print: {line}"));
         }

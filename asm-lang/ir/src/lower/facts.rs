@@ -303,7 +303,7 @@ pub(super) fn definition(function: &Function) -> Option<&Body<Term>> {
 }
 
 /// Calls `see` for a rule and all rules in it.
-pub fn walk(rule: &RuleTerm, see: &mut dyn FnMut(&RuleTerm)) {
+pub fn walk<'a>(rule: &'a RuleTerm, see: &mut dyn FnMut(&'a RuleTerm)) {
     stacker::maybe_grow(64 * 1024, 1024 * 1024, || {
         see(rule);
         match &*rule.kind {

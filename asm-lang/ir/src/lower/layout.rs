@@ -3,6 +3,7 @@
 use super::{Lowering, domain, order, reach};
 use crate::program::{Axis, AxisRange, Elements, Function, FunctionId, FunctionKind, Storage};
 use hir::{Meaning, Type, TypeId};
+use stdlib::Mail;
 
 impl Lowering<'_> {
     /// Gives every function its storage, in order of declaration.
@@ -42,6 +43,7 @@ impl Lowering<'_> {
                 storage,
                 initial: None,
                 clock: clock(&function.name).filter(|_| function.library),
+                mail: mail(function),
                 own: !function.library && function.kind != hir::FunctionKind::Local,
             });
         }
@@ -169,5 +171,13 @@ fn kind(kind: hir::FunctionKind) -> FunctionKind {
         hir::FunctionKind::Local => FunctionKind::Local,
         hir::FunctionKind::Shared => FunctionKind::Shared,
         hir::FunctionKind::Out => FunctionKind::Out,
+    }
+}
+
+/// What a function asks about messages.
+fn mail(function: &hir::Function) -> Option<Mail> {
+    match function.library {
+        true => Mail::named(&function.name),
+        false => function.is_client.then_some(Mail::Client),
     }
 }

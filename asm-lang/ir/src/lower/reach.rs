@@ -154,6 +154,9 @@ impl Reach<'_> {
                 self.term(term, known);
                 self.terms(arguments, known);
             }
+            RuleNode::Act(_, arguments) => {
+                self.terms(arguments, known);
+            }
             RuleNode::Par(rules) | RuleNode::Seq(rules) => {
                 rules.iter().for_each(|rule| self.rule(rule, known));
             }

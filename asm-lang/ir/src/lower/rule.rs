@@ -53,6 +53,9 @@ impl Lowering<'_> {
                     None => RuleNode::Skip,
                 }
             }
+            RuleKind::Call(callee, arguments) if let Some(act) = self.model.rule(*callee).act => {
+                RuleNode::Act(act, self.terms(arguments, frame))
+            }
             RuleKind::Call(callee, arguments) if self.leaves_result(*callee) => {
                 let arguments = self.terms(arguments, frame);
                 RuleNode::Assign(None, self.routine_by_value(*callee), arguments)

@@ -6,6 +6,7 @@ use super::range::Ranges;
 use super::{Compiler, RuleCode};
 use crate::fault::FaultKind;
 use crate::machine::Choice;
+use crate::post::Done;
 use crate::run::{Codomain, Run, Stopped, Truth};
 use ir::{Endless, Local, Origin, Place, RoutineId, Rule, RuleNode, Term};
 use std::ops::ControlFlow;
@@ -107,6 +108,19 @@ impl Compiler<'_> {
                 Box::new(move |run| run.with_state(number, &initial, &body))
             }
             RuleNode::Draw(numbers, body) => self.draw(numbers, body, origin),
+            RuleNode::Act(act, arguments) => {
+                let (act, arguments) = (*act, self.terms(arguments));
+                Box::new(move |run| {
+                    let arguments = arguments.iter().map(|term| term(run)).collect();
+                    run.checked()?;
+                    run.record.done.push(Done {
+                        act,
+                        arguments,
+                        origin,
+                    });
+                    Ok(())
+                })
+            }
         }
     }
 

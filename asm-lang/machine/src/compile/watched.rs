@@ -44,6 +44,7 @@ impl Compiler<'_> {
             | RuleNode::While { .. }
             | RuleNode::Local { .. }
             | RuleNode::Draw(..)
+            | RuleNode::Act(..)
             | RuleNode::Watched(_)
             | RuleNode::Counted(..) => false,
         };

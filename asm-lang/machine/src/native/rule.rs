@@ -81,6 +81,7 @@ impl Emitter<'_> {
             | RuleNode::Extend(..)
             | RuleNode::Local { .. }
             | RuleNode::Draw(..)
+            | RuleNode::Act(..)
             | RuleNode::Counted(..)
             | RuleNode::Watched(_) => self.rule_outside(rule),
         }

@@ -110,6 +110,7 @@ pub(super) fn always_writes(rule: &Rule) -> bool {
         | RuleNode::While { .. }
         | RuleNode::Local { .. }
         | RuleNode::Draw(..)
+        | RuleNode::Act(..)
         | RuleNode::Counted(..)
         | RuleNode::Watched(_) => false,
     }

@@ -36,13 +36,17 @@ fn interfaces(component: &plan::Component) -> Interfaces {
             .map(|port| (port.name.clone(), port.kind.clone()))
             .collect()
     };
-    let references = component.references.iter();
+    let services = |services: &[plan::Service]| {
+        services
+            .iter()
+            .map(|it| (it.name.clone(), it.interface.clone()))
+            .collect()
+    };
     Interfaces {
         inputs: ports(&component.inputs),
         outputs: ports(&component.outputs),
-        references: references
-            .map(|it| (it.name.clone(), it.interface.clone()))
-            .collect(),
+        references: services(&component.references),
+        services: services(&component.services),
     }
 }
 

@@ -1,0 +1,80 @@
+//! What a step under way hears of messages, and what becomes of an agent that received some.
+
+use crate::machine::Input;
+use crate::post::{Done, Post};
+use crate::run::{Codomain, Run, Stopped};
+use ir::{Messages, Slot};
+use stdlib::{Act, Mail};
+use value::Value;
+
+impl Run<'_> {
+    /// What is heard about messages; the arguments of the question are on the stack from `arguments` on.
+    /// Silence is no input.
+    pub fn hear(&mut self, slot: Slot, mail: Mail, messages: &Messages, arguments: usize) -> Value {
+        let asked = &self.stack[arguments..];
+        let known = self.post.answer(mail, asked, messages, self.now_ns);
+        // nobody has to script what no message said
+        let function = self.state.function(self.program, slot);
+        let heard = known.or_else(|| self.environment.read(function?, asked).ok()?);
+        self.stack.truncate(arguments);
+        self.asked(slot);
+        let silence = Post::silence(mail, messages);
+        let value = match heard {
+            Some(value) if value != silence => {
+                self.record.inputs.push(Input {
+                    slot,
+                    value: value.clone(),
+                });
+                value
+            }
+            Some(_) | None => silence,
+        };
+        self.state.slots[slot as usize] = value.clone();
+        value
+    }
+
+    /// Whoever has received a message is ready, and whoever has found none is blocked, unless a rule
+    /// says otherwise.
+    pub fn settle_status(&mut self) -> Result<(), Stopped> {
+        let Some(messages) = &self.program.messages else {
+            return Ok(());
+        };
+        let done = std::mem::take(&mut self.record.done);
+        for agent in done.iter().filter_map(|done| done.arguments.first()) {
+            self.settle_status_of(agent, &done, messages)?;
+        }
+        self.record.done = done;
+        Ok(())
+    }
+
+    fn settle_status_of(
+        &mut self,
+        agent: &Value,
+        done: &[Done],
+        messages: &Messages,
+    ) -> Result<(), Stopped> {
+        let mut own = done
+            .iter()
+            .filter(|done| done.arguments.first() == Some(agent));
+        let has_received = own.clone().any(|done| done.act == Act::Take);
+        let Some(origin) = own.find_map(|done| match done.act {
+            Act::Take | Act::Wait => Some(done.origin),
+            Act::Send | Act::Call | Act::Reply | Act::Answer | Act::Cancel => None,
+        }) else {
+            return Ok(());
+        };
+        self.stack.push(agent.clone());
+        let slot = self.slot(messages.status, self.stack.len() - 1);
+        self.stack.pop();
+        self.checked()?;
+        let status = match has_received {
+            true => &messages.ready,
+            false => &messages.blocked,
+        };
+        if self.updates.given(slot).is_some() || self.state.slots[slot as usize] == *status {
+            return Ok(());
+        }
+        let codomain = Codomain::of(self.program, messages.status);
+        self.write(slot, status.clone(), codomain, origin)
+    }
+}

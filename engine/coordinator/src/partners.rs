@@ -1,0 +1,298 @@
+//! Messages to and from services: what `r_wsend`, `r_wcall` and their kin do in a running system.
+//!
+//! An element of the specification that is called like a reference of the component stands for the
+//! service behind it: what is sent to it is a call of that reference. Requests that the component
+//! serves come from an agent that is undef. (SCA-ASM; T25 to T27 of the TCA paper.)
+
+use crate::convert::{datum_of, value_of};
+use asm_lang::Specification;
+use asm_lang::ir::{Program, Role, Shape, message_uses};
+use asm_lang::machine::{CallFault, Machine, MessageId, Sent, SentKind};
+use asm_lang::value::{Atom, Value};
+use component::{
+    CallError, CallId, Cycle, Dynamic, Interface, Provided, RequestId, Required, ServiceFault,
+};
+use datum::Datum;
+
+/// The services that a specification exchanges messages with.
+#[derive(Default)]
+pub(crate) struct Partners {
+    asked: Vec<Asked>,
+    served: Vec<Served>,
+    /// The calls under way, and the messages that made them.
+    calls: Vec<(CallId, Call)>,
+    /// The requests received, and the messages they became.
+    requests: Vec<(MessageId, usize, RequestId)>,
+}
+
+/// An operation of a partner.
+struct Asked {
+    partner: Value,
+    operation: String,
+    handle: Required<Dynamic>,
+    /// What its replies are.
+    answer: Shape,
+}
+
+/// An operation of the component itself.
+struct Served {
+    operation: String,
+    handle: Provided<Dynamic>,
+    argument: Shape,
+}
+
+/// A message that became a call.
+struct Call {
+    message: MessageId,
+    from: Value,
+    /// Whether the specification waits for the reply, or receives it as a message.
+    waits: bool,
+    asked: usize,
+}
+
+impl Partners {
+    /// Declares the operations that the specification names: of references what it asks for, of
+    /// services what it receives.
+    pub fn declare(
+        specification: &Specification,
+        references: &[(String, String)],
+        services: &[(String, String)],
+        interface: &mut Interface,
+    ) -> Self {
+        let mut partners = Self::default();
+        for used in message_uses(&specification.model) {
+            let operation = operation_name(used.operation);
+            match used.role {
+                Role::Ask => {
+                    let Some((partner, name)) = element(used.partner, &specification.program)
+                    else {
+                        continue;
+                    };
+                    let Some((reference, service)) =
+                        references.iter().find(|(known, _)| *known == name)
+                    else {
+                        continue;
+                    };
+                    partners.ask(
+                        partner,
+                        reference,
+                        service,
+                        operation,
+                        specification,
+                        interface,
+                    );
+                }
+                Role::Serve => partners.serve(services, operation, specification, interface),
+            }
+        }
+        partners
+    }
+
+    fn ask(
+        &mut self,
+        partner: Value,
+        reference: &str,
+        service: &str,
+        operation: &str,
+        specification: &Specification,
+        interface: &mut Interface,
+    ) {
+        let is_known = |asked: &Asked| asked.partner == partner && asked.operation == operation;
+        if self.asked.iter().any(is_known) {
+            return;
+        }
+        let handle =
+            interface.require_of(reference, service, operation, "called by the specification");
+        let (_, answer) = specification.program.operation(operation);
+        self.asked.push(Asked {
+            partner,
+            operation: operation.to_owned(),
+            handle,
+            answer,
+        });
+    }
+
+    fn serve(
+        &mut self,
+        services: &[(String, String)],
+        operation: &str,
+        specification: &Specification,
+        interface: &mut Interface,
+    ) {
+        if self
+            .served
+            .iter()
+            .any(|served| served.operation == operation)
+        {
+            return;
+        }
+        let (argument, _) = specification.program.operation(operation);
+        for (name, service) in services {
+            let handle =
+                interface.serve_of(name, service, operation, "served by the specification");
+            self.served.push(Served {
+                operation: operation.to_owned(),
+                handle,
+                argument: argument.clone(),
+            });
+        }
+    }
+
+    /// The agents whose messages leave the specification.
+    pub fn agents(&self) -> Vec<Value> {
+        let mut agents: Vec<Value> = self
+            .asked
+            .iter()
+            .map(|asked| asked.partner.clone())
+            .collect();
+        if !self.served.is_empty() {
+            agents.push(Value::Undef);
+        }
+        agents
+    }
+
+    /// Brings what came in this cycle to the agents. How many messages did not fit.
+    pub fn receive(&mut self, cycle: &mut Cycle<'_>, machine: &mut Machine) -> u64 {
+        let mut misfits = 0;
+        for (index, served) in self.served.iter().enumerate() {
+            for request in cycle.requests(served.handle) {
+                let program = machine.program().clone();
+                let Some(data) = said(&request.argument, &served.argument, &program) else {
+                    misfits += 1;
+                    let fault = ServiceFault::new(
+                        "MISFIT",
+                        "the argument is not of the domain of the operation",
+                    );
+                    cycle.reply(served.handle, request.id, Err(fault));
+                    continue;
+                };
+                let id = machine.deliver(Value::Undef, Value::Undef, &served.operation, data);
+                if request.deadline.is_some() {
+                    self.requests.push((id, index, request.id));
+                }
+            }
+            let cancelled = cycle.cancelled(served.handle).to_vec();
+            self.requests
+                .retain(|(_, of, request)| *of != index || !cancelled.contains(request));
+        }
+        let mut ended = Vec::new();
+        for asked in &self.asked {
+            ended.extend(cycle.replies(asked.handle));
+        }
+        for reply in ended {
+            let Some(at) = self.calls.iter().position(|(call, _)| *call == reply.call) else {
+                continue;
+            };
+            let (_, call) = self.calls.swap_remove(at);
+            misfits += u64::from(!self.end(&call, reply.result, machine));
+        }
+        misfits
+    }
+
+    /// Tells the agent how its call ended. Whether the reply fits.
+    fn end(&self, call: &Call, result: Result<Datum, CallError>, machine: &mut Machine) -> bool {
+        let asked = &self.asked[call.asked];
+        let outcome = match &result {
+            Ok(answer) => {
+                let program = machine.program().clone();
+                said(answer, &asked.answer, &program).ok_or(CallFault::Failed)
+            }
+            Err(CallError::Timeout) => Err(CallFault::Timeout),
+            Err(CallError::Unavailable) => Err(CallFault::Unavailable),
+            Err(CallError::Fault(_)) => Err(CallFault::Failed),
+            Err(CallError::Cancelled) => Err(CallFault::Cancelled),
+        };
+        let fits = result.is_err() || outcome.is_ok();
+        match outcome {
+            _ if call.waits => machine.end_call(call.message, outcome),
+            Ok(data) => {
+                machine.deliver(
+                    asked.partner.clone(),
+                    call.from.clone(),
+                    &asked.operation,
+                    data,
+                );
+            }
+            Err(_) => machine.set_unsent(call.from.clone(), &asked.operation),
+        }
+        fits
+    }
+
+    /// Sends what the last step sent to partners.
+    pub fn send(&mut self, machine: &Machine, cycle: &mut Cycle<'_>) {
+        for sent in machine.last_step().sent().iter().filter(|sent| sent.leaves) {
+            match &sent.kind {
+                SentKind::Message { data } => self.call(sent, data, false, machine, cycle),
+                SentKind::Call { data, .. } => self.call(sent, data, true, machine, cycle),
+                SentKind::Reply { data, to } => {
+                    let mut requests = self.requests.iter();
+                    let known = requests.position(|(message, ..)| Some(*message) == *to);
+                    if let Some(known) = known {
+                        let (_, served, request) = self.requests.remove(known);
+                        let answer = datum_of(data, &machine.naming());
+                        cycle.reply(self.served[served].handle, request, Ok(answer));
+                    }
+                }
+                SentKind::Cancel { call } => {
+                    let mut calls = self.calls.iter();
+                    if let Some(at) = calls.position(|(_, known)| known.message == *call) {
+                        let (call, _) = self.calls.swap_remove(at);
+                        cycle.cancel(call);
+                    }
+                }
+            }
+        }
+    }
+
+    fn call(
+        &mut self,
+        sent: &Sent,
+        data: &Value,
+        waits: bool,
+        machine: &Machine,
+        cycle: &mut Cycle<'_>,
+    ) {
+        let Value::Text(operation) = &sent.operation else {
+            return;
+        };
+        let operation = operation_name(operation);
+        let mut asked = self.asked.iter();
+        let Some(index) =
+            asked.position(|asked| asked.partner == sent.to && asked.operation == operation)
+        else {
+            return;
+        };
+        let argument = datum_of(data, &machine.naming());
+        let call = cycle.call(self.asked[index].handle, argument);
+        let made = Call {
+            message: sent.id,
+            from: sent.from.clone(),
+            waits,
+            asked: index,
+        };
+        self.calls.push((call, made));
+    }
+}
+
+fn operation_name(spelt: &str) -> &str {
+    asm_lang::stdlib::operation(spelt)
+}
+
+/// The element that a term is, and its name.
+fn element(term: &asm_lang::hir::Term, program: &Program) -> Option<(Value, String)> {
+    let asm_lang::hir::TermKind::Value(Value::Atom(atom)) = &*term.kind else {
+        return None;
+    };
+    let Atom(index) = *atom;
+    let name = program.symbols.atoms.get(index as usize)?;
+    Some((Value::Atom(*atom), name.to_string()))
+}
+
+/// What a message says; one that says nothing is true, so that it can be told from none.
+fn said(datum: &Datum, shape: &Shape, program: &Program) -> Option<Value> {
+    let is_empty = matches!(datum, Datum::Record(fields) if fields.is_empty());
+    if is_empty || *datum == Datum::Null {
+        return Some(Value::Bool(true));
+    }
+    value_of(datum, shape, program)
+}
