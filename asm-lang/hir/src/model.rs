@@ -417,6 +417,23 @@ impl Model {
             .map(|(index, function)| (FunctionId(index as u32), function))
     }
 
+    /// Whether a function says what an agent can be asked: an out function of agents, in a specification
+    /// with messages (SCA-ASM).
+    pub fn is_operation(&self, function: &Function) -> bool {
+        let is_agent = |&ty: &TypeId| {
+            let root = self.types.root(ty, &self.domains);
+            matches!(self.types.get(root), crate::types::Type::Domain(id) if &*self.domain(*id).name == "Agent")
+        };
+        let has_messages = || {
+            let mut functions = self.functions.iter();
+            functions.any(|known| known.library && &*known.name == "nextRequest")
+        };
+        function.kind == FunctionKind::Out
+            && !function.library
+            && function.parameters.first().is_some_and(is_agent)
+            && has_messages()
+    }
+
     /// A type as text, as in `Prod(Integer,Robot)`.
     pub fn show_type(&self, ty: TypeId) -> String {
         self.types.show(ty, &self.domains)

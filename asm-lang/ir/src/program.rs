@@ -310,10 +310,32 @@ pub enum AxisRange {
     },
 }
 
+/// What an agent can be asked.
+#[derive(Clone, Debug)]
+pub struct Operation {
+    /// What it is asked with.
+    pub takes: Shape,
+    /// What it answers.
+    pub gives: Shape,
+    /// Whether every request has a reply.
+    pub replies: bool,
+}
+
+impl Default for Operation {
+    /// Takes and gives anything.
+    fn default() -> Self {
+        Self {
+            takes: Shape::Any,
+            gives: Shape::Any,
+            replies: true,
+        }
+    }
+}
+
 impl Program {
-    /// What an operation of an agent takes and gives, as an out function of its name declares it; anything
-    /// where none does.
-    pub fn operation(&self, name: &str) -> (Shape, Shape) {
+    /// What an operation of an agent takes and gives, as an out function of its name declares it. One
+    /// whose codomain is `Rule` gives anything, or has no reply at all.
+    pub fn operation(&self, name: &str) -> Operation {
         let mut functions = self.symbols.functions.iter().zip(&self.functions);
         let found = functions.find(|(known, function)| {
             function.own
@@ -322,18 +344,22 @@ impl Program {
                 && matches!(function.parameters.first(), Some(Shape::Domain(_)))
         });
         let Some((_, function)) = found else {
-            return (Shape::Any, Shape::Any);
+            return Operation::default();
         };
         let takes = match &function.parameters[1..] {
             [one] => one.clone(),
             [] => Shape::Any,
             several => Shape::Tuple(several.to_vec()),
         };
-        let gives = match &function.codomain {
-            Shape::Rule => Shape::Any,
-            shape => shape.clone(),
-        };
-        (takes, gives)
+        let replies = function.codomain != Shape::Rule;
+        Operation {
+            takes,
+            gives: match replies {
+                true => function.codomain.clone(),
+                false => Shape::Any,
+            },
+            replies,
+        }
     }
 
     /// The function one of whose locations has this fixed slot.

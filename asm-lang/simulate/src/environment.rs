@@ -200,7 +200,7 @@ impl Reading<'_> {
         let DeValue::Table(answer) = answer else {
             return None;
         };
-        let (_, shape) = self.program.operation(stdlib::operation(operation));
+        let shape = self.program.operation(stdlib::operation(operation)).gives;
         let (mut outcome, mut after) = (None, 1);
         for (key, value) in answer {
             match (&**key.get_ref(), value.get_ref()) {

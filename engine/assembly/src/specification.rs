@@ -42,6 +42,8 @@ struct ModelSignature(Model);
 impl Signature for ModelSignature {
     fn functions(&self) -> Vec<FunctionInfo> {
         let own = self.0.own_functions();
+        // what partners can be asked is no output
+        let own = own.filter(|(_, function)| !self.0.is_operation(function));
         own.map(|(_, function)| FunctionInfo {
             name: function.name.to_string(),
             kind: kind(function.kind),

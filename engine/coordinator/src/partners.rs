@@ -32,6 +32,8 @@ struct Asked {
     handle: Required<Dynamic>,
     /// What its replies are.
     answer: Shape,
+    /// Whether messages have replies, too; calls always have.
+    replies: bool,
 }
 
 /// An operation of the component itself.
@@ -103,12 +105,13 @@ impl Partners {
         }
         let handle =
             interface.require_of(reference, service, operation, "called by the specification");
-        let (_, answer) = specification.program.operation(operation);
+        let known = specification.program.operation(operation);
         self.asked.push(Asked {
             partner,
             operation: operation.to_owned(),
             handle,
-            answer,
+            answer: known.gives,
+            replies: known.replies,
         });
     }
 
@@ -126,7 +129,7 @@ impl Partners {
         {
             return;
         }
-        let (argument, _) = specification.program.operation(operation);
+        let argument = specification.program.operation(operation).takes;
         for (name, service) in services {
             let handle =
                 interface.serve_of(name, service, operation, "served by the specification");
@@ -263,7 +266,12 @@ impl Partners {
             return;
         };
         let argument = datum_of(data, &machine.naming());
-        let call = cycle.call(self.asked[index].handle, argument);
+        let asked = &self.asked[index];
+        if !waits && !asked.replies {
+            cycle.call_one_way(asked.handle, argument);
+            return;
+        }
+        let call = cycle.call(asked.handle, argument);
         let made = Call {
             message: sent.id,
             from: sent.from.clone(),
