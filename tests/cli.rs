@@ -729,3 +729,27 @@ fn our_specifications_are_formatted() {
         "run `asmotion fmt specs benches asm-lang/stdlib/asm`: {out}{err}"
     );
 }
+
+#[test]
+fn two_specifications_talk_in_a_composite() {
+    let courier = "specs/courier/courier.composite.toml";
+    let (code, out, err) = run(&["run", courier, "--until", "jobs=3", "--for", "20"]);
+    assert_eq!(code, 0, "{err}");
+    assert!(
+        out.contains("dispatcher.job ×3, dispatcher.done ×3"),
+        "{out}"
+    );
+    assert!(out.contains("; 0 failed"), "{out}");
+}
+
+#[test]
+fn a_script_plays_a_partner() {
+    let courier = "specs/courier/courier.asm";
+    let script = "specs/courier/courier.late.env.toml";
+    let (code, out, err) = run(&["sim", courier, "--env", script]);
+    assert_eq!(code, 0, "{err}");
+    let asked = out.find("-> dispatcher: call job(0)").unwrap();
+    let answered = out.find("goal := 2").unwrap();
+    let reported = out.find("-> dispatcher: done(2)").unwrap();
+    assert!(asked < answered && answered < reported, "{out}");
+}

@@ -64,7 +64,14 @@ definitions:
 	// ---- what the machine does itself; the bodies are not used --------------------------------
 
 	macro rule r_actSend($self in Agent, $to in Agent, $operation in String, $data in Any) = skip
-	macro rule r_actCall($self in Agent, $to in Agent, $operation in String, $data in Any, $ms in Integer) = skip
+	macro rule r_actCall(
+		$self in Agent,
+		$to in Agent,
+		$operation in String,
+		$data in Any,
+		$ms in Integer
+	) =
+		skip
 	macro rule r_actReply($self in Agent, $to in Agent, $operation in String, $data in Any) = skip
 	macro rule r_actTake($self in Agent, $from in Agent, $operation in String) = skip
 	macro rule r_actAnswer($self in Agent, $from in Agent, $operation in String) = skip
@@ -124,7 +131,13 @@ definitions:
 		endlet
 
 	// called once while the reply is undef: set it to undef to call again
-	macro rule r_wcall($to in Agent, $operation in String, $data in Any, $ms in Integer, $reply in Any) =
+	macro rule r_wcall(
+		$to in Agent,
+		$operation in String,
+		$data in Any,
+		$ms in Integer,
+		$reply in Any
+	) =
 		if isUndef($reply) then
 			if calling(self, $to, $operation) or isDef(answered(self, $to, $operation)) then
 				r_poll[$to, $operation, $reply]

@@ -207,6 +207,10 @@ fn step(text: &mut String, machine: &Machine) {
             format_args!("  {location} := {after}  (was {before})"),
         );
     }
+    for sent in step.sent() {
+        let sent = simulate::sent(machine, sent);
+        line(text, format_args!("  {sent}"));
+    }
     for printed in step.printed() {
         line(text, format_args!("  print: {printed}"));
     }
