@@ -1,7 +1,6 @@
 //! The face of the bus: synchronous, handing over to tasks in a thread of its own.
 
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::sync_channel;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -17,6 +16,7 @@ use crate::channel::Broken;
 use crate::link::Link;
 use crate::names::{Names, short};
 use crate::publisher::{self, AmqpPublisher, Lane};
+use crate::ready::Ready;
 use crate::service::Services;
 use crate::wire::Author;
 use crate::{Settings, subscriber, supervisor};
@@ -171,7 +171,7 @@ impl Bus for AmqpBus {
         let binding = self.names.binding(pattern)?;
         let inlet = Inlet::new(queue, bell);
         let (leaving, leave) = oneshot::channel();
-        let (ready, told) = sync_channel(1);
+        let (ready, told) = Ready::new();
         let task = subscriber::Task {
             link: Arc::clone(&self.link),
             names: self.names.clone(),
@@ -181,7 +181,7 @@ impl Bus for AmqpBus {
             policy: queue,
             inlet: inlet.clone(),
             leave,
-            ready: Some(ready),
+            ready,
         };
         let is_open = self.link.is_open();
         self.link.spawn(&self.tasks, task.run());

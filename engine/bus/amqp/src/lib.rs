@@ -27,6 +27,7 @@ mod notice;
 mod outbox;
 mod publisher;
 mod pulse;
+mod ready;
 mod repeats;
 mod service;
 mod settings;

@@ -15,6 +15,8 @@ use tokio::time::timeout;
 
 use crate::{Notice, Settings, channel};
 
+/// How long to wait where the link is not at fault.
+const REST: Duration = Duration::from_millis(500);
 /// How long a goodbye may take.
 const GOODBYE: Duration = Duration::from_secs(1);
 /// The client never uses the number of a channel again that the broker has closed, and has 2047 of them.
@@ -157,6 +159,12 @@ impl Link {
         let _ = state
             .wait_for(|state| !state.pair.as_ref().is_some_and(same))
             .await;
+    }
+
+    /// After something broke on a pair: waits until the supervisor has seen it too. If it is something else, and the pair
+    /// is well, not long.
+    pub(crate) async fn rest(&self, pair: &Arc<Pair>) {
+        let _ = timeout(REST, self.gone(pair)).await;
     }
 
     /// Waits until the bus is being closed.

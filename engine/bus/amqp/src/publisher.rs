@@ -140,8 +140,7 @@ impl Task {
                 Err(Broken::Cancelled | Broken::Lost) => {
                     self.lane.outbox().broke(false);
                     self.lane.outbox().close();
-                    // The supervisor may need a moment to see it too.
-                    sleep(Duration::from_millis(10)).await;
+                    self.link.rest(&pair).await;
                 }
             }
         }

@@ -23,6 +23,7 @@ use tokio::sync::oneshot;
 use crate::channel::{Broken, LOCKED};
 use crate::link::Link;
 use crate::names::{Names, short};
+use crate::ready::Ready;
 use caller::{Open, Wait};
 
 /// How long a server that leaves waits for the broker to have forgotten it.
@@ -72,14 +73,14 @@ impl Services {
         let desk = Desk::new(size, bell);
         let (leaving, leave) = oneshot::channel();
         let (gone, left) = sync_channel(1);
-        let (ready, told) = sync_channel(1);
+        let (ready, told) = Ready::new();
         let task = provider::Task::new(provider::Post {
             link: Arc::clone(&self.link),
             key: key.clone(),
             queue,
             size,
             desk: Arc::clone(&desk),
-            ready: Some(ready),
+            ready,
         });
         let is_open = self.link.is_open();
         self.link.spawn(&self.tasks, async move {

@@ -6,7 +6,6 @@
 
 use std::pin::pin;
 use std::sync::Arc;
-use std::sync::mpsc::SyncSender;
 use std::time::Duration;
 
 use amqprs::channel::{
@@ -22,6 +21,7 @@ use crate::Notice;
 use crate::channel::{self, Broken, Ends, Word};
 use crate::link::{Link, Pair};
 use crate::names::Names;
+use crate::ready::Ready;
 use crate::repeats::Repeats;
 use crate::wire::{self, Headers};
 
@@ -45,7 +45,7 @@ pub(crate) struct Task {
     /// Resolved when the subscription is dropped.
     pub leave: oneshot::Receiver<()>,
     /// Told how the first declaration ended.
-    pub ready: Option<SyncSender<Result<(), Broken>>>,
+    pub ready: Ready,
 }
 
 impl Task {
@@ -59,7 +59,7 @@ impl Task {
             };
             match end {
                 Ok(()) => return,
-                Err(broken) if self.first(Err(broken.clone())) => return,
+                Err(broken) if self.ready.tell(Err(broken.clone())) => return,
                 Err(Broken::Closed { reason, .. }) => {
                     link.refused(self.pattern.as_str(), reason);
                     sleep(REST).await;
@@ -68,19 +68,8 @@ impl Task {
                     what: self.pattern.to_string(),
                     reason: "its queue was deleted".to_owned(),
                 }),
-                Err(Broken::Lost) => sleep(Duration::from_millis(10)).await,
+                Err(Broken::Lost) => link.rest(&pair).await,
             }
-        }
-    }
-
-    /// Tells whoever began the subscription how that went, if it does not know yet. Says whether the end is final: who
-    /// may not subscribe does not try again.
-    fn first(&mut self, end: Result<(), Broken>) -> bool {
-        let refused = matches!(end, Err(Broken::Closed { .. }));
-        match self.ready.take() {
-            // Who has not waited for it sees it in the health.
-            Some(ready) => ready.send(end).is_ok() && refused,
-            None => false,
         }
     }
 
@@ -99,7 +88,7 @@ impl Task {
         }
         let begun = self.declare(&channel).await;
         let mut messages = begun.map_err(|_| channel::why(&mut words))?;
-        self.first(Ok(()));
+        self.ready.tell(Ok(()));
         let link = Arc::clone(&self.link);
         let mut closing = pin!(link.closing());
         loop {

@@ -124,7 +124,7 @@ impl Task {
                     self.fail_all();
                     sleep(REST).await;
                 }
-                Err(Broken::Cancelled | Broken::Lost) => sleep(TICK).await,
+                Err(Broken::Cancelled | Broken::Lost) => link.rest(&pair).await,
             }
         }
         self.fail_all();

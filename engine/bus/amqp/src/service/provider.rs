@@ -3,7 +3,6 @@
 use std::collections::{HashMap, VecDeque};
 use std::pin::pin;
 use std::sync::Arc;
-use std::sync::mpsc::SyncSender;
 use std::time::Duration;
 
 use amqprs::BasicProperties;
@@ -20,6 +19,7 @@ use super::message::{self, Answer};
 use crate::Notice;
 use crate::channel::{self, Broken, Ends, Word};
 use crate::link::{Link, Pair};
+use crate::ready::Ready;
 use crate::wire::{self, Headers};
 
 /// How many requests may be under way to us.
@@ -39,7 +39,7 @@ pub(crate) struct Post {
     pub size: usize,
     pub desk: Arc<Desk>,
     /// Told how the first declaration ended.
-    pub ready: Option<SyncSender<Result<(), Broken>>>,
+    pub ready: Ready,
 }
 
 /// A request, by its id.
@@ -88,23 +88,13 @@ impl Task {
             };
             match end {
                 Ok(()) => return,
-                Err(broken) if self.first(Err(broken.clone())) => return,
+                Err(broken) if self.post.ready.tell(Err(broken.clone())) => return,
                 Err(Broken::Closed { reason, .. }) => {
                     link.refused(&self.post.key, reason);
                     sleep(REST).await;
                 }
-                Err(Broken::Cancelled | Broken::Lost) => sleep(Duration::from_millis(10)).await,
+                Err(Broken::Cancelled | Broken::Lost) => link.rest(&pair).await,
             }
-        }
-    }
-
-    /// Tells whoever began the service how that went, if it does not know yet. Says whether the end is final.
-    fn first(&mut self, end: Result<(), Broken>) -> bool {
-        let refused = matches!(end, Err(Broken::Closed { .. }));
-        match self.post.ready.take() {
-            // Who has not waited for it sees it in the health.
-            Some(ready) => ready.send(end).is_ok() && refused,
-            None => false,
         }
     }
 
@@ -119,7 +109,7 @@ impl Task {
         let (replies, mut refusals) = channel::open(&pair.publishers).await.map_err(lost)?;
         let begun = self.declare(&channel).await;
         let mut requests = begun.map_err(|_| channel::why(&mut words))?;
-        self.first(Ok(()));
+        self.post.ready.tell(Ok(()));
         let mut ticks = interval(TICK);
         ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
         let link = Arc::clone(&self.post.link);
