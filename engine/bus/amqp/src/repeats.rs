@@ -46,9 +46,9 @@ impl Repeats {
     }
 
     fn is_new_in(&mut self, name: String, sequence: u64) -> bool {
-        self.now += 1;
-        let now = self.now;
         let Some(stream) = self.streams.get_mut(&name) else {
+            self.now += 1;
+            let now = self.now;
             // What was published before we listened is none of ours.
             let stream = Stream {
                 highest: sequence,
@@ -60,10 +60,14 @@ impl Repeats {
             self.forget();
             return true;
         };
-        if let Some(name) = self.heard.remove(&stream.heard) {
-            self.heard.insert(now, name);
+        // Most often it is the one that was heard last.
+        if stream.heard != self.now {
+            self.now += 1;
+            if let Some(name) = self.heard.remove(&stream.heard) {
+                self.heard.insert(self.now, name);
+            }
+            stream.heard = self.now;
         }
-        stream.heard = now;
         if sequence <= stream.highest {
             let late = stream.gaps.remove(&sequence);
             self.missed -= u64::from(late);
