@@ -1,13 +1,17 @@
 //! The commands, one file each.
 
+mod call;
 mod check;
+mod component;
 mod demo;
+mod doctor;
 mod fmt;
 mod repl;
 mod run;
 mod sim;
 mod test;
 mod tool;
+mod topic;
 
 pub use demo::BLOCKED_CORRIDOR;
 
@@ -32,6 +36,14 @@ pub enum Command {
     Repl(repl::Repl),
     /// Runs scenarios
     Test(test::Test),
+    /// Shows what goes over a broker's topics, and publishes
+    Topic(topic::Topic),
+    /// Shows the components that are there on a broker, and how they are
+    Component(component::Component),
+    /// Calls an operation of a live component
+    Call(call::Call),
+    /// Says what is wrong with a broker, and how to mend it
+    Doctor(doctor::Doctor),
 }
 
 impl Command {
@@ -45,6 +57,10 @@ impl Command {
             Self::Sim(sim) => sim.run(terminal),
             Self::Repl(repl) => repl.run(terminal),
             Self::Test(test) => test.run(terminal),
+            Self::Topic(topic) => topic.run(terminal),
+            Self::Component(component) => component.run(terminal),
+            Self::Call(call) => call.run(terminal),
+            Self::Doctor(doctor) => doctor.run(terminal),
         }
     }
 }

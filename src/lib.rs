@@ -3,6 +3,7 @@
 //! This is the one crate that prints. [`mission`] puts a composite together and runs it; [`story`]
 //! tells what happens and [`trace`] writes it down.
 
+mod broker;
 mod build;
 mod command;
 mod diff;
@@ -11,6 +12,7 @@ mod files;
 pub mod mission;
 mod show;
 pub mod story;
+mod table;
 mod terminal;
 pub mod trace;
 

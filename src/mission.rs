@@ -1,6 +1,8 @@
 //! A composite put together, and its run until something ends it.
 
 mod error;
+mod herald;
+mod process;
 mod watch;
 
 pub use error::MissionError;
@@ -14,6 +16,7 @@ use assembly::{Opened, Standard};
 use component::{Event, Observer, Pace, Run, Time};
 use datum::Datum;
 
+use self::herald::Herald;
 use crate::build;
 use crate::files::Disk;
 use crate::story::{Story, Summary};
@@ -36,6 +39,10 @@ pub struct Mission {
     pub seeds_composite: bool,
     /// Which time it runs in.
     pub clock: Clock,
+    /// The broker that topics and wires go over; where absent, everything is joined directly.
+    pub broker: Option<amqp::Settings>,
+    /// Of the processes that the composite is deployed to, the one that is run; all of it where absent.
+    pub process: Option<String>,
     /// It ends well when a location gets one of these values: location, value. Where absent, with
     /// `mode = ARRIVED`, if there is such a location.
     pub until: Option<Vec<(String, String)>>,
@@ -101,6 +108,8 @@ impl Mission {
             seed: 1,
             seeds_composite: false,
             clock: Clock::Virtual(0.0),
+            broker: None,
+            process: None,
             until: None,
             unless: None,
             limit: Some(Duration::from_secs(600)),
@@ -140,16 +149,21 @@ impl Mission {
             seed: self.seed,
             builtins: &mut |_, _| None,
         };
-        let mut system = assembly::start(plan, &mut workshop)
+        let part = self.part(plan)?;
+        let mut system = assembly::start_part(plan, &part, &mut workshop)
             .map_err(|error| MissionError::Launch(error.to_string()))?;
         for (component, property, value) in &self.properties {
-            let id = system.id(component).ok_or_else(|| {
+            if plan.component(component).is_none() {
                 let known = plan.components.iter().map(|known| &known.name);
-                MissionError::Component {
+                return Err(MissionError::Component {
                     name: component.clone(),
                     similar: similar(component, known).cloned(),
-                }
-            })?;
+                });
+            }
+            // one of another process is set there
+            let Some(id) = system.id(component) else {
+                continue;
+            };
             let set = system.set_property(id, property, value);
             set.map_err(|error| MissionError::Launch(error.to_string()))?;
         }
@@ -161,6 +175,17 @@ impl Mission {
             hear(at, event, line.as_deref());
             lock(&watcher).observe(at, event);
         });
+        let bus = self.connect(plan)?;
+        let mut herald = match &bus {
+            None => None,
+            Some(bus) => {
+                let incarnation = process::incarnation();
+                let name = self.process.as_deref().unwrap_or(&plan.name);
+                let joined = (system.attach(bus.clone(), incarnation))
+                    .and_then(|()| Herald::new(plan, part, name, &**bus, incarnation));
+                Some(joined.map_err(|reason| self.broker_error(reason))?)
+            }
+        };
         let began = Instant::now();
         let mut run: Box<dyn Run> = match self.clock {
             Clock::Wall => Box::new(system.live()),
@@ -174,13 +199,18 @@ impl Mission {
                 Box::new(simulation)
             }
         };
-        let outcome = self.drive(&mut *run, &watch, stop);
+        let outcome = self.drive(&mut *run, &watch, stop, herald.as_mut());
         let time = run.now().since(Time::ZERO);
         let summary = lock(&story).summary().clone();
         if outcome == Outcome::Reached || outcome == Outcome::Failed {
             run.run_for(REST);
         }
         run.stop();
+        // what the components said last is sent before the bus closes
+        if let Some(herald) = &mut herald {
+            herald.leave();
+        }
+        drop((run, herald, bus));
         Ok(Ended {
             outcome,
             summary,
@@ -203,7 +233,13 @@ impl Mission {
         build::open(&self.composite, &settings, &Disk)
     }
 
-    fn drive(&self, run: &mut dyn Run, watch: &Mutex<Watch>, stop: &AtomicBool) -> Outcome {
+    fn drive(
+        &self,
+        run: &mut dyn Run,
+        watch: &Mutex<Watch>,
+        stop: &AtomicBool,
+        mut herald: Option<&mut Herald<'_>>,
+    ) -> Outcome {
         let limit = self.limit.map(|limit| Time::ZERO + limit);
         loop {
             if let Some(outcome) = lock(watch).outcome {
@@ -211,6 +247,9 @@ impl Mission {
             }
             if stop.load(Ordering::Relaxed) {
                 return Outcome::Stopped;
+            }
+            if let Some(herald) = &mut herald {
+                herald.speak(run);
             }
             let mut until = run.now() + SLICE;
             if let Some(limit) = limit {

@@ -14,5 +14,6 @@ mod house;
 mod language;
 mod missions;
 mod pictures;
+mod processes;
 mod repl;
 mod scenario;

@@ -12,6 +12,7 @@ use coordinator::{STEP_REPORT, StepRecord};
 use datum::Datum;
 use serde_json::json;
 
+use crate::broker::{self, Access};
 use crate::exit::Exit;
 use crate::mission::{Clock, Ended, Mission, MissionError, Outcome};
 use crate::terminal::{BAD, FAINT, GOOD, NOTE, Terminal};
@@ -27,13 +28,30 @@ pub struct Run {
     #[arg(long)]
     profile: Option<String>,
 
-    /// In virtual time (one thread, the same way each time) or as time passes on the wall.
-    #[arg(long, value_enum, default_value_t = ClockKind::Virtual)]
-    clock: ClockKind,
+    /// In virtual time (one thread, the same way each time) or as time passes on the wall; over a
+    /// broker it is the wall's.
+    #[arg(long, value_enum)]
+    clock: Option<ClockKind>,
 
     /// Virtual seconds in one second of the wall; 0, as without it, is as fast as possible.
     #[arg(long)]
     speed: Option<f64>,
+
+    /// Over which bus topics and services go: `local`, within this process, or a broker's address,
+    /// `amqp://user@host:port/vhost`. The password comes from ASMOTION_PASSWORD, or `--credentials`.
+    #[arg(long, value_name = "URL", default_value = "local")]
+    bus: String,
+
+    #[command(flatten)]
+    access: Access,
+
+    /// Whose topics these are on the broker: keys are `ROBOT.TOPIC`; the composite's name without it.
+    #[arg(long)]
+    robot: Option<String>,
+
+    /// Runs one of the processes that the composite is deployed to; the others run elsewhere.
+    #[arg(long, value_name = "NAME")]
+    process: Option<String>,
 
     #[command(flatten)]
     common: Common,
@@ -65,9 +83,10 @@ pub struct Common {
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
     pub goal: Option<String>,
 
-    /// Ends after so many seconds of its own time.
-    #[arg(long = "for", value_name = "SECONDS", default_value_t = 600.0)]
-    pub limit: f64,
+    /// Ends after so many seconds of its own time; without it after 600, or never where it is one
+    /// process of several.
+    #[arg(long = "for", value_name = "SECONDS")]
+    pub limit: Option<f64>,
 
     /// Sets a property of the composite (`place=lab`) or of a component (`World.slip=0.01`).
     #[arg(long, value_name = "NAME=VALUE")]
@@ -108,10 +127,27 @@ impl Run {
     fn mission(&self) -> Result<Mission, String> {
         let mut mission = Mission::new(&self.composite);
         mission.profile = self.profile.clone();
+        mission.process = self.process.clone();
+        if self.bus != "local" {
+            let mut settings = broker::settings(&self.bus, &self.access)?;
+            settings.robot = self.robot.clone();
+            settings.notices = Arc::new(|notice| {
+                let _ = writeln!(anstream::stderr(), "         Bus {notice}");
+            });
+            mission.broker = Some(settings);
+        }
+        let over_broker = mission.broker.is_some();
         mission.clock = match (self.clock, self.speed) {
-            (ClockKind::Virtual, speed) => virtual_clock(speed.unwrap_or(0.0))?,
-            (ClockKind::Wall, None) => Clock::Wall,
-            (ClockKind::Wall, Some(_)) => {
+            (Some(ClockKind::Virtual), _) | (None, Some(_)) if over_broker => {
+                return Err(
+                    "over a broker, time is the wall's: leave out `--clock` and `--speed`"
+                        .to_owned(),
+                );
+            }
+            (None, None) if over_broker => Clock::Wall,
+            (None | Some(ClockKind::Virtual), speed) => virtual_clock(speed.unwrap_or(0.0))?,
+            (Some(ClockKind::Wall), None) => Clock::Wall,
+            (Some(ClockKind::Wall), Some(_)) => {
                 return Err(
                     "`--speed` is of the virtual clock; on the wall, time has its own speed"
                         .to_owned(),
@@ -207,6 +243,8 @@ impl Common {
         }
         match ended.outcome {
             Outcome::Reached => Exit::Ok,
+            // one process of several runs until it is told to end
+            Outcome::Stopped if mission.process.is_some() => Exit::Ok,
             Outcome::Failed | Outcome::TimeUp | Outcome::Stopped => Exit::Findings,
             Outcome::Fault => Exit::Fault,
         }
@@ -217,14 +255,18 @@ impl Common {
             mission.seed = seed;
             mission.seeds_composite = true;
         }
-        if self.limit.is_nan() || self.limit <= 0.0 {
-            return Err(format!(
-                "`--for {}`: a time above zero is wanted",
-                self.limit
-            ));
+        match self.limit {
+            None if mission.process.is_some() => mission.limit = None,
+            None => {}
+            Some(limit) if limit.is_nan() || limit <= 0.0 => {
+                return Err(format!("`--for {limit}`: a time above zero is wanted"));
+            }
+            Some(limit) => {
+                let limit =
+                    Duration::try_from_secs_f64(limit).map_err(|error| error.to_string())?;
+                mission.limit = Some(limit);
+            }
         }
-        mission.limit =
-            Some(Duration::try_from_secs_f64(self.limit).map_err(|error| error.to_string())?);
         if let Some(goal) = &self.goal {
             let numbers: Vec<f64> = goal
                 .split(',')

@@ -38,6 +38,25 @@ pub enum MissionError {
         /// Why, by specification.
         reasons: Vec<(String, Unawaited)>,
     },
+    /// The composite is not deployed to this process.
+    Process {
+        /// What was asked for.
+        wanted: String,
+        /// What there is.
+        known: Vec<String>,
+    },
+    /// One process of several cannot do without a broker.
+    NeedsBroker {
+        /// The process.
+        process: String,
+    },
+    /// The broker is not there, or does not let us.
+    Broker {
+        /// Where it is.
+        place: String,
+        /// Why.
+        reason: bus::BusError,
+    },
     /// It cannot be put together.
     Launch(String),
 }
@@ -86,6 +105,17 @@ impl fmt::Display for MissionError {
                     write!(to, "\n  {specification}: {reason}")
                 })
             }
+            Self::Process { wanted, known } => {
+                let similar = similar(wanted, known).cloned();
+                let (meant, known) = (meant(&similar), known.join(", "));
+                write!(to, "there is no process `{wanted}`, but {known}{meant}")
+            }
+            Self::NeedsBroker { process } => write!(
+                to,
+                "`{process}` is one of several processes, which meet on a broker: add \
+                 `--bus amqp://user@host:port/vhost`, or leave out `--process` to run all in one"
+            ),
+            Self::Broker { place, reason } => write!(to, "the broker at {place}: {reason}"),
             Self::Launch(reason) => to.write_str(reason),
         }
     }

@@ -1,93 +1,77 @@
-//! The exchange: the system's topics on a bus. What is published inside goes out, what others publish comes in.
+//! The exchange: what of a system is on a bus. Topics and ports go out and come in, services are offered to others,
+//! references reach services of others.
+//!
+//! It is looked after by one thread, the courier's or the simulation's: a cycle leaves what it sends in a queue, and
+//! waits for no transport.
+
+mod offered;
+mod reached;
+mod topics;
 
 use std::sync::Arc;
 use std::time::Duration;
 
-use bus::{
-    Bell, Bus, BusError, Origin, Overflow, Pattern, Payload, Publisher, Queue, Subscription,
-};
-use datum::{DatumError, Problem, Sample};
+use bus::{Bell, Bus, BusError};
 
-use crate::connection::Delivery;
-use crate::door::{Doors, Place};
+use self::offered::Offers;
+use self::reached::Reached;
+use self::topics::Topics;
+use crate::Time;
 use crate::outside::Outside;
-use crate::port::{AnySender, Link};
-use crate::system::Topic;
+use crate::system::{Abroad, Topic};
 use crate::unit::Unit;
-use crate::{Kind, Time};
 
-/// How many messages of a topic may wait between two deliveries, at least; when full, the oldest is dropped.
-const WAITING: usize = 256;
-
-/// A topic of the bus, on its way in.
-struct Incoming {
-    place: Place,
-    subscription: Subscription,
-    /// How many of its messages are known to be lost.
-    lost: u64,
-}
+pub(crate) use self::reached::Way;
 
 /// The system's side of a bus.
 pub(crate) struct Exchange {
-    /// Which life of the system's process: what it has published itself does not come in again.
-    incarnation: u64,
-    doors: Doors,
-    incoming: Vec<Incoming>,
+    topics: Topics,
+    offers: Offers,
+    reached: Vec<Reached>,
     bell: Arc<Bell>,
 }
 
+/// The bus, and who we are on it.
+pub(crate) struct Membership {
+    pub bus: Arc<dyn Bus>,
+    /// Which life of the system's process.
+    pub incarnation: u64,
+    /// Rung for everything that comes.
+    pub bell: Arc<Bell>,
+}
+
 impl Exchange {
-    /// Joins the system's topics to those of the bus.
+    /// Joins what the system has abroad to the bus.
     pub(crate) fn new(
         units: &mut [Unit],
         topics: &[Topic],
-        bus: &dyn Bus,
+        abroad: Abroad,
+        bus: Arc<dyn Bus>,
         incarnation: u64,
     ) -> Result<Self, BusError> {
-        let bell = Arc::new(Bell::new());
-        let mut incoming = Vec::new();
-        for (index, topic) in topics.iter().enumerate() {
-            for end in &topic.publishers {
-                publish(&mut units[end.unit], end.index, topic, bus, incarnation)?;
-            }
-            if !topic.subscribers.is_empty() {
-                let pattern = Pattern::new(&*topic.name);
-                let subscription = bus.subscribe(&pattern, queue(topic), Arc::clone(&bell))?;
-                incoming.push(Incoming {
-                    place: Place::Topic(index),
-                    subscription,
-                    lost: 0,
-                });
-            }
-        }
-        Ok(Self {
+        let membership = Arc::new(Membership {
+            bus,
             incarnation,
-            doors: Doors::new(units, topics),
-            incoming,
-            bell,
+            bell: Arc::clone(&abroad.bell),
+        });
+        let topics = Topics::new(units, topics, &abroad, &membership)?;
+        let offers = Offers::new(units, &abroad.offered, &membership)?;
+        let reach = |way| Reached::new(way, Arc::clone(&membership));
+        Ok(Self {
+            topics,
+            offers,
+            reached: abroad.reached.into_iter().map(reach).collect(),
+            bell: abroad.bell,
         })
     }
 
-    /// Lets in what has come.
+    /// Lets in what has come, and lets out what waits.
     pub(crate) fn deliver(&mut self, now: Time, outside: &mut dyn Outside) {
-        for topic in &mut self.incoming {
-            while let Some(envelope) = topic.subscription.try_next() {
-                if envelope.incarnation == self.incarnation {
-                    continue;
-                }
-                match envelope.payload.to_sample() {
-                    Ok(sample) => self.doors.give(topic.place, &sample, now, outside),
-                    Err(reason) => self.doors.refuse(topic.place, &reason, now, outside),
-                }
-            }
-            let received = topic.subscription.received();
-            let lost = received.dropped + received.missed + received.unreadable;
-            if lost > topic.lost {
-                let more = lost - topic.lost;
-                topic.lost = lost;
-                self.doors.lose(topic.place, more, now, outside);
-            }
+        self.topics.deliver(now, outside);
+        for reached in &mut self.reached {
+            reached.deliver(now, outside);
         }
+        self.offers.deliver(now, outside);
     }
 
     /// Waits until something has come, or so long.
@@ -98,63 +82,5 @@ impl Exchange {
     /// The bell that ends a wait.
     pub(crate) fn bell(&self) -> Arc<Bell> {
         Arc::clone(&self.bell)
-    }
-}
-
-/// What the bus keeps of a topic for us: where every reader wants the newest, the newest.
-fn queue(topic: &Topic) -> Queue {
-    let sizes = topic
-        .subscribers
-        .iter()
-        .map(|(_, policy)| match policy.kind {
-            Kind::Data => None,
-            Kind::Buffer(size) | Kind::Circular(size) => Some(size),
-        });
-    match sizes.max().flatten() {
-        None => Queue::Latest,
-        Some(size) => Queue::All {
-            size: size.max(WAITING),
-            overflow: Overflow::DropOldest,
-        },
-    }
-}
-
-/// Lets an output publish on the bus too.
-fn publish(
-    unit: &mut Unit,
-    output: usize,
-    topic: &Topic,
-    bus: &dyn Bus,
-    incarnation: u64,
-) -> Result<(), BusError> {
-    let origin = Origin::new(Arc::clone(&unit.name), incarnation);
-    let output = &mut unit.body.outputs[output];
-    let type_name = output.schema().name.clone();
-    let publisher = bus.publisher(&topic.name, &origin, &type_name, topic.sending)?;
-    output.join(
-        Box::new(BusSender(publisher)),
-        Link::to_bus(format!("bus topic {}", topic.name)),
-    );
-    Ok(())
-}
-
-/// The bus as the reading end of a connection.
-struct BusSender(Box<dyn Publisher>);
-
-impl AnySender for BusSender {
-    fn accepts(&self, _: &Arc<dyn Sample>) -> Result<(), DatumError> {
-        Ok(())
-    }
-
-    fn send_sample(
-        &mut self,
-        sample: Arc<dyn Sample>,
-        at: Time,
-        _: u64,
-    ) -> Result<Delivery, DatumError> {
-        match self.0.publish(at.nanos(), Payload::Sample(sample)) {
-            Ok(()) => Ok(Delivery::Stored),
-            Err(error) => Err(DatumError::new(Problem::Mismatch(error.to_string()))),
-        }
     }
 }

@@ -50,5 +50,5 @@ pub use service::{
 };
 pub use setup::Setup;
 pub use simulated::{Pace, Simulation};
-pub use system::{BuildError, ComponentId, System};
+pub use system::{BuildError, ComponentId, System, port_topic};
 pub use time::{Span, Time};

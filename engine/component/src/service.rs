@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 pub(crate) use caller::{Caller, Mailbox, Reference, Slot, Wiring};
-pub(crate) use post::{Answer, Ask, CallKey, Post};
+pub(crate) use post::{Answer, AnswerTo, Ask, CallKey, Post};
 pub(crate) use provider::{Inbox, Service};
 
 use crate::Time;

@@ -1,5 +1,6 @@
 //! The builder of a system: components, properties, connections, topics, wires. It reads no file.
 
+mod abroad;
 mod error;
 mod join;
 
@@ -8,6 +9,8 @@ use std::sync::Arc;
 use bus::{Bus, BusError, Sending};
 use datum::Datum;
 
+pub use abroad::port_topic;
+pub(crate) use abroad::{Abroad, address};
 pub use error::BuildError;
 pub(crate) use join::End;
 
@@ -60,6 +63,8 @@ pub struct System {
     pub(crate) exchange: Option<Exchange>,
     /// Direct connections, so that none is made twice.
     connections: Vec<(End, End)>,
+    /// What is joined over a bus.
+    abroad: Abroad,
 }
 
 /// A component of a system under construction.
@@ -151,10 +156,13 @@ impl System {
     }
 
     /// Joins the topics declared so far to those of a bus: what is published here goes out, what others publish
-    /// comes in, to each subscriber by its own policy; see [`System::sending`] for how. `incarnation` numbers the lives of this process; what carries
-    /// it is our own, and does not come in again.
-    pub fn attach(&mut self, bus: &dyn Bus, incarnation: u64) -> Result<(), BusError> {
-        let exchange = Exchange::new(&mut self.units, &self.topics, bus, incarnation)?;
+    /// comes in, to each subscriber by its own policy (see [`System::sending`] for how); and with them the ports,
+    /// services and references that were declared to be reached over it. `incarnation` numbers the lives of this
+    /// process, and no two processes share one: what carries it is our own, and does not come in again where it was
+    /// handed over inside.
+    pub fn attach(&mut self, bus: Arc<dyn Bus>, incarnation: u64) -> Result<(), BusError> {
+        let abroad = std::mem::take(&mut self.abroad);
+        let exchange = Exchange::new(&mut self.units, &self.topics, abroad, bus, incarnation)?;
         self.exchange = Some(exchange);
         Ok(())
     }

@@ -49,7 +49,7 @@ fn attached(incarnation: u64, bus: &Local) -> (System, Log) {
     system
         .subscribe("numbers", "Teller.n", Policy::buffer(16))
         .unwrap();
-    system.attach(bus, incarnation).unwrap();
+    system.attach(Arc::new(bus.clone()), incarnation).unwrap();
     (system, log)
 }
 
@@ -165,7 +165,7 @@ fn what_comes_in_is_kept_by_the_subscribers_policy() {
         .unwrap();
     let policy = Policy::data().max_age(150.ms()).on_stale(OnStale::Zero);
     system.subscribe("numbers", "Teller.n", policy).unwrap();
-    system.attach(&bus, 7).unwrap();
+    system.attach(Arc::new(bus.clone()), 7).unwrap();
     let mut run = system.simulate();
     let mut elsewhere = bus
         .publisher(
@@ -194,7 +194,7 @@ fn two_live_systems_talk_over_a_bus() {
     other
         .subscribe("numbers", "Teller.n", Policy::buffer(16))
         .unwrap();
-    other.attach(&bus, 8).unwrap();
+    other.attach(Arc::new(bus.clone()), 8).unwrap();
     let mut other = other.live();
     let one = one.live();
     let mut heard = 0;

@@ -1,6 +1,8 @@
 //! A plan becomes a system: components are made, given their properties, joined and wired.
 
 mod coordinator;
+mod part;
+mod sending;
 mod workshop;
 
 use std::time::Duration;
@@ -8,12 +10,13 @@ use std::time::Duration;
 use component::declaration::Declaration;
 use component::{
     Activity, BuildError, Component, ComponentId, Interface, Kind, OnStale, Overrun, Policy,
-    PropertyError, System, Wire,
+    PropertyError, System, Wire, port_topic,
 };
 
 use crate::model;
 use crate::plan::{self, Plan, Terminal};
 
+pub use part::Part;
 pub use workshop::{Make, Standard, Workshop};
 
 /// Why a plan cannot be started.
@@ -61,6 +64,18 @@ pub const SUBSCRIPTION_SIZE: usize = 64;
 /// # Errors
 /// The first thing that stands in the way.
 pub fn start(plan: &Plan, workshop: &mut dyn Workshop) -> Result<System, StartError> {
+    start_part(plan, &Part::Whole, workshop)
+}
+
+/// Builds a part of a plan's system. What joins it to the rest is on the bus that the system is then attached to.
+///
+/// # Errors
+/// The first thing that stands in the way.
+pub fn start_part(
+    plan: &Plan,
+    part: &Part,
+    workshop: &mut dyn Workshop,
+) -> Result<System, StartError> {
     if !plan.missing.is_empty() {
         return Err(StartError::Missing {
             variables: plan.missing.clone(),
@@ -68,16 +83,25 @@ pub fn start(plan: &Plan, workshop: &mut dyn Workshop) -> Result<System, StartEr
     }
     let mut building = Building {
         plan,
+        part,
         system: System::new(),
     };
-    for component in &plan.components {
+    if part.takes_the_bus_inside() {
+        building.system.topics_abroad();
+    }
+    let here = |component: &&plan::Component| part.has(&component.name);
+    for component in plan.components.iter().filter(here) {
         building.component(component, workshop)?;
     }
-    for component in &plan.components {
+    for component in plan.components.iter().filter(here) {
         building.topics(component)?;
+        building.services(component)?;
     }
     for connection in &plan.connections {
         building.connection(connection)?;
+    }
+    for (topic, sending) in sending::of_topics(plan, part) {
+        building.system.sending(topic, sending);
     }
     for wire in &plan.wires {
         building.wire(wire)?;
@@ -87,6 +111,7 @@ pub fn start(plan: &Plan, workshop: &mut dyn Workshop) -> Result<System, StartEr
 
 struct Building<'p> {
     plan: &'p Plan,
+    part: &'p Part,
     system: System,
 }
 
@@ -180,6 +205,22 @@ impl Building<'_> {
         Ok(())
     }
 
+    /// Offers the services of a component to those outside of this part.
+    fn services(&mut self, component: &plan::Component) -> Result<(), StartError> {
+        if self.part.is_alone() {
+            return Ok(());
+        }
+        for service in &component.services {
+            if self.has(&component.name, |declared| {
+                declared.service(&service.name).is_some()
+            }) {
+                self.system
+                    .offer(&format!("{}.{}", component.name, service.name))?;
+            }
+        }
+        Ok(())
+    }
+
     /// Whether a component really has something; what it does not use it need not declare.
     fn has(&self, component: &str, what: impl Fn(&Declaration) -> bool) -> bool {
         let id: Option<ComponentId> = self.system.id(component);
@@ -190,24 +231,41 @@ impl Building<'_> {
     fn connection(&mut self, connection: &plan::Connection) -> Result<(), StartError> {
         let policy = policy(&connection.policy);
         match (&connection.from, &connection.to) {
-            (Terminal::Port(from), Terminal::Port(to)) => {
-                self.system
-                    .connect(&from.to_string(), &to.to_string(), policy)?;
-            }
-            (Terminal::Port(from), Terminal::Topic(topic)) => {
+            (Terminal::Port(from), Terminal::Port(to)) => self.ports(from, to, policy)?,
+            (Terminal::Port(from), Terminal::Topic(topic)) if self.part.has(&from.component) => {
                 self.system.publish(&from.to_string(), topic)?;
             }
-            (Terminal::Topic(topic), Terminal::Port(to)) => {
+            (Terminal::Topic(topic), Terminal::Port(to)) if self.part.has(&to.component) => {
                 self.system.subscribe(topic, &to.to_string(), policy)?;
             }
-            // the checker refuses these
-            (Terminal::Topic(_), Terminal::Topic(_)) => {}
+            // the others are of another part; the checker refuses topics joined to topics
+            (Terminal::Port(_) | Terminal::Topic(_), Terminal::Topic(_))
+            | (Terminal::Topic(_), Terminal::Port(_)) => {}
         }
         Ok(())
     }
 
+    /// Connects two ports, of which one or both may be of another part.
+    fn ports(
+        &mut self,
+        from: &plan::End,
+        to: &plan::End,
+        policy: Policy,
+    ) -> Result<(), BuildError> {
+        let (writer, reader) = (from.to_string(), to.to_string());
+        match (self.part.has(&from.component), self.part.has(&to.component)) {
+            (true, true) => self.system.connect(&writer, &reader, policy),
+            (true, false) => self.system.expose(&writer, sending::of([policy.kind])),
+            (false, true) => (self.system).subscribe(&port_topic(&writer), &reader, policy),
+            (false, false) => Ok(()),
+        }
+    }
+
     fn wire(&mut self, wire: &plan::Wire) -> Result<(), StartError> {
         let reference = &wire.reference;
+        if !self.part.has(&reference.component) {
+            return Ok(());
+        }
         if !self.has(&reference.component, |declared| {
             declared.reference(&reference.name).is_some()
         }) {
@@ -224,8 +282,11 @@ impl Building<'_> {
             cancel_on_timeout: wire.cancel == model::Cancel::OnTimeout,
             one_way: wire.oneway,
         };
-        self.system
-            .wire(&reference.to_string(), &service.to_string(), how)?;
+        let (caller, provider) = (reference.to_string(), service.to_string());
+        match self.part.has(&service.component) && !self.part.takes_the_bus_inside() {
+            true => self.system.wire(&caller, &provider, how)?,
+            false => self.system.reach(&caller, &provider, how)?,
+        }
         Ok(())
     }
 }

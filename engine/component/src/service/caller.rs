@@ -5,9 +5,9 @@ use std::sync::Arc;
 use crossbeam_queue::ArrayQueue;
 use datum::Sample;
 
-use super::{Answer, Ask, CallError, CallId, CallKey, Inbox, Post, Wire};
+use super::{Answer, AnswerTo, Ask, CallError, CallId, CallKey, Inbox, Post, Wire};
 use crate::declaration::ReferenceDeclaration;
-use crate::outside::Leaving;
+use crate::outside::{Leaving, Outside};
 use crate::{Event, Time};
 
 /// How many calls of one component may be under way; more find the provider unavailable.
@@ -22,9 +22,9 @@ pub(crate) struct Mailbox {
 
 impl Mailbox {
     /// Leaves an answer. Should the box be full, the caller meets its deadline instead.
-    pub(crate) fn put(&self, answer: Answer, leaving: &mut Leaving<'_>) {
+    pub(crate) fn put(&self, answer: Answer, outside: &mut dyn Outside) {
         if self.queue.push(answer).is_ok() {
-            leaving.outside.trigger(self.component);
+            outside.trigger(self.component);
         }
     }
 }
@@ -40,11 +40,20 @@ pub(crate) struct Wiring {
     pub inbox: Arc<Inbox>,
     /// The service: `TrajectoryPlanner.planning`.
     pub to: String,
-    /// The provider's place in the system.
-    pub provider: usize,
+    /// The provider's place in the system, if it is there.
+    pub provider: Option<usize>,
     /// The service's position of each of the reference's operations.
     pub operations: Vec<usize>,
     pub wire: Wire,
+}
+
+impl Wiring {
+    /// Something is in the provider's inbox. One beyond the bus hears the inbox' bell.
+    fn trigger(&self, leaving: &mut Leaving<'_>) {
+        if let Some(provider) = self.provider {
+            leaving.outside.trigger(provider);
+        }
+    }
 }
 
 /// All calls of one component.
@@ -180,9 +189,9 @@ impl Caller {
             argument: Arc::clone(&call.argument),
             caller: Arc::clone(leaving.name),
             deadline: (!one_way).then_some(call.deadline),
-            answer_to: (!one_way).then(|| Arc::clone(&self.mailbox)),
+            answer_to: (!one_way).then(|| AnswerTo::Here(Arc::clone(&self.mailbox))),
         }))?;
-        leaving.outside.trigger(wiring.provider);
+        wiring.trigger(leaving);
         Ok(())
     }
 
@@ -332,6 +341,6 @@ fn tell_cancelled(references: &[Reference], call: &Outstanding, leaving: &mut Le
     };
     // A provider that cannot be told is not at work on it either, or will see the deadline.
     if wiring.inbox.post(Post::Cancel(key)).is_ok() {
-        leaving.outside.trigger(wiring.provider);
+        wiring.trigger(leaving);
     }
 }

@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
+use bus::{Call, CallFailure, Payload, Refusal};
 use datum::Sample;
 
 use super::{CallError, Mailbox};
 use crate::Time;
+use crate::outside::Outside;
 
 /// Names one call in the system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,7 +34,52 @@ pub(crate) struct Ask {
     pub caller: Arc<str>,
     pub deadline: Option<Time>,
     /// Where the answer goes; nowhere for a one-way call.
-    pub answer_to: Option<Arc<Mailbox>>,
+    pub answer_to: Option<AnswerTo>,
+}
+
+/// Where an answer goes.
+pub(crate) enum AnswerTo {
+    /// To a component of this system.
+    Here(Arc<Mailbox>),
+    /// To a caller on the bus.
+    Bus(Call),
+}
+
+impl AnswerTo {
+    /// Whether the caller still waits, as far as that is known here.
+    pub(crate) fn is_awaited(&self) -> bool {
+        match self {
+            // It posts a cancellation when it does not.
+            Self::Here(_) => true,
+            Self::Bus(call) => call.is_awaited(),
+        }
+    }
+
+    /// Answers the caller's call of this number.
+    pub(crate) fn send(
+        self,
+        number: u64,
+        result: Result<Arc<dyn Sample>, CallError>,
+        outside: &mut dyn Outside,
+    ) {
+        match self {
+            Self::Here(mailbox) => mailbox.put(Answer { number, result }, outside),
+            Self::Bus(call) => call.end(result.map(Payload::Sample).map_err(failure)),
+        }
+    }
+}
+
+/// An error as the bus carries it.
+fn failure(error: CallError) -> CallFailure {
+    match error {
+        CallError::Timeout => CallFailure::Timeout,
+        CallError::Unavailable => CallFailure::Unavailable,
+        CallError::Cancelled => CallFailure::Cancelled,
+        CallError::Fault(fault) => CallFailure::Refused(Refusal {
+            code: fault.code,
+            detail: fault.detail,
+        }),
+    }
 }
 
 /// To a caller.

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use bus::Bell;
 use crossbeam_queue::ArrayQueue;
 use datum::Sample;
 
-use super::{Answer, Ask, CallError, CallKey, Mailbox, Post, RequestId, ServiceFault};
+use super::{AnswerTo, Ask, CallError, CallKey, Post, RequestId, ServiceFault};
 use crate::declaration::ServiceDeclaration;
 use crate::outside::Leaving;
 use crate::{Event, Time};
@@ -19,6 +20,8 @@ pub(crate) struct Inbox {
     queue: ArrayQueue<Post>,
     /// Whether the provider is running.
     open: AtomicBool,
+    /// Rung for what comes, if the provider is beyond the bus.
+    bell: Option<Arc<Bell>>,
 }
 
 impl Inbox {
@@ -26,7 +29,22 @@ impl Inbox {
         Arc::new(Self {
             queue: ArrayQueue::new(WAITING),
             open: AtomicBool::new(false),
+            bell: None,
         })
+    }
+
+    /// The way to a service beyond the bus: always open, and the bell is rung for what comes.
+    pub(crate) fn beyond(bell: Arc<Bell>) -> Arc<Self> {
+        Arc::new(Self {
+            queue: ArrayQueue::new(WAITING),
+            open: AtomicBool::new(true),
+            bell: Some(bell),
+        })
+    }
+
+    /// What came first.
+    pub(crate) fn next(&self) -> Option<Post> {
+        self.queue.pop()
     }
 
     /// Leaves something for the provider's next cycle.
@@ -34,7 +52,11 @@ impl Inbox {
         if !self.open.load(Ordering::Acquire) {
             return Err(CallError::Unavailable);
         }
-        self.queue.push(post).map_err(|_| CallError::Unavailable)
+        self.queue.push(post).map_err(|_| CallError::Unavailable)?;
+        if let Some(bell) = &self.bell {
+            bell.ring();
+        }
+        Ok(())
     }
 }
 
@@ -58,7 +80,7 @@ struct Open {
     operation: usize,
     caller: Arc<str>,
     deadline: Option<Time>,
-    answer_to: Arc<Mailbox>,
+    answer_to: AnswerTo,
 }
 
 impl Service {
@@ -87,10 +109,11 @@ impl Service {
             }
         }
         let alive = |deadline: Option<Time>| deadline.is_none_or(|deadline| now < deadline);
-        self.waiting.retain(|(_, ask)| alive(ask.deadline));
+        let awaited = |ask: &Ask| ask.answer_to.as_ref().is_none_or(AnswerTo::is_awaited);
+        (self.waiting).retain(|(_, ask)| alive(ask.deadline) && awaited(ask));
         let cancelled = &mut self.cancelled;
         self.open.retain(|open| {
-            let keep = alive(open.deadline);
+            let keep = alive(open.deadline) && open.answer_to.is_awaited();
             if !keep {
                 cancelled.push(open.id);
             }
@@ -110,18 +133,18 @@ impl Service {
         if self.waiting.is_empty() {
             return Vec::new();
         }
-        let taken: Vec<_> = self
+        let mut taken: Vec<_> = self
             .waiting
             .extract_if(.., |(_, ask)| ask.operation == operation)
             .collect();
-        self.open.extend(taken.iter().filter_map(|(id, ask)| {
+        self.open.extend(taken.iter_mut().filter_map(|(id, ask)| {
             Some(Open {
                 id: *id,
                 key: ask.key,
                 operation: ask.operation,
                 caller: Arc::clone(&ask.caller),
                 deadline: ask.deadline,
-                answer_to: ask.answer_to.clone()?,
+                answer_to: ask.answer_to.take()?,
             })
         }));
         taken
@@ -160,13 +183,8 @@ impl Service {
             caller: &open.caller,
             result: result.as_deref(),
         });
-        open.answer_to.put(
-            Answer {
-                number: open.key.number,
-                result,
-            },
-            leaving,
-        );
+        let number = open.key.number;
+        open.answer_to.send(number, result, leaving.outside);
     }
 
     /// The component begins to run.

@@ -11,7 +11,7 @@ use crate::body::Body;
 use crate::declaration::{OperationDeclaration, PortDeclaration};
 use crate::port::Link;
 use crate::property::suggestion_among;
-use crate::service::{Wire, Wiring};
+use crate::service::{Reference, Wire, Wiring};
 
 /// One end of a connection.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -25,7 +25,7 @@ pub(crate) struct End {
 }
 
 /// A table of a component's named things.
-struct Table<'a> {
+pub(super) struct Table<'a> {
     what: &'static str,
     names: Vec<&'a str>,
 }
@@ -34,7 +34,7 @@ fn inputs(body: &Body) -> Table<'_> {
     ports("input", &body.declaration.inputs)
 }
 
-fn outputs(body: &Body) -> Table<'_> {
+pub(super) fn outputs(body: &Body) -> Table<'_> {
     ports("output", &body.declaration.outputs)
 }
 
@@ -45,7 +45,7 @@ fn ports<'a>(what: &'static str, ports: &'a [PortDeclaration]) -> Table<'a> {
     }
 }
 
-fn services(body: &Body) -> Table<'_> {
+pub(super) fn services(body: &Body) -> Table<'_> {
     let services = &body.declaration.services;
     Table {
         what: "service",
@@ -53,7 +53,7 @@ fn services(body: &Body) -> Table<'_> {
     }
 }
 
-fn references(body: &Body) -> Table<'_> {
+pub(super) fn references(body: &Body) -> Table<'_> {
     let references = &body.declaration.references;
     Table {
         what: "reference",
@@ -92,7 +92,7 @@ impl System {
         }
         let index = self.topic(topic);
         for (to, policy) in self.topics[index].subscribers.clone() {
-            self.join(&from, &to, &policy)?;
+            self.join_topic(&from, &to, &policy)?;
         }
         self.units[from.unit].body.topics[from.index] = Some(topic.to_owned());
         self.topics[index].publishers.push(from);
@@ -111,7 +111,7 @@ impl System {
             });
         }
         for from in self.topics[index].publishers.clone() {
-            self.join(&from, &to, &policy)?;
+            self.join_topic(&from, &to, &policy)?;
         }
         self.topics[index].subscribers.push((to, policy));
         Ok(())
@@ -128,14 +128,8 @@ impl System {
     pub fn wire(&mut self, from: &str, to: &str, wire: Wire) -> Result<(), BuildError> {
         let from = self.end(from, references)?;
         let to = self.end(to, services)?;
-        let reference = &self.units[from.unit].body.references[from.index];
+        let reference = self.unwired(&from)?;
         let service = &self.units[to.unit].body.services[to.index];
-        if let Some(wiring) = &reference.wiring {
-            return Err(BuildError::Joined {
-                to: format!("`{}`", wiring.to),
-                end: from.name,
-            });
-        }
         if reference.declaration.interface != service.declaration.interface {
             return Err(BuildError::Interfaces {
                 required: reference.declaration.interface.clone(),
@@ -152,12 +146,24 @@ impl System {
         let wiring = Wiring {
             inbox: Arc::clone(&service.inbox),
             to: to.name.clone(),
-            provider: to.unit,
+            provider: Some(to.unit),
             operations,
             wire,
         };
         self.units[from.unit].body.references[from.index].wiring = Some(wiring);
         Ok(())
+    }
+
+    /// A reference that has no service yet.
+    pub(super) fn unwired(&self, from: &End) -> Result<&Reference, BuildError> {
+        let reference = &self.units[from.unit].body.references[from.index];
+        match &reference.wiring {
+            None => Ok(reference),
+            Some(wiring) => Err(BuildError::Joined {
+                end: from.name.clone(),
+                to: format!("`{}`", wiring.to),
+            }),
+        }
     }
 
     /// The place of a topic, made if need be.
@@ -174,18 +180,29 @@ impl System {
         })
     }
 
-    fn join(&mut self, from: &End, to: &End, policy: &Policy) -> Result<(), BuildError> {
-        let output = self.units[from.unit].body.outputs[from.index]
-            .schema()
-            .clone();
-        let input = &mut self.units[to.unit].body.inputs[to.index];
+    /// Joins a publisher to a subscriber, unless the bus does.
+    fn join_topic(&mut self, from: &End, to: &End, policy: &Policy) -> Result<(), BuildError> {
+        match self.abroad.topics {
+            true => self.compare(from, to),
+            false => self.join(from, to, policy),
+        }
+    }
+
+    fn compare(&self, from: &End, to: &End) -> Result<(), BuildError> {
+        let output = self.units[from.unit].body.outputs[from.index].schema();
+        let input = self.units[to.unit].body.inputs[to.index].schema();
         output
-            .compare(input.schema())
+            .compare(input)
             .map_err(|difference| BuildError::Types {
                 from: from.name.clone(),
                 to: to.name.clone(),
                 difference: Box::new(difference),
-            })?;
+            })
+    }
+
+    fn join(&mut self, from: &End, to: &End, policy: &Policy) -> Result<(), BuildError> {
+        self.compare(from, to)?;
+        let input = &mut self.units[to.unit].body.inputs[to.index];
         let sender = input.open(policy).map_err(|source| BuildError::NoZero {
             to: to.name.clone(),
             source,
@@ -202,7 +219,7 @@ impl System {
     }
 
     /// Finds `component.port`. Components may have dots in their names, ports have none.
-    fn end(&self, path: &str, table: fn(&Body) -> Table<'_>) -> Result<End, BuildError> {
+    pub(super) fn end(&self, path: &str, table: fn(&Body) -> Table<'_>) -> Result<End, BuildError> {
         let (component, port) = path.rsplit_once('.').unwrap_or((path, ""));
         let Some(id) = self.id(component) else {
             let names = self.units.iter().map(|unit| &*unit.name);

@@ -1,5 +1,6 @@
 //! Two systems, as two processes would be: their topics meet on a broker.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use component::{
@@ -63,7 +64,7 @@ fn events_between_two_systems_outlive_the_broker() {
     (on_board.add("Counter", Activity::periodic(20.ms()), counter)).unwrap();
     on_board.publish("Counter.out", "counts").unwrap();
     on_board.sending("counts", events());
-    on_board.attach(&robot, 1).unwrap();
+    on_board.attach(Arc::new(robot), 1).unwrap();
 
     let mut above = System::new();
     let teller = |interface: &mut component::Interface| {
@@ -71,7 +72,7 @@ fn events_between_two_systems_outlive_the_broker() {
     };
     above.add("Teller", Activity::event(), teller).unwrap();
     (above.subscribe("counts", "Teller.in", Policy::buffer(1000))).unwrap();
-    above.attach(&supervisor, 2).unwrap();
+    above.attach(Arc::new(supervisor), 2).unwrap();
 
     let (mut above, on_board) = (above.live(), on_board.live());
     let mut heard = Vec::new();

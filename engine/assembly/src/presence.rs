@@ -1,0 +1,207 @@
+//! Presence: what a process says of itself, for tools and for strangers. `docs/wire.md` describes it.
+
+use component::{Run, State};
+use datum::Datum;
+use serde::{Deserialize, Serialize};
+
+use crate::plan::{End, Plan};
+use crate::start::Part;
+
+/// The type of the message.
+pub const PRESENCE: &str = "asmotion/Presence";
+
+/// The topic of a process' presence: `presence.onboard`.
+pub fn presence_topic(process: &str) -> String {
+    format!("presence.{process}")
+}
+
+/// What a process says of itself.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Presence {
+    /// The composite it runs.
+    pub composite: String,
+    /// Its name.
+    pub process: String,
+    /// Whether this is its last word.
+    pub leaves: bool,
+    /// Its components, in the order of the composite.
+    pub components: Vec<Present>,
+    /// The topics that its components are on.
+    pub topics: Vec<PresentTopic>,
+}
+
+/// A component.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Present {
+    /// Its name.
+    pub name: String,
+    /// Its state in its life cycle: `Running`.
+    pub state: String,
+    /// How many cycles it has begun.
+    pub cycles: u64,
+    /// Cycles a second, since the word before.
+    pub rate_hz: f64,
+    /// How many periods it has missed.
+    pub overruns: u64,
+    /// Input ports.
+    pub inputs: Vec<Typed>,
+    /// Output ports.
+    pub outputs: Vec<Typed>,
+    /// Services.
+    pub services: Vec<PresentService>,
+    /// References.
+    pub references: Vec<Typed>,
+    /// Properties, as they are.
+    pub properties: Vec<(String, Datum)>,
+}
+
+/// A port and its message type, or a reference and its interface.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Typed {
+    /// Its name.
+    pub name: String,
+    /// Its type.
+    #[serde(rename = "type")]
+    pub kind: String,
+}
+
+/// A service; an operation is called at `Component.service.operation`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct PresentService {
+    /// Its name.
+    pub name: String,
+    /// Its interface.
+    pub interface: String,
+    /// Its operations.
+    pub operations: Vec<PresentOperation>,
+}
+
+/// An operation.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct PresentOperation {
+    /// Its name.
+    pub name: String,
+    /// The type of what is sent.
+    pub request: String,
+    /// The type of what is answered.
+    pub response: String,
+}
+
+/// A topic, as far as it is in this process.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct PresentTopic {
+    /// Its name.
+    pub name: String,
+    /// The type of its messages, if anybody says.
+    #[serde(rename = "type")]
+    pub kind: Option<String>,
+    /// `Component.port` of who writes to it.
+    pub publishers: Vec<String>,
+    /// Of who reads it.
+    pub subscribers: Vec<String>,
+}
+
+impl Presence {
+    /// What there is to say of a running part of a plan.
+    pub fn of(plan: &Plan, part: &Part, process: &str, run: &mut dyn Run) -> Self {
+        let names = run.components();
+        Self {
+            composite: plan.name.clone(),
+            process: process.to_owned(),
+            leaves: false,
+            components: names.iter().map(|name| Present::of(name, run)).collect(),
+            topics: topics(plan, part),
+        }
+    }
+
+    /// Fills in the rates, from what was said so many seconds before.
+    #[must_use]
+    pub fn with_rates(mut self, before: Option<&Self>, seconds: f64) -> Self {
+        for component in &mut self.components {
+            let known = before.iter().flat_map(|before| &before.components);
+            let known = known.into_iter().find(|known| known.name == component.name);
+            if let Some(known) = known
+                && seconds > 0.0
+            {
+                let cycles = component.cycles.saturating_sub(known.cycles);
+                #[allow(clippy::cast_precision_loss, reason = "a rate is no exact number")]
+                let rate = cycles as f64 / seconds;
+                component.rate_hz = rate;
+            }
+        }
+        self
+    }
+}
+
+fn topics(plan: &Plan, part: &Part) -> Vec<PresentTopic> {
+    let here = |ends: &[End]| -> Vec<String> {
+        let here = ends.iter().filter(|end| part.has(&end.component));
+        here.map(End::to_string).collect()
+    };
+    let topic = |topic: &crate::plan::Topic| PresentTopic {
+        name: topic.name.clone(),
+        kind: topic.kind.clone(),
+        publishers: here(&topic.publishers),
+        subscribers: here(&topic.subscribers),
+    };
+    let topics = plan.topics.iter().map(topic);
+    topics
+        .filter(|topic| !topic.publishers.is_empty() || !topic.subscribers.is_empty())
+        .collect()
+}
+
+impl Present {
+    fn of(name: &str, run: &mut dyn Run) -> Self {
+        let declared = run.declaration(name).unwrap_or_default();
+        let typed = |ports: &[component::declaration::PortDeclaration]| {
+            let typed = ports.iter().map(|port| Typed {
+                name: port.name.clone(),
+                kind: port.schema.name.to_string(),
+            });
+            typed.collect()
+        };
+        Self {
+            name: name.to_owned(),
+            state: run
+                .state(name)
+                .as_ref()
+                .map(State::to_string)
+                .unwrap_or_default(),
+            cycles: run.cycles(name),
+            rate_hz: 0.0,
+            overruns: run.overruns(name),
+            inputs: typed(&declared.inputs),
+            outputs: typed(&declared.outputs),
+            services: declared.services.iter().map(PresentService::of).collect(),
+            references: (declared.references.iter())
+                .map(|reference| Typed {
+                    name: reference.name.clone(),
+                    kind: reference.interface.clone(),
+                })
+                .collect(),
+            // one whose cycle takes long says them the next time
+            properties: run.properties(name).unwrap_or_default(),
+        }
+    }
+}
+
+impl PresentService {
+    fn of(service: &component::declaration::ServiceDeclaration) -> Self {
+        let operations = service.operations.iter().map(|operation| PresentOperation {
+            name: operation.name.clone(),
+            request: operation.request.name.to_string(),
+            response: operation.response.name.to_string(),
+        });
+        Self {
+            name: service.name.clone(),
+            interface: service.interface.clone(),
+            operations: operations.collect(),
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! Topics on the bus: what is published inside goes out, what others publish comes in.
+
+use std::sync::Arc;
+
+use bus::{BusError, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription};
+use datum::{DatumError, Problem, Sample};
+
+use super::Membership;
+use crate::connection::Delivery;
+use crate::door::{Doors, Place};
+use crate::outside::Outside;
+use crate::port::{AnySender, Link};
+use crate::system::{Abroad, End, Topic, port_topic};
+use crate::unit::Unit;
+use crate::{Kind, Time};
+
+/// How many messages of a topic may wait between two deliveries, at least; when full, the oldest is dropped.
+const WAITING: usize = 256;
+
+/// A topic of the bus, on its way in.
+struct Incoming {
+    place: Place,
+    subscription: Subscription,
+    /// How many of its messages are known to be lost.
+    lost: u64,
+}
+
+/// The system's topics, as they are on the bus.
+pub(super) struct Topics {
+    /// What carries it is our own, and does not come in again: it was handed over inside.
+    own: Option<u64>,
+    doors: Doors,
+    incoming: Vec<Incoming>,
+}
+
+impl Topics {
+    pub(super) fn new(
+        units: &mut [Unit],
+        topics: &[Topic],
+        abroad: &Abroad,
+        membership: &Membership,
+    ) -> Result<Self, BusError> {
+        for topic in topics {
+            for end in &topic.publishers {
+                publish(units, end, &topic.name, topic.sending, membership)?;
+            }
+        }
+        for (end, sending) in &abroad.exposed {
+            publish(units, end, &port_topic(&end.name), *sending, membership)?;
+        }
+        let mut incoming = Vec::new();
+        for (index, topic) in topics.iter().enumerate() {
+            if !topic.subscribers.is_empty() {
+                let bell = Arc::clone(&membership.bell);
+                let pattern = Pattern::new(&*topic.name);
+                incoming.push(Incoming {
+                    place: Place::Topic(index),
+                    subscription: membership.bus.subscribe(&pattern, queue(topic), bell)?,
+                    lost: 0,
+                });
+            }
+        }
+        Ok(Self {
+            own: (!abroad.topics).then_some(membership.incarnation),
+            doors: Doors::new(units, topics),
+            incoming,
+        })
+    }
+
+    /// Lets in what has come.
+    pub(super) fn deliver(&mut self, now: Time, outside: &mut dyn Outside) {
+        for topic in &mut self.incoming {
+            while let Some(envelope) = topic.subscription.try_next() {
+                if self.own == Some(envelope.incarnation) {
+                    continue;
+                }
+                match envelope.payload.to_sample() {
+                    Ok(sample) => self.doors.give(topic.place, &sample, now, outside),
+                    Err(reason) => self.doors.refuse(topic.place, &reason, now, outside),
+                }
+            }
+            let received = topic.subscription.received();
+            let lost = received.dropped + received.missed + received.unreadable;
+            if lost > topic.lost {
+                let more = lost - topic.lost;
+                topic.lost = lost;
+                self.doors.lose(topic.place, more, now, outside);
+            }
+        }
+    }
+}
+
+/// What the bus keeps of a topic for us: where every reader wants the newest, the newest.
+fn queue(topic: &Topic) -> Queue {
+    let sizes = topic
+        .subscribers
+        .iter()
+        .map(|(_, policy)| match policy.kind {
+            Kind::Data => None,
+            Kind::Buffer(size) | Kind::Circular(size) => Some(size),
+        });
+    match sizes.max().flatten() {
+        None => Queue::Latest,
+        Some(size) => Queue::All {
+            size: size.max(WAITING),
+            overflow: Overflow::DropOldest,
+        },
+    }
+}
+
+/// Lets an output publish on the bus too.
+fn publish(
+    units: &mut [Unit],
+    end: &End,
+    topic: &str,
+    sending: Sending,
+    membership: &Membership,
+) -> Result<(), BusError> {
+    let unit = &mut units[end.unit];
+    let origin = Origin::new(Arc::clone(&unit.name), membership.incarnation);
+    let output = &mut unit.body.outputs[end.index];
+    let type_name = output.schema().name.clone();
+    let publisher = (membership.bus).publisher(topic, &origin, &type_name, sending)?;
+    output.join(
+        Box::new(BusSender(publisher)),
+        Link::to_bus(format!("bus topic {topic}")),
+    );
+    Ok(())
+}
+
+/// The bus as the reading end of a connection.
+struct BusSender(Box<dyn Publisher>);
+
+impl AnySender for BusSender {
+    fn accepts(&self, _: &Arc<dyn Sample>) -> Result<(), DatumError> {
+        Ok(())
+    }
+
+    fn send_sample(
+        &mut self,
+        sample: Arc<dyn Sample>,
+        at: Time,
+        _: u64,
+    ) -> Result<Delivery, DatumError> {
+        match self.0.publish(at.nanos(), Payload::Sample(sample)) {
+            Ok(()) => Ok(Delivery::Stored),
+            Err(error) => Err(DatumError::new(Problem::Mismatch(error.to_string()))),
+        }
+    }
+}

@@ -1,0 +1,191 @@
+//! A broker from the command line: how it is named, where the password comes from, and who is there.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use amqp::{AmqpBus, Credentials, Identity, Settings};
+use assembly::presence::{Presence, presence_topic};
+use bus::{Bell, Bus, BusError, Overflow, Pattern, Queue, Subscription};
+use clap::Args;
+
+/// How long to wait for the broker.
+const CONNECT: Duration = Duration::from_secs(10);
+/// How long to listen for who is there: each process speaks once a second.
+const LISTEN: Duration = Duration::from_millis(1500);
+
+/// The variable with the password.
+const PASSWORD: &str = "ASMOTION_PASSWORD";
+
+/// What a command against a live broker wants to know.
+#[derive(Args, Clone)]
+pub struct Broker {
+    /// The broker, `amqp://user@host:port/vhost`; without it, what the variable ASMOTION_BUS says. The
+    /// password comes from ASMOTION_PASSWORD, or `--credentials`.
+    #[arg(long, global = true, value_name = "URL")]
+    bus: Option<String>,
+
+    #[command(flatten)]
+    access: Access,
+}
+
+/// How a broker lets us in.
+#[derive(Args, Clone, Default)]
+pub struct Access {
+    /// Who we are to the broker: a file with the user in its first line, the password in its second.
+    #[arg(long, global = true, value_name = "FILE")]
+    credentials: Option<PathBuf>,
+
+    /// With `amqps`, who vouches for the broker (PEM); without it, the authorities that browsers trust.
+    #[arg(long, global = true, value_name = "FILE")]
+    ca: Option<PathBuf>,
+
+    /// Our certificate (PEM), where the broker wants one.
+    #[arg(long, global = true, value_name = "FILE", requires = "key")]
+    certificate: Option<PathBuf>,
+
+    /// The key of our certificate (PEM).
+    #[arg(long, global = true, value_name = "FILE", requires = "certificate")]
+    key: Option<PathBuf>,
+}
+
+impl Broker {
+    /// What is known of it; topics and addresses are whole keys, whichever robot's they are.
+    ///
+    /// # Errors
+    /// Nobody says which, or the password is not known.
+    pub fn settings(&self) -> Result<Settings, String> {
+        let variable = || std::env::var("ASMOTION_BUS").ok();
+        let address =
+            self.bus.clone().or_else(variable).ok_or(
+                "which broker? Add `--bus amqp://user@host:port/vhost`, or set ASMOTION_BUS",
+            )?;
+        let mut settings = settings(&address, &self.access)?;
+        settings.process = "asmotion-tool".to_owned();
+        Ok(settings)
+    }
+
+    /// A bus over it.
+    ///
+    /// # Errors
+    /// It is not there, or does not let us.
+    pub fn connect(&self) -> Result<AmqpBus, String> {
+        let settings = self.settings()?;
+        let place = settings.place();
+        AmqpBus::connect(settings, CONNECT).map_err(|reason| {
+            format!("the broker at {place}: {reason}\n  `asmotion doctor` says how to mend it")
+        })
+    }
+}
+
+/// Everything that a pattern matches.
+///
+/// # Errors
+/// The broker does not let us.
+pub fn listen(bus: &AmqpBus, pattern: &str) -> Result<Subscription, BusError> {
+    let queue = Queue::All {
+        size: 4096,
+        overflow: Overflow::DropOldest,
+    };
+    bus.subscribe(&Pattern::new(pattern), queue, Arc::new(Bell::new()))
+}
+
+/// Who is there, by robot and process. Takes a second and a half.
+///
+/// # Errors
+/// The broker does not let us.
+pub fn presences(bus: &AmqpBus) -> Result<BTreeMap<(String, String), Presence>, BusError> {
+    let subscription = listen(bus, "#.presence.*")?;
+    let until = Instant::now() + LISTEN;
+    let mut known = BTreeMap::new();
+    while let Some(left) = until.checked_duration_since(Instant::now()) {
+        let Some(envelope) = subscription.next_within(left) else {
+            break;
+        };
+        let datum = envelope.payload.to_datum();
+        // what is not ours is none of ours
+        let Ok(presence) = datum.and_then(|datum| datum.to::<Presence>()) else {
+            continue;
+        };
+        let topic = presence_topic(&presence.process);
+        let robot = envelope.topic.strip_suffix(&topic).unwrap_or_default();
+        let name = (
+            robot.trim_end_matches('.').to_owned(),
+            presence.process.clone(),
+        );
+        match presence.leaves {
+            true => known.remove(&name),
+            false => known.insert(name, presence),
+        };
+    }
+    Ok(known)
+}
+
+/// The settings of `amqp://user@host:port/vhost`. The password comes from the credentials file or the environment; one
+/// in the address is taken too, though others see it among the processes.
+///
+/// # Errors
+/// The address is none, or there is no password.
+pub fn settings(address: &str, access: &Access) -> Result<Settings, String> {
+    let (address, has_password) = with_password(address);
+    let mut settings = Settings::parse(&address).map_err(|error| error.to_string())?;
+    if let Some(tls) = &mut settings.tls {
+        tls.authority.clone_from(&access.ca);
+        let identity = access.certificate.clone().zip(access.key.clone());
+        tls.identity = identity.map(|(certificate, key)| Identity { certificate, key });
+    }
+    if let Some(file) = &access.credentials {
+        settings.credentials = Credentials::from_file(file).map_err(|error| error.to_string())?;
+    } else if !has_password {
+        let user = settings.credentials.user().to_owned();
+        let password = std::env::var(PASSWORD).map_err(|_| {
+            format!("the password of `{user}` is not known: set {PASSWORD}, or name a file with `--credentials`")
+        })?;
+        settings.credentials = Credentials::new(user, password);
+    }
+    Ok(settings)
+}
+
+/// The address with a password in it, and whether that is the user's own. One without a user has the broker's usual
+/// one, `guest`.
+fn with_password(address: &str) -> (String, bool) {
+    let user = address.split_once("://").and_then(|(scheme, rest)| {
+        let authority = rest.split('/').next().unwrap_or(rest);
+        let (user, _) = authority.rsplit_once('@')?;
+        let after = rest.get(user.len()..)?;
+        (!user.contains(':')).then(|| format!("{scheme}://{user}:{after}"))
+    });
+    match user {
+        Some(address) => (address, false),
+        None => (address.to_owned(), true),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_user_without_password_keeps_name_and_place() {
+        let (address, has_password) = with_password("amqp://ann@rover1:5673/cell");
+        assert_eq!(address, "amqp://ann:@rover1:5673/cell");
+        assert!(!has_password);
+        for whole in ["amqp://ann:secret@h", "amqp://h:5672/v", "local"] {
+            assert_eq!(with_password(whole), (whole.to_owned(), true));
+        }
+    }
+
+    #[test]
+    fn credentials_of_a_file_count() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("credentials");
+        std::fs::write(&file, "bob\nsecret\n").unwrap();
+        let access = Access {
+            credentials: Some(file),
+            ..Access::default()
+        };
+        let settings = settings("amqp://ann@h", &access).unwrap();
+        assert_eq!(settings.credentials, Credentials::new("bob", "secret"));
+    }
+}

@@ -1,0 +1,207 @@
+//! `asmotion doctor`: what is wrong with a broker, and how to mend it.
+
+use crate::broker::{self, Broker};
+use crate::exit::Exit;
+use crate::terminal::{BAD, GOOD, Terminal};
+use amqp::{AmqpBus, Settings};
+use bus::{Bell, Bus, BusError, CallFailure, Link, Origin, Payload, Request, Sending};
+use clap::Args;
+use datum::Datum;
+use std::net::{TcpStream, ToSocketAddrs};
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Says what is wrong with a broker, and how to mend it.
+#[derive(Args)]
+pub struct Doctor {
+    #[command(flatten)]
+    broker: Broker,
+}
+
+/// How long anything may take.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// The topic and the service that are tried.
+const TRIED: &str = "asmotion.doctor";
+
+/// Something that is wrong.
+struct Ailment {
+    what: String,
+    mend: String,
+}
+
+impl Ailment {
+    fn new(what: impl Into<String>, mend: impl Into<String>) -> Self {
+        Self {
+            what: what.into(),
+            mend: mend.into(),
+        }
+    }
+}
+
+impl Doctor {
+    /// Tries what a system does, one thing after the other, until one does not work.
+    pub fn run(self, terminal: &mut Terminal) -> Exit {
+        let settings = match self.broker.settings() {
+            Ok(settings) => settings,
+            Err(problem) => {
+                terminal.error(problem);
+                return Exit::Usage;
+            }
+        };
+        match examine(&settings, terminal) {
+            Ok(()) => Exit::Ok,
+            Err(ailment) => {
+                terminal.result(format_args!("{BAD}bad{BAD:#}  {}", ailment.what));
+                for line in ailment.mend.lines() {
+                    terminal.result(format_args!("       {line}"));
+                }
+                Exit::Findings
+            }
+        }
+    }
+}
+
+fn examine(settings: &Settings, terminal: &mut Terminal) -> Result<(), Ailment> {
+    let mut well = |what: String| terminal.result(format_args!("{GOOD}ok{GOOD:#}   {what}"));
+    reach(settings)?;
+    well(format!("{}:{} is there", settings.host, settings.port));
+    let bus = enter(settings)?;
+    well(format!(
+        "user `{}` may enter the virtual host `{}`",
+        settings.credentials.user(),
+        settings.vhost
+    ));
+    take(&bus, settings)?;
+    well("the broker takes messages: no alarm".to_owned());
+    exchange(&bus, settings)?;
+    well("a message that is published is read".to_owned());
+    serve(&bus, settings)?;
+    well("a service that is offered is called".to_owned());
+    Ok(())
+}
+
+/// Whether anything listens there.
+fn reach(settings: &Settings) -> Result<(), Ailment> {
+    let (host, port) = (&settings.host, settings.port);
+    let addresses = (host.as_str(), port).to_socket_addrs().map_err(|error| {
+        Ailment::new(
+            format!("`{host}` cannot be found: {error}"),
+            "is the name right? Try its IP address",
+        )
+    })?;
+    let mut last = "it has no address".to_owned();
+    for address in addresses {
+        match TcpStream::connect_timeout(&address, PATIENCE) {
+            Ok(_) => return Ok(()),
+            Err(error) => last = error.to_string(),
+        }
+    }
+    Err(Ailment::new(
+        format!("{host}:{port} cannot be reached: {last}"),
+        "on that machine: `systemctl status rabbitmq-server`, and `rabbitmq-diagnostics listeners`\n\
+         says the port (5672 unless set) and the addresses; a firewall may be in between",
+    ))
+}
+
+/// Whether we may come in.
+fn enter(settings: &Settings) -> Result<AmqpBus, Ailment> {
+    AmqpBus::connect(settings.clone(), PATIENCE).map_err(|error| {
+        let (user, vhost) = (settings.credentials.user(), &settings.vhost);
+        let what = error.to_string();
+        let said = what.to_lowercase();
+        let mend = if said.contains("login") || said.contains("authentication") {
+            format!(
+                "user or password is wrong: `rabbitmqctl list_users` has the users,\n\
+                 `rabbitmqctl change_password {user} …` sets a password; `guest` may come from the same machine alone"
+            )
+        } else if said.contains("vhost") && said.contains("not found") {
+            format!("`rabbitmqctl add_vhost {vhost}`, then `{}`", permit(settings))
+        } else if said.contains("vhost") {
+            format!("the user may not enter it: `{}`", permit(settings))
+        } else if said.contains("certificate") || said.contains("tls") {
+            "`--ca FILE` names who vouches for the broker; one that wants to know us needs `--certificate` and `--key`"
+                .to_owned()
+        } else {
+            "something listens there, but not as RabbitMQ does: is it the right port? The broker's log says more"
+                .to_owned()
+        };
+        Ailment::new(what, mend)
+    })
+}
+
+/// What lets the user do everything in the virtual host.
+fn permit(settings: &Settings) -> String {
+    let (user, vhost) = (settings.credentials.user(), &settings.vhost);
+    format!("rabbitmqctl set_permissions -p {vhost} {user} '.*' '.*' '.*'")
+}
+
+/// Whether the broker takes anything.
+fn take(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
+    // an alarm is noticed by a pulse that is not answered
+    std::thread::sleep(settings.timing.silent + 2 * settings.timing.pulse);
+    match bus.health().link {
+        Link::Up => Ok(()),
+        Link::Blocked { reason } | Link::Down { reason } => Err(Ailment::new(
+            format!("the broker takes nothing: {reason}"),
+            "it is short of memory or disk: `rabbitmq-diagnostics alarms` says which;\n\
+             make room, or raise `vm_memory_high_watermark` or lower `disk_free_limit` in rabbitmq.conf",
+        )),
+    }
+}
+
+/// Whether topics work.
+fn exchange(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
+    let read = broker::listen(bus, TRIED)
+        .map_err(|error| forbidden("a topic cannot be read", &error.to_string(), settings))?;
+    let sending = Sending::events(NonZeroUsize::MIN);
+    let origin = Origin::new("asmotion-doctor", 0);
+    let message = Payload::of(Datum::text("hello"));
+    let mut publisher = (bus.publisher(TRIED, &origin, "", sending))
+        .map_err(|error| forbidden("a topic cannot be written", &error.to_string(), settings))?;
+    let published = publisher.publish(0, message).is_ok();
+    if published && read.next_within(PATIENCE).is_some() {
+        return Ok(());
+    }
+    let what = "a topic cannot be written";
+    Err(forbidden(what, "what was published has not come", settings))
+}
+
+/// Whether services work.
+fn serve(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
+    let ill = |what: String| forbidden("a service cannot be offered or called", &what, settings);
+    let serving = match bus.serve(TRIED, 1, Arc::new(Bell::new())) {
+        Ok(serving) => serving,
+        // another doctor is at work
+        Err(BusError::Served { .. }) => return Ok(()),
+        Err(error) => return Err(ill(error.to_string())),
+    };
+    let request = Request::new(
+        Origin::new("asmotion-doctor", 0),
+        Payload::of(Datum::Null),
+        PATIENCE,
+    );
+    let pending = bus
+        .call(TRIED, request, Arc::new(Bell::new()))
+        .map_err(|error| ill(error.to_string()))?;
+    if let Some(call) = serving.next_within(PATIENCE) {
+        call.reply(Ok(Payload::of(Datum::Null)));
+    }
+    pending
+        .wait()
+        .map(drop)
+        .map_err(|failure: CallFailure| ill(failure.to_string()))
+}
+
+fn forbidden(what: &str, reason: &str, settings: &Settings) -> Ailment {
+    let (user, vhost) = (settings.credentials.user(), &settings.vhost);
+    Ailment::new(
+        format!("{what}: {reason}"),
+        format!(
+            "`rabbitmqctl list_permissions -p {vhost}` shows what `{user}` may do;\n\
+             `{}` allows everything there, docs/wire.md says what is needed",
+            permit(settings)
+        ),
+    )
+}

@@ -1,0 +1,56 @@
+//! `asmotion topic echo`: the messages of a topic, as they come.
+
+use crate::broker;
+use crate::exit::Exit;
+use crate::terminal::Terminal;
+use amqp::AmqpBus;
+use bus::Envelope;
+use clap::Args;
+use serde_json::json;
+use std::time::{Duration, Instant};
+
+#[derive(Args)]
+pub struct Echo {
+    /// The topic's key, `navigation.odom`; `*` is any word, `#` any number of them.
+    topic: String,
+
+    /// Ends after so many messages.
+    #[arg(long)]
+    count: Option<u64>,
+
+    /// Ends after so many seconds.
+    #[arg(long = "for", value_name = "SECONDS", default_value_t = 60)]
+    limit: u64,
+}
+
+impl Echo {
+    /// Shows each message as an object on a line. Without any, that is a finding.
+    pub fn run(self, bus: &AmqpBus, terminal: &mut Terminal) -> Result<Exit, String> {
+        let subscription = broker::listen(bus, &self.topic).map_err(|error| error.to_string())?;
+        let until = Instant::now() + Duration::from_secs(self.limit);
+        let mut shown = 0;
+        while self.count.is_none_or(|count| shown < count) {
+            let left = until.saturating_duration_since(Instant::now());
+            let Some(envelope) = subscription.next_within(left) else {
+                break;
+            };
+            shown += 1;
+            terminal.result(line(&envelope));
+        }
+        Ok(if shown > 0 { Exit::Ok } else { Exit::Findings })
+    }
+}
+
+fn line(envelope: &Envelope) -> String {
+    let content = envelope.payload.to_datum();
+    let content = content.and_then(|datum| datum::json::encode(&datum));
+    // a number as its sender wrote it
+    let content = content.unwrap_or_else(|error| json!(error.to_string()).to_string());
+    let about = json!({
+        "topic": &*envelope.topic, "source": &*envelope.source, "sequence": envelope.sequence,
+        "stamp": envelope.stamp, "type": &*envelope.type_name,
+    });
+    let about = about.to_string();
+    let about = about.trim_end_matches('}');
+    format!("{about},\"content\":{content}}}")
+}

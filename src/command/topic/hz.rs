@@ -1,0 +1,60 @@
+//! `asmotion topic hz`: how often a topic's messages come.
+
+use crate::broker;
+use crate::exit::Exit;
+use crate::terminal::Terminal;
+use amqp::AmqpBus;
+use clap::Args;
+use std::time::{Duration, Instant};
+
+#[derive(Args)]
+pub struct Hz {
+    /// The topic's key, `navigation.odom`.
+    topic: String,
+
+    /// Listens so many seconds.
+    #[arg(long = "for", value_name = "SECONDS", default_value_t = 5.0)]
+    window: f64,
+}
+
+impl Hz {
+    /// Counts. Silence is a finding.
+    pub fn run(self, bus: &AmqpBus, terminal: &mut Terminal) -> Result<Exit, String> {
+        let window = Duration::try_from_secs_f64(self.window).map_err(|error| error.to_string())?;
+        let subscription = broker::listen(bus, &self.topic).map_err(|error| error.to_string())?;
+        let until = Instant::now() + window;
+        let mut arrivals = Vec::new();
+        let next = || subscription.next_within(until.saturating_duration_since(Instant::now()));
+        while next().is_some() {
+            arrivals.push(Instant::now());
+        }
+        let gaps: Vec<f64> = arrivals
+            .windows(2)
+            .map(|pair| pair[1].duration_since(pair[0]).as_secs_f64() * 1e3)
+            .collect();
+        if gaps.is_empty() {
+            terminal.result(format_args!("{} messages in {window:?}", arrivals.len()));
+            return Ok(Exit::Findings);
+        }
+        let (least, most) = gaps
+            .iter()
+            .fold((f64::INFINITY, 0.0_f64), |(least, most), gap| {
+                (least.min(*gap), most.max(*gap))
+            });
+        #[allow(clippy::cast_precision_loss, reason = "a rate is no exact number")]
+        let mean = gaps.iter().sum::<f64>() / gaps.len() as f64;
+        terminal.result(format_args!(
+            "{:.1} Hz: {} messages, {least:.1} to {most:.1} ms between two",
+            1e3 / mean,
+            arrivals.len()
+        ));
+        let received = subscription.received();
+        if received.missed + received.dropped > 0 {
+            terminal.result(format_args!(
+                "{} never came, {} came too fast for this reader",
+                received.missed, received.dropped
+            ));
+        }
+        Ok(Exit::Ok)
+    }
+}

@@ -1,0 +1,68 @@
+//! `asmotion topic pub`: publishes a message.
+
+use crate::exit::Exit;
+use amqp::AmqpBus;
+use bus::{Bus, Origin, Payload, Sending};
+use clap::Args;
+use datum::{Codec, Datum};
+use std::num::NonZeroUsize;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+#[derive(Args)]
+pub struct Pub {
+    /// The topic's key, `navigation.goal`.
+    topic: String,
+
+    /// The message as JSON; fields left out have their initial values.
+    #[arg(default_value = "{}")]
+    message: String,
+
+    /// Its type, `geometry_msgs/Twist`; readers take it by its fields.
+    #[arg(long = "type", default_value = "")]
+    kind: String,
+
+    /// Publishes it so many times.
+    #[arg(long, default_value_t = 1)]
+    count: u64,
+
+    /// So many times a second.
+    #[arg(long, default_value_t = 1.0)]
+    rate: f64,
+}
+
+impl Pub {
+    /// Publishes. That nobody reads it is a finding.
+    pub fn run(self, bus: &AmqpBus) -> Result<Exit, String> {
+        let message: Datum = datum::json::decode(&self.message)
+            .map_err(|error| format!("`{}` is no JSON: {error}", self.message))?;
+        let pause = Duration::try_from_secs_f64(1.0 / self.rate)
+            .map_err(|_| format!("`--rate {}`: a number above zero is wanted", self.rate))?;
+        let origin = Origin::new("asmotion-tool", 0);
+        let sending = Sending::events(NonZeroUsize::MIN.saturating_add(255)).by(Codec::Json);
+        let mut publisher = (bus.publisher(&self.topic, &origin, &self.kind, sending))
+            .map_err(|error| error.to_string())?;
+        for number in 0..self.count {
+            if number > 0 {
+                std::thread::sleep(pause);
+            }
+            (publisher.publish(now(), Payload::of(message.clone())))
+                .map_err(|error| error.to_string())?;
+        }
+        if !bus.drain(Duration::from_secs(5)) {
+            return Err("the broker has not confirmed all of it".to_owned());
+        }
+        let sent = publisher.sent();
+        if sent.refused + sent.lost > 0 {
+            return Err(format!("{} refused, {} lost", sent.refused, sent.lost));
+        }
+        if sent.unheard > 0 {
+            return Err(format!("nobody reads `{}`", self.topic));
+        }
+        Ok(Exit::Ok)
+    }
+}
+
+fn now() -> i64 {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH);
+    i64::try_from(now.unwrap_or_default().as_nanos()).unwrap_or(i64::MAX)
+}

@@ -1,0 +1,76 @@
+//! The herald: tells others on the bus, again and again, what this process is and how it is.
+
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use assembly::presence::{PRESENCE, Presence, presence_topic};
+use assembly::{Part, Plan};
+use bus::{Bus, BusError, Origin, Payload, Publisher, Sending};
+use component::Run;
+use datum::{Codec, Datum};
+
+/// How often it speaks.
+const PERIOD: Duration = Duration::from_secs(1);
+
+/// Tells what a running part of a plan is.
+pub(super) struct Herald<'p> {
+    plan: &'p Plan,
+    part: Part,
+    process: String,
+    publisher: Box<dyn Publisher>,
+    /// When it spoke last, and what it said.
+    last: Option<(Instant, Presence)>,
+}
+
+impl<'p> Herald<'p> {
+    pub(super) fn new(
+        plan: &'p Plan,
+        part: Part,
+        process: &str,
+        bus: &dyn Bus,
+        incarnation: u64,
+    ) -> Result<Self, BusError> {
+        let origin = Origin::new(process, incarnation);
+        let sending = Sending::state().by(Codec::Json);
+        Ok(Self {
+            plan,
+            part,
+            process: process.to_owned(),
+            publisher: bus.publisher(&presence_topic(process), &origin, PRESENCE, sending)?,
+            last: None,
+        })
+    }
+
+    /// Speaks, if it is time.
+    pub(super) fn speak(&mut self, run: &mut dyn Run) {
+        let now = Instant::now();
+        let before = self.last.take();
+        let since = before.as_ref().map(|(at, _)| now.duration_since(*at));
+        if since.is_some_and(|since| since < PERIOD) {
+            self.last = before;
+            return;
+        }
+        let presence = Presence::of(self.plan, &self.part, &self.process, run);
+        let before = before.map(|(_, before)| before);
+        let presence =
+            presence.with_rates(before.as_ref(), since.unwrap_or_default().as_secs_f64());
+        self.publish(&presence);
+        self.last = Some((now, presence));
+    }
+
+    /// Says the last word.
+    pub(super) fn leave(&mut self) {
+        let mut presence = self.last.take().map(|(_, last)| last).unwrap_or_default();
+        presence.leaves = true;
+        self.publish(&presence);
+    }
+
+    /// What a broker does not take is said anew in a second.
+    fn publish(&mut self, presence: &Presence) {
+        let Ok(datum) = Datum::of(presence) else {
+            return;
+        };
+        let now = SystemTime::now().duration_since(UNIX_EPOCH);
+        let stamp = i64::try_from(now.unwrap_or_default().as_nanos()).unwrap_or(i64::MAX);
+        let _ = self.publisher.publish(stamp, Payload::of(datum));
+    }
+}

@@ -1,0 +1,347 @@
+//! Missions over a real broker, in one process and in several: the coordinator goes through the same control states.
+
+use broker::{Calm, Vhost};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// Where the rover goes: not far.
+const GOAL: &str = "3.4,4.7";
+/// Long enough for anything on a loaded machine.
+const LONG: Duration = Duration::from_secs(30);
+
+fn navigation() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/navigation")
+}
+
+/// `asmotion run` of a composite.
+fn run(composite: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    command.arg("run").arg(composite);
+    command.args(["--goal", GOAL, "--json", "--for", "60"]);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// The same over the broker of a test, as the process of this name or as all in one.
+fn over(composite: &Path, broker: &Calm, vhost: &Vhost<'_>, process: Option<&str>) -> Command {
+    let mut command = run(composite);
+    let (user, address) = (broker.user(), broker.address());
+    let url = format!("amqp://{user}@{address}/{}", vhost.name());
+    command.args(["--bus", &url]);
+    command.env("ASMOTION_PASSWORD", broker.password());
+    command.args(process.iter().flat_map(|name| ["--process", name]));
+    command
+}
+
+/// A process that is ended with the test.
+struct Running(Option<Child>);
+
+impl Running {
+    fn start(command: &mut Command) -> Self {
+        Self(Some(command.spawn().unwrap()))
+    }
+
+    /// Waits for its end.
+    fn end(mut self) -> Output {
+        self.0.take().unwrap().wait_with_output().unwrap()
+    }
+
+    /// Ends it as Ctrl-C does.
+    fn interrupt(self) -> Output {
+        let pid = self.0.as_ref().unwrap().id().to_string();
+        let told = Command::new("kill").args(["-INT", &pid]).status().unwrap();
+        assert!(told.success());
+        self.end()
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        if let Some(child) = &mut self.0 {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+}
+
+/// The control states that a run went through, and its exit code.
+fn modes(output: &Output) -> (Vec<String>, Option<i32>) {
+    let text = String::from_utf8(output.stdout.clone()).unwrap();
+    let mut modes = Vec::new();
+    for line in text.lines() {
+        let line: Value = serde_json::from_str(line).unwrap();
+        let updates = line["step"]["updates"].as_array().into_iter().flatten();
+        let to = updates.filter(|update| update["location"] == "mode");
+        modes.extend(to.map(|update| update["after"].as_str().unwrap().to_owned()));
+    }
+    assert!(
+        output.status.success(),
+        "{modes:?}\n{text}\n{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    (modes, output.status.code())
+}
+
+/// Waits until a process has its queues.
+#[track_caller]
+fn there(vhost: &Vhost<'_>, process: &str) {
+    let until = Instant::now() + LONG;
+    let prefix = format!("{process}.");
+    while !vhost
+        .queues()
+        .unwrap()
+        .iter()
+        .any(|queue| queue.starts_with(&prefix))
+    {
+        assert!(Instant::now() < until, "`{process}` has no queues");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+/// What the local bus does, in virtual time.
+fn expected() -> (Vec<String>, Option<i32>) {
+    let output = run(&navigation().join("navigation.composite.toml"))
+        .output()
+        .unwrap();
+    let (modes, code) = modes(&output);
+    assert_eq!(modes.last().map(String::as_str), Some("ARRIVED"));
+    (modes, code)
+}
+
+#[test]
+fn in_one_process_with_everything_over_the_broker() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let composite = navigation().join("navigation.composite.toml");
+    let output = over(&composite, &broker, &vhost, None).output().unwrap();
+    assert_eq!(modes(&output), expected());
+}
+
+#[test]
+fn in_two_processes_of_which_the_one_on_board_runs_until_it_is_told_to_end() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let composite = navigation().join("navigation.composite.toml");
+    let onboard = Running::start(&mut over(&composite, &broker, &vhost, Some("onboard")));
+    there(&vhost, "onboard");
+    let supervisor = over(&composite, &broker, &vhost, Some("supervisor"))
+        .output()
+        .unwrap();
+    assert_eq!(modes(&supervisor), expected());
+    assert_eq!(modes(&onboard.interrupt()), (Vec::new(), Some(0)));
+    assert_eq!(vhost.connections().unwrap(), 0);
+}
+
+/// The composite with its planner in a process of its own.
+fn three_processes(folder: &Path) -> PathBuf {
+    for name in ["navigate.asm", "maps/office.geojson"] {
+        let to = folder.join(name);
+        std::fs::create_dir_all(to.parent().unwrap()).unwrap();
+        std::fs::copy(navigation().join(name), to).unwrap();
+    }
+    let composite = navigation().join("navigation.composite.toml");
+    let text = std::fs::read_to_string(composite).unwrap();
+    let apart = text.replace(
+        r#", "TrajectoryPlanner"] },"#,
+        "] },\n  { name = \"planning\", components = [\"TrajectoryPlanner\"] },",
+    );
+    assert_ne!(text, apart);
+    let composite = folder.join("apart.composite.toml");
+    std::fs::write(&composite, apart).unwrap();
+    composite
+}
+
+#[test]
+fn in_three_processes_with_a_service_in_another_one() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let composite = three_processes(folder.path());
+    let start = |process| Running::start(&mut over(&composite, &broker, &vhost, Some(process)));
+    let others = [start("onboard"), start("planning")];
+    there(&vhost, "onboard");
+    there(&vhost, "planning");
+    let supervisor = start("supervisor").end();
+    assert_eq!(modes(&supervisor), expected());
+    for other in others {
+        assert_eq!(modes(&other.interrupt()), (Vec::new(), Some(0)));
+    }
+}
+
+#[test]
+fn without_its_partner_a_process_goes_on_and_its_calls_fail() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let composite = three_processes(folder.path());
+    let onboard = Running::start(&mut over(&composite, &broker, &vhost, Some("onboard")));
+    there(&vhost, "onboard");
+    let alone = over(&composite, &broker, &vhost, Some("supervisor"))
+        .output()
+        .unwrap();
+    let text = String::from_utf8(alone.stdout).unwrap();
+    assert!(text.contains(r#""error":"unavailable""#), "{text}");
+    assert!(text.contains(r#""after":"FAILED""#), "{text}");
+    assert_eq!(alone.status.code(), Some(1));
+    assert!(onboard.interrupt().status.success());
+}
+
+/// What a tool says: exit code, standard output, standard error.
+fn tool(broker: &Calm, url: &str, arguments: &[&str]) -> (Option<i32>, String, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    command.args(arguments).env("ASMOTION_BUS", url);
+    command.env("ASMOTION_PASSWORD", broker.password());
+    let output = command.output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (
+        output.status.code(),
+        text(output.stdout),
+        text(output.stderr),
+    )
+}
+
+#[test]
+fn tools_see_who_is_there_and_take_part() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let (user, address) = (broker.user(), broker.address());
+    let url = format!("amqp://{user}@{address}/{}", vhost.name());
+    let tool = |arguments: &[&str]| tool(&broker, &url, arguments);
+    let composite = navigation().join("navigation.composite.toml");
+    let onboard = Running::start(&mut over(&composite, &broker, &vhost, Some("onboard")));
+    there(&vhost, "onboard");
+
+    let (code, out, err) = tool(&["component", "list"]);
+    let driver = out.lines().find(|line| line.starts_with("RoverDriver"));
+    let driver = driver.unwrap_or_else(|| panic!("{out}{err}"));
+    assert!(driver.contains("navigation  onboard  Running"), "{driver}");
+    assert_eq!((code, out.lines().count()), (Some(0), 6), "{out}{err}");
+
+    let (code, out, err) = tool(&["component", "info", "RoverDriver"]);
+    assert_eq!(code, Some(0), "{err}");
+    assert!(
+        out.contains("input       twist: geometry_msgs/Twist"),
+        "{out}"
+    );
+    let (code, _, err) = tool(&["component", "info", "RoverDrive"]);
+    assert_eq!(code, Some(2));
+    assert!(err.contains("did you mean `RoverDriver`?"), "{err}");
+
+    let (_, out, err) = tool(&["topic", "list"]);
+    let odom = out
+        .lines()
+        .find(|line| line.starts_with("navigation.odom "));
+    let odom = odom.unwrap_or_else(|| panic!("{out}{err}"));
+    assert!(odom.contains("nav_msgs/Odometry"), "{odom}");
+
+    let (code, out, err) = tool(&["topic", "hz", "navigation.odom", "--for", "2"]);
+    assert_eq!(code, Some(0), "{out}{err}");
+    let (code, out, err) = tool(&["topic", "echo", "navigation.odom", "--count", "1"]);
+    assert_eq!(code, Some(0), "{err}");
+    let message: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(message["source"], "RoverDriver");
+    assert_eq!(message["content"]["header"]["frame_id"], "map");
+    assert!(onboard.interrupt().status.success());
+
+    let (code, _, err) = tool(&["topic", "pub", "navigation.estop", r#"{"data":true}"#]);
+    assert_eq!(code, Some(2));
+    assert!(err.contains("nobody reads `navigation.estop`"), "{err}");
+    let supervisor = Running::start(&mut over(&composite, &broker, &vhost, Some("supervisor")));
+    there(&vhost, "supervisor");
+    let (code, _, err) = tool(&["topic", "pub", "navigation.estop", r#"{"data":true}"#]);
+    assert_eq!(code, Some(0), "{err}");
+
+    let map = "navigation.MapServer.maps.getMap";
+    let (code, out, err) = tool(&["call", map, r#"{"name":"office"}"#]);
+    assert_eq!(code, Some(0), "{err}");
+    let answer: Value = serde_json::from_str(&out).unwrap();
+    assert!(answer.to_string().contains("resolution"), "{answer}");
+    let (code, _, err) = tool(&["call", map, r#"{"name":"nowhere"}"#]);
+    assert_eq!(code, Some(1), "{err}");
+    let (code, _, err) = tool(&["call", "navigation.MapServer.maps.getMop"]);
+    assert_eq!(code, Some(1));
+    assert!(err.contains(&format!("did you mean `{map}`?")), "{err}");
+    drop(supervisor);
+}
+
+#[test]
+fn the_doctor_says_what_is_wrong_and_how_to_mend_it() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let (user, address) = (broker.user(), broker.address());
+    let at = |who: &str, vhost: &str| format!("amqp://{who}@{address}/{vhost}");
+    let doctor = |url: &str| {
+        let (code, out, err) = tool(&broker, url, &["doctor"]);
+        let hidden = out.replace(&address.to_string(), "HOST");
+        let hidden = hidden.replace(vhost.name(), "VHOST");
+        // a queue's name has which life of the process it is
+        let words = hidden
+            .split(' ')
+            .map(|word| match word.ends_with(".asmotion.doctor'") {
+                true => "'QUEUE'",
+                false => word,
+            });
+        (code, words.collect::<Vec<_>>().join(" ") + &err)
+    };
+    let (code, said) = doctor(&at(user, vhost.name()));
+    assert_eq!(code, Some(0), "{said}");
+    insta::assert_snapshot!("doctor_well", said);
+
+    let may_not_write = format!("{}-mute", vhost.name());
+    broker.add_user(&may_not_write, broker.password()).unwrap();
+    let (code, stranger) = doctor(&at(&may_not_write, vhost.name()));
+    assert_eq!(code, Some(1), "{stranger}");
+    let write = |names| vhost.permit(&may_not_write, ".*", names, ".*").unwrap();
+    write("nothing");
+    let (code, deaf) = doctor(&at(&may_not_write, vhost.name()));
+    assert_eq!(code, Some(1), "{deaf}");
+    write("asmotion-tool.*");
+    let (code, mute) = doctor(&at(&may_not_write, vhost.name()));
+    assert_eq!(code, Some(1), "{mute}");
+    let (code, password) = doctor(&at(&format!("{user}:wrong"), vhost.name()));
+    assert_eq!(code, Some(1), "{password}");
+    assert!(!password.contains("wrong "), "{password}");
+    let (code, missing) = doctor(&at(user, "nowhere"));
+    assert_eq!(code, Some(1), "{missing}");
+    let (code, closed) = doctor("amqp://127.0.0.1:1/x");
+    assert_eq!(code, Some(1), "{closed}");
+    insta::assert_snapshot!(
+        "doctor_ill",
+        [stranger, deaf, mute, password, missing, closed].join("\n")
+    );
+}
+
+#[test]
+fn the_doctor_sees_an_alarm() {
+    let Some(broker) = broker::alone() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let url = vhost.url();
+    broker.raise_alarm().unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    let output = command.args(["doctor", "--bus", &url]).output().unwrap();
+    broker.clear_alarm().unwrap();
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("rabbitmq-diagnostics alarms"), "{said}");
+    assert!(!said.contains(broker.password()), "{said}");
+}
+
+#[test]
+fn a_process_of_several_needs_a_broker_and_a_name_that_exists() {
+    let composite = navigation().join("navigation.composite.toml");
+    let said = |arguments: &[&str]| {
+        let output = run(&composite).args(arguments).output().unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let without = said(&["--process", "onboard"]);
+    assert!(without.contains("add `--bus amqp://"), "{without}");
+    let misspelt = said(&["--process", "onbord"]);
+    assert!(misspelt.contains("did you mean `onboard`?"), "{misspelt}");
+    let clock = said(&["--bus", "amqp://a:b@h", "--clock", "virtual"]);
+    assert!(clock.contains("time is the wall's"), "{clock}");
+}
