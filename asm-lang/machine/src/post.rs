@@ -5,6 +5,10 @@
 //! messages can be sent in a step, in any order, and none hides another. (SCA-ASM, Riccobene and
 //! Scandurra, Formal Aspects of Computing 26, 2014.)
 
+mod sent;
+
+pub use sent::{CallFault, MessageId, Sent, SentKind};
+
 use ir::{Messages, Origin};
 use std::collections::BTreeMap;
 use stdlib::{Act, Mail};
@@ -16,86 +20,12 @@ const MAX_WAITING: usize = 1024;
 /// Nanoseconds a millisecond.
 const MILLISECOND: i64 = 1_000_000;
 
-/// A message, by number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct MessageId(pub u64);
-
 /// What an agent did with messages in a step.
 #[derive(Debug)]
 pub(crate) struct Done {
     pub act: Act,
     pub arguments: Vec<Value>,
     pub origin: Origin,
-}
-
-/// A message that a step sent.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sent {
-    /// Its number.
-    pub id: MessageId,
-    /// The agent that sent it; undef where the specification has no agents.
-    pub from: Value,
-    /// Whom it is for.
-    pub to: Value,
-    /// The operation, as the specification spells it.
-    pub operation: Value,
-    /// What it is.
-    pub kind: SentKind,
-    /// Whether it leaves the specification: see [`Machine::set_partners`](crate::Machine::set_partners).
-    pub leaves: bool,
-}
-
-/// What a message is.
-#[derive(Clone, Debug, PartialEq)]
-pub enum SentKind {
-    /// Something that may be answered.
-    Message {
-        /// What it says.
-        data: Value,
-    },
-    /// A request whose reply is waited for.
-    Call {
-        /// What it says.
-        data: Value,
-        /// Until when.
-        deadline_ns: Option<i64>,
-    },
-    /// A reply.
-    Reply {
-        /// What it says.
-        data: Value,
-        /// The message it answers, if that is known.
-        to: Option<MessageId>,
-    },
-    /// A call that is not waited for any longer.
-    Cancel {
-        /// The call.
-        call: MessageId,
-    },
-}
-
-/// Why a call ended without a reply.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CallFault {
-    /// It was not answered in time.
-    Timeout,
-    /// Nobody could take it.
-    Unavailable,
-    /// Its provider failed.
-    Failed,
-    /// It was taken back.
-    Cancelled,
-}
-
-impl CallFault {
-    fn value(self, messages: &Messages) -> Value {
-        match self {
-            Self::Timeout => messages.timeout.clone(),
-            Self::Unavailable => messages.no_provider.clone(),
-            Self::Failed => messages.failed.clone(),
-            Self::Cancelled => messages.cancelled.clone(),
-        }
-    }
 }
 
 /// A message that waits.
