@@ -39,9 +39,11 @@ impl Loader for Files {
                 part => plain.push(part),
             }
         }
-        self.folder
-            .join(&plain)
-            .is_file()
-            .then(|| plain.to_string_lossy().into_owned())
+        // the suffix of a specification may be left out
+        let candidates = [plain.clone(), plain.with_extension("asm")];
+        candidates
+            .iter()
+            .find(|path| self.folder.join(path).is_file())
+            .map(|path| path.to_string_lossy().into_owned())
     }
 }
