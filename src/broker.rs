@@ -122,6 +122,14 @@ pub fn presences(bus: &AmqpBus) -> Result<BTreeMap<(String, String), Presence>, 
     Ok(known)
 }
 
+/// A robot's topic or address as a whole key.
+pub fn key(robot: &str, name: &str) -> String {
+    match robot {
+        "" => name.to_owned(),
+        robot => format!("{robot}.{name}"),
+    }
+}
+
 /// The settings of `amqp://user@host:port/vhost`. The password comes from the credentials file or the environment; one
 /// in the address is taken too, though others see it among the processes.
 ///

@@ -38,7 +38,7 @@ pub enum Command {
     Test(test::Test),
     /// Shows what goes over a broker's topics, and publishes
     Topic(topic::Topic),
-    /// Shows the components that are there on a broker, and how they are
+    /// Shows the components that are there on a broker, starts and stops them
     Component(component::Component),
     /// Calls an operation of a live component
     Call(call::Call),

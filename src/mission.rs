@@ -1,5 +1,6 @@
 //! A composite put together, and its run until something ends it.
 
+mod contact;
 mod error;
 mod herald;
 mod process;
@@ -16,7 +17,7 @@ use assembly::{Opened, Standard};
 use component::{Event, Observer, Pace, Run, Time};
 use datum::Datum;
 
-use self::herald::Herald;
+use self::contact::Contact;
 use crate::build;
 use crate::files::Disk;
 use crate::story::{Story, Summary};
@@ -176,13 +177,13 @@ impl Mission {
             lock(&watcher).observe(at, event);
         });
         let bus = self.connect(plan)?;
-        let mut herald = match &bus {
+        let mut contact = match &bus {
             None => None,
             Some(bus) => {
                 let incarnation = process::incarnation();
                 let name = self.process.as_deref().unwrap_or(&plan.name);
                 let joined = (system.attach(bus.clone(), incarnation))
-                    .and_then(|()| Herald::new(plan, part, name, &**bus, incarnation));
+                    .and_then(|()| Contact::new(plan, part, name, &**bus, incarnation));
                 Some(joined.map_err(|reason| self.broker_error(reason))?)
             }
         };
@@ -199,7 +200,7 @@ impl Mission {
                 Box::new(simulation)
             }
         };
-        let outcome = self.drive(&mut *run, &watch, stop, herald.as_mut());
+        let outcome = self.drive(&mut *run, &watch, stop, contact.as_mut());
         let time = run.now().since(Time::ZERO);
         let summary = lock(&story).summary().clone();
         if outcome == Outcome::Reached || outcome == Outcome::Failed {
@@ -207,10 +208,10 @@ impl Mission {
         }
         run.stop();
         // what the components said last is sent before the bus closes
-        if let Some(herald) = &mut herald {
-            herald.leave();
+        if let Some(contact) = &mut contact {
+            contact.leave();
         }
-        drop((run, herald, bus));
+        drop((run, contact, bus));
         Ok(Ended {
             outcome,
             summary,
@@ -238,7 +239,7 @@ impl Mission {
         run: &mut dyn Run,
         watch: &Mutex<Watch>,
         stop: &AtomicBool,
-        mut herald: Option<&mut Herald<'_>>,
+        mut contact: Option<&mut Contact<'_>>,
     ) -> Outcome {
         let limit = self.limit.map(|limit| Time::ZERO + limit);
         loop {
@@ -248,8 +249,8 @@ impl Mission {
             if stop.load(Ordering::Relaxed) {
                 return Outcome::Stopped;
             }
-            if let Some(herald) = &mut herald {
-                herald.speak(run);
+            if let Some(contact) = &mut contact {
+                contact.attend(run);
             }
             let mut until = run.now() + SLICE;
             if let Some(limit) = limit {

@@ -229,6 +229,25 @@ fn tools_see_who_is_there_and_take_part() {
     assert_eq!(code, Some(2));
     assert!(err.contains("did you mean `RoverDriver`?"), "{err}");
 
+    let state = |component: &str| {
+        let (_, out, _) = tool(&["component", "info", component]);
+        out
+    };
+    let (code, _, err) = tool(&["component", "stop", "LaserDriver"]);
+    assert_eq!(code, Some(0), "{err}");
+    assert!(state("LaserDriver").contains("Stopped"));
+    let (code, _, err) = tool(&["component", "start", "navigation.LaserDriver"]);
+    assert_eq!(code, Some(0), "{err}");
+    assert!(state("LaserDriver").contains("Running"));
+    let set = |value| tool(&["component", "set", "TrajectoryFollower", value]);
+    let (code, _, err) = set("max_speed=0.25");
+    assert_eq!(code, Some(0), "{err}");
+    let follower = state("TrajectoryFollower");
+    assert!(follower.contains("max_speed = 0.25"), "{follower}");
+    let (code, _, err) = set("max_sped=0.25");
+    assert_eq!(code, Some(2), "{err}");
+    assert!(err.contains("did you mean `max_speed`?"), "{err}");
+
     let (_, out, err) = tool(&["topic", "list"]);
     let odom = out
         .lines()

@@ -1,14 +1,21 @@
-//! `asmotion component`: who is there on a broker, and how they are.
+//! `asmotion component`: who is there on a broker, how they are, and what they shall do.
 
+use super::run::property_value;
 use crate::broker::{self, Broker};
 use crate::exit::Exit;
 use crate::table;
 use crate::terminal::{NAME, Terminal};
+use amqp::AmqpBus;
 use asm_lang::source::similar;
-use assembly::presence::{Present, Typed};
+use assembly::order::{Order, Wish, control_address};
+use assembly::presence::{Presence, Present, Typed};
+use bus::{Bell, Bus, CallFailure, Origin, Payload, Request};
 use clap::{Args, Subcommand};
+use datum::Datum;
+use std::sync::Arc;
+use std::time::Duration;
 
-/// Shows the components that are there on a broker, and how they are.
+/// Shows the components that are there on a broker, starts and stops them.
 #[derive(Args)]
 pub struct Component {
     #[command(flatten)]
@@ -27,7 +34,29 @@ enum What {
         /// Its name
         name: String,
     },
+    /// Starts a component that is stopped
+    Start {
+        /// Its name
+        name: String,
+    },
+    /// Stops a component
+    Stop {
+        /// Its name
+        name: String,
+    },
+    /// Sets properties of a component, all or none, from its next cycle on
+    Set {
+        /// Its name
+        name: String,
+
+        /// `PROPERTY=VALUE`
+        #[arg(required = true, value_name = "PROPERTY=VALUE")]
+        values: Vec<String>,
+    },
 }
+
+/// How long an order may take.
+const PATIENCE: Duration = Duration::from_secs(10);
 
 /// A component and where it is.
 struct Found {
@@ -39,34 +68,85 @@ struct Found {
 impl Component {
     /// Does it.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
-        let found = match self.find() {
-            Ok(found) => found,
+        let done = self.broker.connect().and_then(|bus| {
+            let found = find(&bus)?;
+            match self.what {
+                What::List => list(&found, terminal),
+                What::Info { name } => show(named(&name, &found)?, terminal),
+                What::Start { name } => order(&bus, named(&name, &found)?, Wish::Start)?,
+                What::Stop { name } => order(&bus, named(&name, &found)?, Wish::Stop)?,
+                What::Set { name, values } => {
+                    let values = values.iter().map(|value| setting(value));
+                    let wish = Wish::Set(values.collect::<Result<_, _>>()?);
+                    order(&bus, named(&name, &found)?, wish)?;
+                }
+            }
+            Ok(())
+        });
+        match done {
+            Ok(()) => Exit::Ok,
             Err(problem) => {
                 terminal.error(problem);
-                return Exit::Usage;
+                Exit::Usage
             }
-        };
-        match self.what {
-            What::List => {
-                list(&found, terminal);
-                Exit::Ok
-            }
-            What::Info { name } => info(&name, &found, terminal),
         }
     }
+}
 
-    fn find(&self) -> Result<Vec<Found>, String> {
-        let bus = self.broker.connect()?;
-        let presences = broker::presences(&bus).map_err(|error| error.to_string())?;
-        let of =
-            |((robot, process), presence): ((String, String), assembly::presence::Presence)| {
-                presence.components.into_iter().map(move |component| Found {
-                    robot: robot.clone(),
-                    process: process.clone(),
-                    component,
-                })
-            };
-        Ok(presences.into_iter().flat_map(of).collect())
+fn find(bus: &AmqpBus) -> Result<Vec<Found>, String> {
+    let presences = broker::presences(bus).map_err(|error| error.to_string())?;
+    let of = |((robot, process), presence): ((String, String), Presence)| {
+        presence.components.into_iter().map(move |component| Found {
+            robot: robot.clone(),
+            process: process.clone(),
+            component,
+        })
+    };
+    Ok(presences.into_iter().flat_map(of).collect())
+}
+
+/// The component of a name; before it may stand its robot, `rover1.RoverDriver`.
+fn named<'f>(name: &str, found: &'f [Found]) -> Result<&'f Found, String> {
+    let whole = |it: &Found| format!("{}.{}", it.robot, it.component.name);
+    let named: Vec<_> = found
+        .iter()
+        .filter(|it| it.component.name == name || whole(it) == name)
+        .collect();
+    match named.as_slice() {
+        [one] => Ok(one),
+        [] => {
+            let known = found.iter().map(|it| &it.component.name);
+            let meant = similar(name, known).map(|name| format!("; did you mean `{name}`?"));
+            let meant = meant.unwrap_or_default();
+            Err(format!("no component `{name}` is there{meant}"))
+        }
+        several => {
+            let several: Vec<_> = several.iter().map(|it| whole(it)).collect();
+            Err(format!("which `{name}`? {}", several.join(", ")))
+        }
+    }
+}
+
+fn setting(written: &str) -> Result<(String, Datum), String> {
+    let (property, value) = written
+        .split_once('=')
+        .ok_or_else(|| format!("`{written}` is not of the form PROPERTY=VALUE"))?;
+    Ok((property.trim().to_owned(), property_value(value.trim())))
+}
+
+/// Has a component's process carry out an order.
+fn order(bus: &AmqpBus, found: &Found, wish: Wish) -> Result<(), String> {
+    let component = found.component.name.clone();
+    let order = Datum::of(&Order { component, wish }).map_err(|error| error.to_string())?;
+    let address = broker::key(&found.robot, &control_address(&found.process));
+    let origin = Origin::new("asmotion-tool", 0);
+    let request = Request::new(origin, Payload::of(order), PATIENCE);
+    let pending =
+        (bus.call(&address, request, Arc::new(Bell::new()))).map_err(|error| error.to_string())?;
+    match pending.wait() {
+        Ok(_) => Ok(()),
+        Err(CallFailure::Refused(refusal)) => Err(refusal.detail),
+        Err(failure) => Err(failure.to_string()),
     }
 }
 
@@ -86,24 +166,6 @@ fn list(found: &[Found], terminal: &mut Terminal) {
     for line in table::lines(&head, rows) {
         terminal.result(line);
     }
-}
-
-fn info(name: &str, found: &[Found], terminal: &mut Terminal) -> Exit {
-    let named: Vec<_> = found
-        .iter()
-        .filter(|it| it.component.name == name)
-        .collect();
-    if named.is_empty() {
-        let known = found.iter().map(|it| &it.component.name);
-        let meant = similar(name, known).map(|name| format!("; did you mean `{name}`?"));
-        let meant = meant.unwrap_or_default();
-        terminal.error(format_args!("no component `{name}` is there{meant}"));
-        return Exit::Usage;
-    }
-    for found in named {
-        show(found, terminal);
-    }
-    Exit::Ok
 }
 
 fn show(found: &Found, terminal: &mut Terminal) {

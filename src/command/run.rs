@@ -168,6 +168,11 @@ pub fn virtual_clock(speed: f64) -> Result<Clock, String> {
     }
 }
 
+/// A property's value as it was written: TOML, and what is none is text.
+pub fn property_value(written: &str) -> Datum {
+    Value::from_toml(written).map_or_else(|| Datum::text(written), |value| value.datum())
+}
+
 /// `location=value`, split; nothing where nothing was written.
 fn ends(written: &[String]) -> Result<Option<Vec<(String, String)>>, String> {
     if written.is_empty() {
@@ -294,9 +299,7 @@ impl Common {
             match name.split_once('.') {
                 None => mission.settings.push((name.to_owned(), value.to_owned())),
                 Some((component, property)) => {
-                    // what is not TOML is text
-                    let value = Value::from_toml(value)
-                        .map_or_else(|| Datum::text(value), |value| value.datum());
+                    let value = property_value(value);
                     mission
                         .properties
                         .push((component.to_owned(), property.to_owned(), value));

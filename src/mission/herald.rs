@@ -57,6 +57,11 @@ impl<'p> Herald<'p> {
         self.last = Some((now, presence));
     }
 
+    /// It shall speak as soon as it can: something has changed.
+    pub(super) fn hurry(&mut self) {
+        self.last = None;
+    }
+
     /// Says the last word.
     pub(super) fn leave(&mut self) {
         let mut presence = self.last.take().map(|(_, last)| last).unwrap_or_default();

@@ -13,6 +13,7 @@ mod finding;
 pub mod model;
 mod nearest;
 mod opened;
+pub mod order;
 pub mod plan;
 pub mod presence;
 pub mod read;

@@ -39,7 +39,7 @@ impl List {
         let seconds = began.elapsed().as_secs_f64();
         for ((robot, _), presence) in &presences {
             for topic in &presence.topics {
-                let known = topics.entry(key(robot, &topic.name)).or_default();
+                let known = topics.entry(broker::key(robot, &topic.name)).or_default();
                 if let Some(kind) = &topic.kind {
                     known.kind.clone_from(kind);
                 }
@@ -65,14 +65,6 @@ impl List {
             terminal.result(line);
         }
         Ok(Exit::Ok)
-    }
-}
-
-/// A topic as a whole key.
-fn key(robot: &str, topic: &str) -> String {
-    match robot {
-        "" => topic.to_owned(),
-        robot => format!("{robot}.{topic}"),
     }
 }
 

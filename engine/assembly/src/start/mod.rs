@@ -255,7 +255,7 @@ impl Building<'_> {
         let (writer, reader) = (from.to_string(), to.to_string());
         match (self.part.has(&from.component), self.part.has(&to.component)) {
             (true, true) => self.system.connect(&writer, &reader, policy),
-            (true, false) => self.system.expose(&writer, sending::of([policy.kind])),
+            (true, false) => (self.system).expose(&writer, sending::of_port(self.plan, from)),
             (false, true) => (self.system).subscribe(&port_topic(&writer), &reader, policy),
             (false, false) => Ok(()),
         }

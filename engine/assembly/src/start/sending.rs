@@ -6,7 +6,7 @@ use bus::{Assurance, Outage, Sending};
 use component::Kind;
 
 use super::{Part, policy};
-use crate::plan::{Plan, Terminal};
+use crate::plan::{End, Plan, Terminal};
 
 /// How each topic that this part writes to is sent.
 pub(super) fn of_topics<'p>(
@@ -29,9 +29,18 @@ pub(super) fn of_topics<'p>(
     })
 }
 
+/// How a port is sent that others are connected to.
+pub(super) fn of_port(plan: &Plan, port: &End) -> Sending {
+    let from = plan.connections.iter().filter(|connection| {
+        let to_port = matches!(connection.to, Terminal::Port(_));
+        to_port && connection.from == Terminal::Port(port.clone())
+    });
+    of(from.map(|connection| policy(&connection.policy).kind))
+}
+
 /// A state is sent again and again, and the newest counts. Messages of a sequence are confirmed; while the bus is away as
 /// many are kept as a buffer holds, or, where the oldest would be dropped in any case, the newest.
-pub(super) fn of(kinds: impl IntoIterator<Item = Kind>) -> Sending {
+fn of(kinds: impl IntoIterator<Item = Kind>) -> Sending {
     let mut kinds = kinds.into_iter().peekable();
     // ports on a topic by themselves keep a sequence
     let mut state = kinds.peek().is_some();
