@@ -28,7 +28,8 @@ pub(crate) struct Exchange {
     topics: Topics,
     offers: Offers,
     reached: Vec<Reached>,
-    bell: Arc<Bell>,
+    /// Keeps the bus as long as the system is on it.
+    membership: Arc<Membership>,
 }
 
 /// The bus, and who we are on it.
@@ -61,7 +62,7 @@ impl Exchange {
             topics,
             offers,
             reached: abroad.reached.into_iter().map(reach).collect(),
-            bell: abroad.bell,
+            membership,
         })
     }
 
@@ -76,11 +77,11 @@ impl Exchange {
 
     /// Waits until something has come, or so long.
     pub(crate) fn wait(&self, at_most: Duration) {
-        self.bell.wait(at_most);
+        self.membership.bell.wait(at_most);
     }
 
     /// The bell that ends a wait.
     pub(crate) fn bell(&self) -> Arc<Bell> {
-        Arc::clone(&self.bell)
+        Arc::clone(&self.membership.bell)
     }
 }
