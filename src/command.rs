@@ -4,6 +4,7 @@ mod call;
 mod check;
 mod component;
 mod demo;
+mod describe;
 mod doctor;
 mod fmt;
 mod repl;
@@ -28,6 +29,8 @@ pub enum Command {
     Run(run::Run),
     /// Says what is wrong with specifications, scenarios and composites, before anything runs
     Check(check::Check),
+    /// Shows what a composite is to the outside: components, topics, services
+    Describe(describe::Describe),
     /// Puts specifications and scenarios into the one layout
     Fmt(fmt::Fmt),
     /// Runs a specification alone, with scripted or random inputs
@@ -53,6 +56,7 @@ impl Command {
             Self::Demo(demo) => demo.run(terminal),
             Self::Run(run) => run.run(terminal),
             Self::Check(check) => check.run(terminal),
+            Self::Describe(describe) => describe.run(terminal),
             Self::Fmt(fmt) => fmt.run(terminal),
             Self::Sim(sim) => sim.run(terminal),
             Self::Repl(repl) => repl.run(terminal),

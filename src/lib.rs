@@ -6,6 +6,7 @@
 mod broker;
 mod build;
 mod command;
+mod describe;
 mod diff;
 mod exit;
 mod files;

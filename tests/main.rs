@@ -10,6 +10,7 @@
 
 mod cli;
 mod composites;
+mod describe;
 mod house;
 mod language;
 mod missions;

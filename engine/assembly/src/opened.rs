@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use datum::Schema;
 use source::{Diagnostic, Report, Severity, Sources, Span};
 
 use crate::check;
@@ -28,9 +29,15 @@ pub struct Opened {
     /// The profiles in order of their names; none where the composite has none.
     pub profiles: Vec<String>,
     plans: Vec<(Option<String>, Plan)>,
+    schemas: BTreeMap<String, Schema>,
 }
 
 impl Opened {
+    /// What a type looks like that a port of a plan names.
+    pub fn schema(&self, name: &str) -> Option<&Schema> {
+        self.schemas.get(name)
+    }
+
     /// The plan for a profile; for none where the composite has none. `None` where an error stands
     /// in the way, or where there is no such profile.
     pub fn plan(&self, profile: Option<&str>) -> Option<&Plan> {
@@ -86,6 +93,7 @@ pub fn open(path: &str, context: &Context<'_>) -> Opened {
     let composite = family
         .member(&family.root)
         .map(|member| member.composite.clone());
+    let schemas = schemas(plans.iter().map(|(_, plan)| plan), &types);
     Opened {
         sources,
         report: report.finish(),
@@ -93,7 +101,23 @@ pub fn open(path: &str, context: &Context<'_>) -> Opened {
         composite,
         profiles,
         plans,
+        schemas,
     }
+}
+
+/// The shape of every type that a port names, as far as anybody says.
+fn schemas<'p>(
+    plans: impl Iterator<Item = &'p Plan>,
+    types: &BTreeMap<&str, Types<'_>>,
+) -> BTreeMap<String, Schema> {
+    let components = plans.flat_map(|plan| &plan.components);
+    let ports = components.flat_map(|it| it.inputs.iter().chain(&it.outputs));
+    ports
+        .filter_map(|port| {
+            let schema = types.values().find_map(|types| types.schema(&port.kind))?;
+            Some((port.kind.clone(), schema))
+        })
+        .collect()
 }
 
 /// The types each composite can name.

@@ -1,0 +1,122 @@
+//! `asmotion describe`: what a composite is to the outside.
+
+use assembly::plan::End;
+use clap::Args;
+
+use crate::build;
+use crate::describe::{self, Channel, Description, Served, asyncapi};
+use crate::exit::Exit;
+use crate::files::Disk;
+use crate::mission::MissionError;
+use crate::table;
+use crate::terminal::Terminal;
+
+/// Shows the components, topics and services of a composite, for people or for their tools.
+#[derive(Args)]
+pub struct Describe {
+    /// The composite.
+    composite: String,
+
+    /// Which of its profiles.
+    #[arg(long)]
+    profile: Option<String>,
+
+    /// As an AsyncAPI 3.0.0 document: what stands on the wire of RabbitMQ, with every message's schema.
+    #[arg(long)]
+    asyncapi: bool,
+
+    /// Whose topics these are on the broker: keys are `ROBOT.TOPIC`; the composite's name without it.
+    #[arg(long, requires = "asyncapi")]
+    robot: Option<String>,
+}
+
+impl Describe {
+    /// Describes it.
+    pub fn run(self, terminal: &mut Terminal) -> Exit {
+        let opened = build::open(&self.composite, &[], &Disk);
+        terminal.report(&opened.report, &opened.sources);
+        if opened.report.has_errors() {
+            return Exit::refused(&self.composite);
+        }
+        let Some(plan) = opened.plan(self.profile.as_deref()) else {
+            let (wanted, known) = (self.profile, opened.profiles);
+            terminal.error(MissionError::Profile { wanted, known });
+            return Exit::Usage;
+        };
+        let description = describe::describe(&opened, plan);
+        if self.asyncapi {
+            let robot = self.robot.as_deref().unwrap_or(&plan.name);
+            let document = asyncapi::document(&description, robot);
+            terminal.result(format_args!("{document:#}"));
+        } else {
+            tables(&description, terminal);
+        }
+        Exit::Ok
+    }
+}
+
+fn tables(description: &Description<'_>, terminal: &mut Terminal) {
+    let plan = description.plan;
+    let version = plan.version.as_deref().unwrap_or_default();
+    terminal.result(format!("{} {version}", plan.name).trim_end());
+    if let Some(doc) = &description.doc {
+        terminal.result(doc);
+    }
+    let components = plan.components.iter().map(|component| {
+        let pace = match component.pace.period_ms {
+            0 => "when something comes".to_owned(),
+            period => format!("every {period} ms"),
+        };
+        vec![
+            component.name.clone(),
+            describe::implementation(component),
+            pace,
+        ]
+    });
+    show(&["component", "made of", "cycles"], components, terminal);
+    let topics = description.topics.iter().map(topic);
+    show(
+        &["topic", "type", "written by", "read by"],
+        topics,
+        terminal,
+    );
+    let operations = description.operations.iter().map(operation);
+    show(
+        &["operation", "asked", "answered", "called by"],
+        operations,
+        terminal,
+    );
+}
+
+fn show(head: &[&str], rows: impl Iterator<Item = Vec<String>>, terminal: &mut Terminal) {
+    let lines = table::lines(head, rows);
+    if lines.len() > 1 {
+        terminal.result(format_args!("\n{}", lines.join("\n")));
+    }
+}
+
+fn topic(topic: &Channel) -> Vec<String> {
+    vec![
+        topic.name.clone(),
+        topic.message.to_string(),
+        ends(topic.publishers.iter()),
+        ends(topic.subscribers.iter()),
+    ]
+}
+
+fn operation(served: &Served) -> Vec<String> {
+    vec![
+        served.address(),
+        served.operation.request.to_string(),
+        served.operation.response.to_string(),
+        ends(served.callers.iter().map(|caller| &caller.reference)),
+    ]
+}
+
+fn ends<'e>(ends: impl Iterator<Item = &'e End>) -> String {
+    let ends: Vec<String> = ends.map(End::to_string).collect();
+    match ends.is_empty() {
+        true => "-".to_owned(),
+        false => ends.join(", "),
+    }
+}

@@ -1,0 +1,112 @@
+//! Schemas of messages as JSON Schema: a record is a definition of its own, by its name.
+
+use std::collections::BTreeMap;
+
+use datum::{Field, Schema, Shape};
+use serde_json::{Map, Value, json};
+
+/// Definitions of what has a name, as they are met.
+#[derive(Default)]
+pub(super) struct Definitions(BTreeMap<String, Value>);
+
+impl Definitions {
+    /// The schema of what passes; a reference, where it has a name.
+    pub(super) fn schema(&mut self, schema: &Schema) -> Value {
+        match &schema.shape {
+            Shape::Any if schema.name.is_empty() => json!({}),
+            Shape::Any => json!({ "title": schema.name }),
+            Shape::Bool => json!({ "type": "boolean" }),
+            Shape::I8 => whole(i8::MIN, i8::MAX),
+            Shape::I16 => whole(i16::MIN, i16::MAX),
+            Shape::I32 => whole(i32::MIN, i32::MAX),
+            Shape::I64 => whole(i64::MIN, i64::MAX),
+            Shape::U8 => whole(u8::MIN, u8::MAX),
+            Shape::U16 => whole(u16::MIN, u16::MAX),
+            Shape::U32 => whole(u32::MIN, u32::MAX),
+            Shape::U64 => whole(u64::MIN, u64::MAX),
+            Shape::F32 => self.float("float32", "float"),
+            Shape::F64 => self.float("float64", "double"),
+            Shape::Text => json!({ "type": "string" }),
+            Shape::Option(some) => json!({ "anyOf": [self.schema(some), { "type": "null" }] }),
+            Shape::List(element) => json!({ "type": "array", "items": self.schema(element) }),
+            Shape::Array(element, count) => json!({
+                "type": "array", "items": self.schema(element), "minItems": count, "maxItems": count,
+            }),
+            Shape::Record(fields) if schema.name.is_empty() => self.record(schema, fields),
+            Shape::Record(fields) => {
+                let key = key(&schema.name);
+                if !self.0.contains_key(&key) {
+                    let record = self.record(schema, fields);
+                    self.0.insert(key.clone(), record);
+                }
+                reference(&key)
+            }
+        }
+    }
+
+    /// A field that is left out has the default of its type, so none is required.
+    fn record(&mut self, schema: &Schema, fields: &[Field]) -> Value {
+        let properties: Map<String, Value> = fields
+            .iter()
+            .map(|field| {
+                let mut property = self.schema(&field.schema);
+                if !field.doc.is_empty() {
+                    property = described(property, &field.doc);
+                }
+                (field.name.to_string(), property)
+            })
+            .collect();
+        let mut record =
+            json!({ "type": "object", "properties": properties, "additionalProperties": false });
+        if !schema.name.is_empty() {
+            record["title"] = schema.name.as_ref().into();
+        }
+        record
+    }
+
+    /// JSON has no words for three floats.
+    fn float(&mut self, name: &str, format: &str) -> Value {
+        let definition = json!({ "title": name, "anyOf": [
+            { "type": "number", "format": format },
+            { "enum": ["NaN", "Infinity", "-Infinity"] },
+        ] });
+        self.0.entry(name.to_owned()).or_insert(definition);
+        reference(name)
+    }
+
+    /// All of them, by key.
+    pub(super) fn into_value(self) -> Value {
+        self.0.into_iter().collect::<Map<_, _>>().into()
+    }
+}
+
+fn whole(least: impl Into<Value>, greatest: impl Into<Value>) -> Value {
+    json!({ "type": "integer", "minimum": least.into(), "maximum": greatest.into() })
+}
+
+/// What stands beside a `$ref` is not read.
+fn described(schema: Value, doc: &str) -> Value {
+    match schema {
+        Value::Object(mut members) if !members.contains_key("$ref") => {
+            members.insert("description".to_owned(), doc.into());
+            Value::Object(members)
+        }
+        referring => json!({ "allOf": [referring], "description": doc }),
+    }
+}
+
+fn reference(key: &str) -> Value {
+    json!({ "$ref": format!("#/components/schemas/{key}") })
+}
+
+/// A type's name as a key: `nav_msgs.Path` of `nav_msgs/Path`, `f64_5_` of `f64[5]`.
+pub(super) fn key(name: &str) -> String {
+    name.chars()
+        .map(|character| match character {
+            '/' => '.',
+            '.' | '-' | '_' => character,
+            _ if character.is_ascii_alphanumeric() => character,
+            _ => '_',
+        })
+        .collect()
+}
