@@ -18,3 +18,4 @@ mod pictures;
 mod processes;
 mod repl;
 mod scenario;
+mod stranger;

@@ -25,7 +25,12 @@ fn run(composite: &Path) -> Command {
 }
 
 /// The same over the broker of a test, as the process of this name or as all in one.
-fn over(composite: &Path, broker: &Calm, vhost: &Vhost<'_>, process: Option<&str>) -> Command {
+pub(super) fn over(
+    composite: &Path,
+    broker: &Calm,
+    vhost: &Vhost<'_>,
+    process: Option<&str>,
+) -> Command {
     let mut command = run(composite);
     let (user, address) = (broker.user(), broker.address());
     let url = format!("amqp://{user}@{address}/{}", vhost.name());
@@ -36,10 +41,10 @@ fn over(composite: &Path, broker: &Calm, vhost: &Vhost<'_>, process: Option<&str
 }
 
 /// A process that is ended with the test.
-struct Running(Option<Child>);
+pub(super) struct Running(Option<Child>);
 
 impl Running {
-    fn start(command: &mut Command) -> Self {
+    pub(super) fn start(command: &mut Command) -> Self {
         Self(Some(command.spawn().unwrap()))
     }
 
@@ -49,7 +54,7 @@ impl Running {
     }
 
     /// Ends it as Ctrl-C does.
-    fn interrupt(self) -> Output {
+    pub(super) fn interrupt(self) -> Output {
         let pid = self.0.as_ref().unwrap().id().to_string();
         let told = Command::new("kill").args(["-INT", &pid]).status().unwrap();
         assert!(told.success());
@@ -67,7 +72,7 @@ impl Drop for Running {
 }
 
 /// The control states that a run went through, and its exit code.
-fn modes(output: &Output) -> (Vec<String>, Option<i32>) {
+pub(super) fn modes(output: &Output) -> (Vec<String>, Option<i32>) {
     let text = String::from_utf8(output.stdout.clone()).unwrap();
     let mut modes = Vec::new();
     for line in text.lines() {
@@ -86,7 +91,7 @@ fn modes(output: &Output) -> (Vec<String>, Option<i32>) {
 
 /// Waits until a process has its queues.
 #[track_caller]
-fn there(vhost: &Vhost<'_>, process: &str) {
+pub(super) fn there(vhost: &Vhost<'_>, process: &str) {
     let until = Instant::now() + LONG;
     let prefix = format!("{process}.");
     while !vhost
@@ -101,7 +106,7 @@ fn there(vhost: &Vhost<'_>, process: &str) {
 }
 
 /// What the local bus does, in virtual time.
-fn expected() -> (Vec<String>, Option<i32>) {
+pub(super) fn expected() -> (Vec<String>, Option<i32>) {
     let output = run(&navigation().join("navigation.composite.toml"))
         .output()
         .unwrap();
@@ -135,7 +140,7 @@ fn in_two_processes_of_which_the_one_on_board_runs_until_it_is_told_to_end() {
 }
 
 /// The composite with its planner in a process of its own.
-fn three_processes(folder: &Path) -> PathBuf {
+pub(super) fn three_processes(folder: &Path) -> PathBuf {
     for name in ["navigate.asm", "maps/office.geojson"] {
         let to = folder.join(name);
         std::fs::create_dir_all(to.parent().unwrap()).unwrap();
