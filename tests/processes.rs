@@ -16,11 +16,18 @@ fn navigation() -> PathBuf {
 }
 
 /// `asmotion run` of a composite.
-fn run(composite: &Path) -> Command {
+fn run_any(composite: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
     command.arg("run").arg(composite);
-    command.args(["--goal", GOAL, "--json", "--for", "60"]);
+    command.args(["--json", "--for", "60"]);
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// A short mission of the rover.
+fn run(composite: &Path) -> Command {
+    let mut command = run_any(composite);
+    command.args(["--goal", GOAL]);
     command
 }
 
@@ -31,7 +38,16 @@ pub(super) fn over(
     vhost: &Vhost<'_>,
     process: Option<&str>,
 ) -> Command {
-    let mut command = run(composite);
+    through(run(composite), broker, vhost, process)
+}
+
+/// A command over the broker of a test.
+fn through(
+    mut command: Command,
+    broker: &Calm,
+    vhost: &Vhost<'_>,
+    process: Option<&str>,
+) -> Command {
     let (user, address) = (broker.user(), broker.address());
     let url = format!("amqp://{user}@{address}/{}", vhost.name());
     command.args(["--bus", &url]);
@@ -92,15 +108,24 @@ pub(super) fn modes(output: &Output) -> (Vec<String>, Option<i32>) {
 /// Waits until a process has its queues.
 #[track_caller]
 pub(super) fn there(vhost: &Vhost<'_>, process: &str) {
+    queues(vhost, &format!("{process}."));
+}
+
+/// Waits until there are queues whose names begin so.
+#[track_caller]
+fn queues(vhost: &Vhost<'_>, prefix: &str) {
     let until = Instant::now() + LONG;
-    let prefix = format!("{process}.");
     while !vhost
         .queues()
         .unwrap()
         .iter()
-        .any(|queue| queue.starts_with(&prefix))
+        .any(|queue| queue.starts_with(prefix))
     {
-        assert!(Instant::now() < until, "`{process}` has no queues");
+        let known = vhost.queues();
+        assert!(
+            Instant::now() < until,
+            "no queue is called `{prefix}…`: {known:?}"
+        );
         std::thread::sleep(Duration::from_millis(50));
     }
 }
@@ -368,4 +393,27 @@ fn a_process_of_several_needs_a_broker_and_a_name_that_exists() {
     assert!(misspelt.contains("did you mean `onboard`?"), "{misspelt}");
     let clock = said(&["--bus", "amqp://a:b@h", "--clock", "virtual"]);
     assert!(clock.contains("time is the wall's"), "{clock}");
+}
+
+/// What one specification sends is a request to the other, wherever that runs.
+#[test]
+fn two_specifications_talk_over_a_broker() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let composite =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/courier/courier.composite.toml");
+    let two_jobs = || {
+        let mut command = run_any(&composite);
+        command.args(["--until", "jobs=2"]);
+        command
+    };
+    let local = modes(&two_jobs().output().unwrap());
+    let together = through(two_jobs(), &broker, &vhost, None).output();
+    assert_eq!(modes(&together.unwrap()), local);
+    let mut office = through(run_any(&composite), &broker, &vhost, Some("office"));
+    let office = Running::start(&mut office);
+    queues(&vhost, "robots.services.courier.Dispatcher.");
+    let street = through(two_jobs(), &broker, &vhost, Some("street")).output();
+    assert_eq!(modes(&street.unwrap()), local);
+    office.interrupt();
 }
