@@ -37,7 +37,7 @@ pub(crate) struct Membership {
     pub bus: Arc<dyn Bus>,
     /// Which life of the system's process.
     pub incarnation: u64,
-    /// Rung for everything that comes.
+    /// Rung for everything that comes, and when the bus is up, blocked or down.
     pub bell: Arc<Bell>,
 }
 
@@ -55,6 +55,7 @@ impl Exchange {
             incarnation,
             bell: Arc::clone(&abroad.bell),
         });
+        membership.bus.watch(&membership.bell);
         let topics = Topics::new(units, topics, &abroad, &membership)?;
         let offers = Offers::new(units, &abroad.offered, &membership)?;
         let reach = |way| Reached::new(way, Arc::clone(&membership));

@@ -23,6 +23,7 @@ use self::wake::{Wake, World};
 use self::worker::{Command, Worker};
 use crate::declaration::Declaration;
 use crate::door::{Doors, Place};
+use crate::health;
 use crate::property::suggestion_among;
 use crate::run::{Run, RunError, Watch};
 use crate::unit::{Status, Unit};
@@ -89,6 +90,10 @@ impl Live {
             courier: None,
         };
         live.start_up(&start);
+        if exchange.is_none() {
+            let now = live.world.now();
+            health::tell_alone(&topics, &mut live.doors, now, &mut live.world);
+        }
         live.courier = exchange.map(|exchange| Courier::new(exchange, live.world.clone()));
         live
     }

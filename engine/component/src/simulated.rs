@@ -17,6 +17,7 @@ use self::pacer::Pacer;
 use self::queue::{Due, What};
 use self::world::World;
 use crate::door::{Doors, Place};
+use crate::health;
 use crate::exchange::Exchange;
 use crate::outside::Outside;
 use crate::property::suggestion_among;
@@ -51,6 +52,11 @@ impl Simulation {
             pacer: None,
         };
         simulation.start_up();
+        if simulation.exchange.is_none() {
+            let now = simulation.world.now;
+            let mut stepping = simulation.world.stepping(None);
+            health::tell_alone(&topics, &mut simulation.doors, now, &mut stepping);
+        }
         simulation
     }
 

@@ -9,8 +9,8 @@ use crate::step::{STEP_REPORT, StepRecord};
 use asm_lang::machine::Machine;
 use asm_lang::simulate::Seeded;
 use asm_lang::{Specification, Style};
-use component::{Component, Cycle, Fault, Interface};
-use datum::Datum;
+use component::{BusHealth, Component, Cycle, Fault, Flow, In, Interface};
+use datum::{Datum, Message};
 use std::sync::Arc;
 
 /// A binding that does not fit its specification or component.
@@ -57,6 +57,8 @@ pub struct Coordinator {
     inbox: Inbox,
     outbox: Outbox,
     partners: Partners,
+    /// Where the system tells how its bus is, if the component listens.
+    health: Option<In<Datum>>,
     frame: Frame,
 }
 
@@ -88,6 +90,7 @@ impl Coordinator {
             ))
         })?;
         machine.set_partners(partners.agents());
+        let health = health(interfaces, &handles);
         let mut inbox = Inbox::new(binding, &specification, &handles.inputs)?;
         let outbox = Outbox::new(binding, &specification, handles, &mut inbox)?;
         Ok(Self {
@@ -97,6 +100,7 @@ impl Coordinator {
             inbox,
             outbox,
             partners,
+            health,
             frame: Frame::default(),
         })
     }
@@ -108,6 +112,7 @@ impl Component for Coordinator {
         self.inbox.receive(cycle, self.machine.program());
         self.outbox.receive(cycle, &mut self.inbox);
         self.inbox.misfits += self.partners.receive(cycle, &mut self.machine);
+        self.follow_health(cycle);
         self.inbox.freeze(cycle.now(), &mut self.frame);
         let stepped = self
             .machine
@@ -131,6 +136,27 @@ impl Component for Coordinator {
         self.partners.send(&self.machine, cycle);
         Ok(())
     }
+}
+
+impl Coordinator {
+    /// Messages do not go out while the bus is not up.
+    fn follow_health(&mut self, cycle: &Cycle<'_>) {
+        let Some(port) = self.health else { return };
+        if let Flow::NewData(health) = cycle.read(port)
+            && let Some(state) = health.get("state")
+        {
+            let is_up = state.as_text() == Some(BusHealth::UP);
+            self.machine.set_channel_down(!is_up);
+        }
+    }
+}
+
+/// The port with the messages of the bus' health.
+fn health(interfaces: &Interfaces, handles: &Handles) -> Option<In<Datum>> {
+    let types = interfaces.inputs.iter().map(|(_, message)| message);
+    let mut ports = types.zip(&handles.inputs);
+    let found = ports.find(|(message, _)| *message == BusHealth::NAME);
+    found.map(|(_, (_, port))| *port)
 }
 
 /// Declares every port of the component, and every operation that the binding calls.

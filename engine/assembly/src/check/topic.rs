@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use component::{BusHealth, HEALTH_TOPIC};
+use datum::Message;
 use source::{Diagnostic, Report, Span};
 
 use super::component::topic;
@@ -37,6 +39,8 @@ pub(crate) enum TopicError {
         at: Span,
         known: Vec<(String, Span)>,
     },
+    #[error("topic `{HEALTH_TOPIC}` is the engine's own: it tells there how its bus is")]
+    Own { at: Span, problem: OwnProblem },
     #[error("output `{port}` is on two topics: `{first}` and `{second}`")]
     TwoTopics {
         port: String,
@@ -99,12 +103,32 @@ impl Finding for TopicError {
                         "left is the name in the component, right the topic",
                     )
             }
+            Self::Own { at, problem } => {
+                let diagnostic = Diagnostic::error("C055", self);
+                match problem {
+                    OwnProblem::Published => diagnostic
+                        .label(*at, "published here")
+                        .help("publish on another topic: rename it"),
+                    OwnProblem::Type(kind) => diagnostic
+                        .label(*at, format!("`{kind}` here"))
+                        .help(format!("its messages are of type `{}`", BusHealth::NAME)),
+                }
+            }
             Self::TwoTopics { at, first_at, .. } => Diagnostic::error("C053", self)
                 .label(*at, "the second topic")
                 .label(*first_at, "the first topic")
                 .help("an output writes one topic; whoever wants another name renames it"),
         }
     }
+}
+
+/// What is wrong with a use of the engine's own topic.
+#[derive(Debug)]
+pub(crate) enum OwnProblem {
+    /// Somebody else publishes it.
+    Published,
+    /// Somebody reads it as messages of this type.
+    Type(String),
 }
 
 /// The topics of a composite in one profile, by name.
@@ -145,6 +169,10 @@ pub(crate) fn check(scene: &Scene<'_>, links: &[TopicLink], report: &mut Report)
         })
         .collect();
     for (topic, roles) in &topics {
+        if topic == HEALTH_TOPIC {
+            own(scene, roles, report);
+            continue;
+        }
         types(scene, topic, roles, report);
         if !promoted.contains(&topic.as_str()) {
             silent(topic, roles, &topics, report);
@@ -227,6 +255,22 @@ fn types(scene: &Scene<'_>, topic: &str, roles: &[Role], report: &mut Report) {
             at: kind.at.unwrap_or(role.at),
             other_at: first.at.unwrap_or(first_role.at),
         });
+    }
+}
+
+/// The engine alone publishes how its bus is.
+fn own(scene: &Scene<'_>, roles: &[Role], report: &mut Report) {
+    for role in roles {
+        if role.published {
+            let problem = OwnProblem::Published;
+            report.found(TopicError::Own { at: role.at, problem });
+        }
+        let Some(kind) = &role.kind else { continue };
+        if !scene.types.same(&kind.text, BusHealth::NAME) {
+            let problem = OwnProblem::Type(kind.text.clone());
+            let at = kind.at.unwrap_or(role.at);
+            report.found(TopicError::Own { at, problem });
+        }
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use component::HEALTH_TOPIC;
+
 use super::flatten::Flattener;
 use super::{End, Terminal, Topic};
 use crate::check;
@@ -11,6 +13,10 @@ impl Flattener<'_, '_> {
     /// What a topic is called in the whole system: a nested composite keeps its topics to itself,
     /// unless it promotes them.
     pub(super) fn topic(&self, index: usize, name: &str) -> String {
+        // everywhere the same: how the bus of the whole system is
+        if name == HEALTH_TOPIC {
+            return name.to_owned();
+        }
         let Some(instance) = self.instances.get(index) else {
             return name.to_owned();
         };

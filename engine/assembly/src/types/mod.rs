@@ -6,7 +6,8 @@ mod error;
 
 use std::collections::BTreeMap;
 
-use datum::{Field, Schema, Shape};
+use component::BusHealth;
+use datum::{Field, Message, Schema, Shape};
 use source::{Report, Span};
 
 pub use self::alone::open_types;
@@ -16,6 +17,11 @@ use crate::At;
 use crate::catalogue::Catalogue;
 use crate::finding::Findings;
 use crate::nearest::nearest_name;
+
+/// The types of the engine itself.
+fn own(name: &str) -> Option<Schema> {
+    (name == BusHealth::NAME).then(|| BusHealth::schema().clone())
+}
 
 /// A file of message types.
 #[derive(Clone, Debug)]
@@ -99,7 +105,7 @@ impl<'c> Types<'c> {
             Some(shape) => shape,
             None => match self.described.get(base) {
                 Some((_, schema)) => schema.clone(),
-                None => self.catalogue.schema(base)?,
+                None => own(base).or_else(|| self.catalogue.schema(base))?,
             },
         };
         Some(many(base, count))

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use bus::{BusError, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription};
+use bus::{Bus, BusError, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription};
 use datum::{DatumError, Problem, Sample};
 
 use super::Membership;
 use crate::connection::Delivery;
 use crate::door::{Doors, Place};
+use crate::health::{HEALTH_TOPIC, HealthTeller};
 use crate::outside::Outside;
 use crate::port::{AnySender, Link};
 use crate::system::{Abroad, End, Topic, port_topic};
@@ -31,6 +32,8 @@ pub(super) struct Topics {
     own: Option<u64>,
     doors: Doors,
     incoming: Vec<Incoming>,
+    health: HealthTeller,
+    bus: Arc<dyn Bus>,
 }
 
 impl Topics {
@@ -50,7 +53,7 @@ impl Topics {
         }
         let mut incoming = Vec::new();
         for (index, topic) in topics.iter().enumerate() {
-            if !topic.subscribers.is_empty() {
+            if !topic.subscribers.is_empty() && topic.name != HEALTH_TOPIC {
                 let bell = Arc::clone(&membership.bell);
                 let pattern = Pattern::new(&*topic.name);
                 incoming.push(Incoming {
@@ -64,11 +67,15 @@ impl Topics {
             own: (!abroad.topics).then_some(membership.incarnation),
             doors: Doors::new(units, topics),
             incoming,
+            health: HealthTeller::new(topics),
+            bus: Arc::clone(&membership.bus),
         })
     }
 
-    /// Lets in what has come.
+    /// Lets in what has come, and tells how the bus is.
     pub(super) fn deliver(&mut self, now: Time, outside: &mut dyn Outside) {
+        let bus = &self.bus;
+        (self.health).tell(|| bus.health(), &mut self.doors, now, outside);
         for topic in &mut self.incoming {
             while let Some(envelope) = topic.subscription.try_next() {
                 if self.own == Some(envelope.incarnation) {

@@ -72,6 +72,14 @@ pub enum BuildError {
         /// To what.
         to: String,
     },
+    /// The topic on which the system tells how its bus is.
+    #[error("`{from}` cannot publish `{topic}`: there the system tells how its bus is")]
+    OwnTopic {
+        /// The writing end.
+        from: String,
+        /// The topic.
+        topic: &'static str,
+    },
     /// Zeros cannot stand for a stale sample of this type.
     #[error("`{to}` has no sample of zeros: {source}")]
     NoZero {

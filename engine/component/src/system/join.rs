@@ -4,9 +4,10 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
 use bus::Sending;
+use datum::{Message, Schema};
 
 use super::{BuildError, System, Topic};
-use crate::Policy;
+use crate::{BusHealth, HEALTH_TOPIC, Policy};
 use crate::body::Body;
 use crate::declaration::{OperationDeclaration, PortDeclaration};
 use crate::port::Link;
@@ -84,6 +85,12 @@ impl System {
     /// Lets an output publish to a topic. An output has one topic; a topic may have several publishers.
     pub fn publish(&mut self, from: &str, topic: &str) -> Result<(), BuildError> {
         let from = self.end(from, outputs)?;
+        if topic == HEALTH_TOPIC {
+            return Err(BuildError::OwnTopic {
+                from: from.name,
+                topic: HEALTH_TOPIC,
+            });
+        }
         if let Some(taken) = &self.units[from.unit].body.topics[from.index] {
             return Err(BuildError::Joined {
                 end: from.name,
@@ -109,6 +116,9 @@ impl System {
                 end: to.name,
                 to: format!("topic `{topic}`"),
             });
+        }
+        if topic == HEALTH_TOPIC {
+            self.compare_types(BusHealth::schema(), HEALTH_TOPIC, &to)?;
         }
         for from in self.topics[index].publishers.clone() {
             self.join_topic(&from, &to, &policy)?;
@@ -190,11 +200,15 @@ impl System {
 
     fn compare(&self, from: &End, to: &End) -> Result<(), BuildError> {
         let output = self.units[from.unit].body.outputs[from.index].schema();
+        self.compare_types(output, &from.name, to)
+    }
+
+    fn compare_types(&self, written: &Schema, from: &str, to: &End) -> Result<(), BuildError> {
         let input = self.units[to.unit].body.inputs[to.index].schema();
-        output
+        written
             .compare(input)
             .map_err(|difference| BuildError::Types {
-                from: from.name.clone(),
+                from: from.to_owned(),
                 to: to.name.clone(),
                 difference: Box::new(difference),
             })

@@ -1,0 +1,176 @@
+//! How the bus is, as a topic.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
+
+mod common;
+
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use bus::{
+    Bell, Bus, BusError, Health, Link, Local, Origin, Pattern, Pending, Publisher, Queue,
+    Request, Sending, Serving, Subscription,
+};
+use common::{Number, behaviour, counter};
+use component::{
+    Activity, BuildError, BusHealth, Component, Event, HEALTH_TOPIC, Interface, Log, Policy, Run,
+    Span, System, Time,
+};
+use datum::Datum;
+
+/// Reports how the bus is.
+fn watcher() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
+    behaviour(|interface| {
+        let health = interface.input::<BusHealth>("bus", "how it is");
+        move |cycle| {
+            for health in cycle.all(health).to_vec() {
+                let said = format!("{} {}", health.state, health.reason);
+                cycle.report("health", Datum::Text(said.into()));
+            }
+            Ok(())
+        }
+    })
+}
+
+fn watched() -> (System, Log) {
+    let (mut system, log) = (System::new(), Log::new());
+    system.observe(log.clone());
+    (system.add("Watcher", Activity::event(), watcher())).unwrap();
+    let policy = Policy::buffer(16);
+    (system.subscribe(HEALTH_TOPIC, "Watcher.bus", policy)).unwrap();
+    (system, log)
+}
+
+fn said(event: &Event<'_>) -> Option<String> {
+    match event {
+        Event::Report {
+            kind: "health",
+            what,
+            ..
+        } => what.as_text().map(str::to_owned),
+        _ => None,
+    }
+}
+
+/// What a system says about its bus in a second.
+fn heard(mut system: System) -> Vec<String> {
+    let heard = Arc::new(Mutex::new(Vec::new()));
+    let ear = Arc::clone(&heard);
+    system.observe(move |_: Time, event: &Event<'_>| ear.lock().unwrap().extend(said(event)));
+    system.simulate().run_for(1.s());
+    heard.lock().unwrap().clone()
+}
+
+#[test]
+fn a_system_is_told_once_that_its_bus_is_up_and_so_is_one_without() {
+    assert_eq!(heard(watched().0), ["UP "]);
+    let (mut system, _) = watched();
+    let bus = Local::new();
+    let tool = bus
+        .subscribe(&Pattern::new("#"), Queue::Latest, Arc::new(Bell::new()))
+        .unwrap();
+    system.attach(Arc::new(bus), 1).unwrap();
+    assert_eq!(heard(system), ["UP "]);
+    assert!(tool.try_next().is_none(), "it stays inside");
+}
+
+/// A bus of which the test says how it is.
+#[derive(Clone)]
+struct Moody {
+    bus: Local,
+    health: Arc<Mutex<Health>>,
+    bell: Arc<Mutex<Option<Arc<Bell>>>>,
+}
+
+impl Moody {
+    fn set(&self, link: Link) {
+        *self.health.lock().unwrap() = Health::now(link);
+        self.bell.lock().unwrap().as_ref().unwrap().ring();
+    }
+}
+
+impl Bus for Moody {
+    fn publisher(
+        &self,
+        topic: &str,
+        origin: &Origin,
+        type_name: &str,
+        sending: Sending,
+    ) -> Result<Box<dyn Publisher>, BusError> {
+        self.bus.publisher(topic, origin, type_name, sending)
+    }
+
+    fn subscribe(
+        &self,
+        pattern: &Pattern,
+        queue: Queue,
+        bell: Arc<Bell>,
+    ) -> Result<Subscription, BusError> {
+        self.bus.subscribe(pattern, queue, bell)
+    }
+
+    fn serve(&self, address: &str, size: usize, bell: Arc<Bell>) -> Result<Serving, BusError> {
+        self.bus.serve(address, size, bell)
+    }
+
+    fn call(&self, address: &str, request: Request, bell: Arc<Bell>) -> Result<Pending, BusError> {
+        self.bus.call(address, request, bell)
+    }
+
+    fn tell(&self, address: &str, request: Request, bell: Arc<Bell>) -> Result<Pending, BusError> {
+        self.bus.tell(address, request, bell)
+    }
+
+    fn health(&self) -> Health {
+        self.health.lock().unwrap().clone()
+    }
+
+    fn watch(&self, bell: &Arc<Bell>) {
+        *self.bell.lock().unwrap() = Some(Arc::clone(bell));
+    }
+
+    fn drain(&self, at_most: Duration) -> bool {
+        self.bus.drain(at_most)
+    }
+}
+
+#[test]
+fn every_change_is_told_with_its_reason() {
+    let bus = Moody {
+        bus: Local::new(),
+        health: Arc::new(Mutex::new(Health::now(Link::Up))),
+        bell: Arc::default(),
+    };
+    let (mut system, _) = watched();
+    system.attach(Arc::new(bus.clone()), 1).unwrap();
+    let mut live = system.live();
+    let mut told = |expected: &str| {
+        let mut seen = |_: Time, event: &Event<'_>| said(event).as_deref() == Some(expected);
+        let limit = live.now() + Duration::from_secs(20);
+        assert!(live.run_until_event(limit, &mut seen), "{expected}");
+    };
+    bus.set(Link::Down {
+        reason: "reset".into(),
+    });
+    told("DOWN reset");
+    bus.set(Link::Blocked {
+        reason: "memory".into(),
+    });
+    told("BLOCKED memory");
+    bus.set(Link::Up);
+    told("UP ");
+}
+
+#[test]
+fn nobody_else_publishes_it_and_nobody_reads_something_else_there() {
+    let (mut system, _) = watched();
+    (system.add("Counter", Activity::event(), counter())).unwrap();
+    let published = system.publish("Counter.n", HEALTH_TOPIC).unwrap_err();
+    assert!(matches!(published, BuildError::OwnTopic { .. }));
+    let reads_numbers = behaviour(|interface| {
+        interface.input::<Number>("n", "numbers");
+        |_| Ok(())
+    });
+    (system.add("Other", Activity::event(), reads_numbers)).unwrap();
+    let read = system.subscribe(HEALTH_TOPIC, "Other.n", Policy::data());
+    assert!(matches!(read, Err(BuildError::Types { .. })));
+}
