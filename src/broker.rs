@@ -6,6 +6,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use amqp::{AmqpBus, Credentials, Identity, Settings};
+use assembly::model::Tls;
+use assembly::plan;
 use assembly::presence::{Presence, presence_topic};
 use bus::{Bell, Bus, BusError, Overflow, Pattern, Queue, Subscription};
 use clap::Args;
@@ -128,6 +130,30 @@ pub fn key(robot: &str, name: &str) -> String {
         "" => name.to_owned(),
         robot => format!("{robot}.{name}"),
     }
+}
+
+/// The settings of a broker that a composite names.
+///
+/// # Errors
+/// Its address is none, contradicts `tls`, or there is no password.
+pub fn named(broker: &plan::Broker, access: &Access) -> Result<Settings, String> {
+    let of = |reason: String| format!("the broker `{}` of the composite: {reason}", broker.name);
+    let address = broker.url.as_ref().map_or("", plan::Endpoint::reveal);
+    let address = match broker.tls {
+        Tls::Prefer => address.to_owned(),
+        Tls::Require => address.replacen("amqp://", "amqps://", 1),
+        Tls::Off if address.starts_with("amqps://") => {
+            return Err(of(
+                "`tls = \"off\"`, but its address says `amqps`".to_owned()
+            ));
+        }
+        Tls::Off => address.to_owned(),
+    };
+    let mut settings = settings(&address, access).map_err(of)?;
+    settings.exchange.clone_from(&broker.exchange);
+    settings.timing.first_retry = Duration::from_millis(broker.reconnect_first_ms);
+    settings.timing.last_retry = Duration::from_millis(broker.reconnect_max_ms);
+    Ok(settings)
 }
 
 /// The settings of `amqp://user@host:port/vhost`. The password comes from the credentials file or the environment; one

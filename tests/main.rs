@@ -11,6 +11,7 @@
 mod cli;
 mod composites;
 mod describe;
+mod health;
 mod house;
 mod language;
 mod missions;

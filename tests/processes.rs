@@ -164,15 +164,20 @@ fn in_two_processes_of_which_the_one_on_board_runs_until_it_is_told_to_end() {
     assert_eq!(vhost.connections().unwrap(), 0);
 }
 
-/// The composite with its planner in a process of its own.
-pub(super) fn three_processes(folder: &Path) -> PathBuf {
+/// Copies what the composite needs, and gives its text.
+fn copied(folder: &Path) -> String {
     for name in ["navigate.asm", "maps/office.geojson"] {
         let to = folder.join(name);
         std::fs::create_dir_all(to.parent().unwrap()).unwrap();
         std::fs::copy(navigation().join(name), to).unwrap();
     }
     let composite = navigation().join("navigation.composite.toml");
-    let text = std::fs::read_to_string(composite).unwrap();
+    std::fs::read_to_string(composite).unwrap()
+}
+
+/// The composite with its planner in a process of its own.
+pub(super) fn three_processes(folder: &Path) -> PathBuf {
+    let text = copied(folder);
     let apart = text.replace(
         r#", "TrajectoryPlanner"] },"#,
         "] },\n  { name = \"planning\", components = [\"TrajectoryPlanner\"] },",
@@ -181,6 +186,44 @@ pub(super) fn three_processes(folder: &Path) -> PathBuf {
     let composite = folder.join("apart.composite.toml");
     std::fs::write(&composite, apart).unwrap();
     composite
+}
+
+/// The composite with a broker of its own, whose address the environment has.
+fn with_broker(folder: &Path, url: &str) -> Command {
+    let broker = "[brokers.main]\nurl = \"${NAVIGATION_BROKER}\"\n";
+    let composite = folder.join("named.composite.toml");
+    std::fs::write(&composite, format!("{}\n{broker}", copied(folder))).unwrap();
+    let mut command = run(&composite);
+    command.env("NAVIGATION_BROKER", url);
+    command
+}
+
+#[test]
+fn over_the_broker_that_the_composite_names_unless_the_bus_is_local() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let over = with_broker(folder.path(), &vhost.url()).output().unwrap();
+    assert_eq!(modes(&over), expected());
+    let said = String::from_utf8(over.stderr).unwrap();
+    assert!(said.contains("wall clock"), "{said}");
+    assert!(!said.contains(broker.password()), "{said}");
+    let mut local = with_broker(folder.path(), &vhost.url());
+    let local = local.args(["--bus", "local"]).output().unwrap();
+    assert_eq!(modes(&local), expected());
+    let said = String::from_utf8(local.stderr).unwrap();
+    assert!(said.contains("virtual clock"), "{said}");
+}
+
+#[test]
+fn a_broker_that_is_not_there_is_named_with_a_way_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let url = "amqp://guest:guest@127.0.0.1:1/cell";
+    let output = with_broker(folder.path(), url).output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("the broker at 127.0.0.1:1/cell"), "{said}");
+    assert!(said.contains("`--bus local` runs without one"), "{said}");
 }
 
 #[test]

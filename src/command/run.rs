@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use amqp::Settings;
 use assembly::Value;
 use clap::{Args, ValueEnum};
 use component::{Event, Time};
@@ -38,9 +39,10 @@ pub struct Run {
     speed: Option<f64>,
 
     /// Over which bus topics and services go: `local`, within this process, or a broker's address,
-    /// `amqp://user@host:port/vhost`. The password comes from ASMOTION_PASSWORD, or `--credentials`.
-    #[arg(long, value_name = "URL", default_value = "local")]
-    bus: String,
+    /// `amqp://user@host:port/vhost`; without it, over the broker that the composite names, if it names
+    /// one. The password comes from ASMOTION_PASSWORD, or `--credentials`.
+    #[arg(long, value_name = "URL")]
+    bus: Option<String>,
 
     #[command(flatten)]
     access: Access,
@@ -116,7 +118,7 @@ impl Run {
             return Exit::Usage;
         }
         match self.mission() {
-            Ok(mission) => self.common.run(&self.composite, mission, terminal),
+            Ok(mission) => self.common.run_applied(&self.composite, &mission, terminal),
             Err(problem) => {
                 terminal.error(problem);
                 Exit::Usage
@@ -128,8 +130,8 @@ impl Run {
         let mut mission = Mission::new(&self.composite);
         mission.profile = self.profile.clone();
         mission.process = self.process.clone();
-        if self.bus != "local" {
-            let mut settings = broker::settings(&self.bus, &self.access)?;
+        self.common.apply(&mut mission)?;
+        if let Some(mut settings) = self.broker(&mission)? {
             settings.robot = self.robot.clone();
             settings.notices = Arc::new(|notice| {
                 let _ = writeln!(anstream::stderr(), "         Bus {notice}");
@@ -157,6 +159,20 @@ impl Run {
         mission.until = ends(&self.until)?;
         mission.unless = ends(&self.unless)?;
         Ok(mission)
+    }
+
+    /// The broker, if the bus is not that within the process.
+    fn broker(&self, mission: &Mission) -> Result<Option<Settings>, String> {
+        match self.bus.as_deref() {
+            Some("local") => Ok(None),
+            Some(address) => broker::settings(address, &self.access).map(Some),
+            None => {
+                let named = mission.named_broker()?;
+                named
+                    .map(|named| broker::named(&named, &self.access))
+                    .transpose()
+            }
+        }
     }
 }
 
@@ -198,6 +214,11 @@ impl Common {
             terminal.error(problem);
             return Exit::Usage;
         }
+        self.run_applied(title, &mission, terminal)
+    }
+
+    /// Runs a mission that has the options already.
+    fn run_applied(&self, title: &str, mission: &Mission, terminal: &mut Terminal) -> Exit {
         let clock = match mission.clock {
             Clock::Wall => "wall clock".to_owned(),
             Clock::Virtual(speed) if speed > 0.0 => format!("virtual clock at {speed}×"),

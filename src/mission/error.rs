@@ -115,7 +115,11 @@ impl fmt::Display for MissionError {
                 "`{process}` is one of several processes, which meet on a broker: add \
                  `--bus amqp://user@host:port/vhost`, or leave out `--process` to run all in one"
             ),
-            Self::Broker { place, reason } => write!(to, "the broker at {place}: {reason}"),
+            Self::Broker { place, reason } => write!(
+                to,
+                "the broker at {place}: {reason}\n  `asmotion doctor` says how to mend it; `--bus local` runs \
+                 without one"
+            ),
             Self::Launch(reason) => to.write_str(reason),
         }
     }

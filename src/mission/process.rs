@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use amqp::AmqpBus;
+use assembly::plan::Broker;
 use assembly::{Part, Plan};
 
 use super::{Mission, MissionError};
@@ -32,6 +33,26 @@ impl Mission {
             (Some(_), None) => Ok(Part::Whole),
             (Some(process), Some(_)) => Ok(Part::of(process)),
         }
+    }
+
+    /// The broker that the composite names, if it does. What is wrong with the composite the run tells.
+    ///
+    /// # Errors
+    /// It names several.
+    pub fn named_broker(&self) -> Result<Option<Broker>, String> {
+        let opened = self.open();
+        let plan = match opened.report.has_errors() {
+            true => None,
+            false => opened.plan(self.profile.as_deref()),
+        };
+        let Some(plan) = plan.filter(|plan| plan.missing.is_empty()) else {
+            return Ok(None);
+        };
+        let named = plan.broker().map_err(|names| {
+            let names = names.join(", ");
+            format!("the composite names several brokers ({names}), and a process speaks to one: say which with `--bus`")
+        })?;
+        Ok(named.cloned())
     }
 
     /// The bus over the broker, once it is there.

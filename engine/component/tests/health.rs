@@ -7,8 +7,8 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use bus::{
-    Bell, Bus, BusError, Health, Link, Local, Origin, Pattern, Pending, Publisher, Queue,
-    Request, Sending, Serving, Subscription,
+    Bell, Bus, BusError, Health, Link, Local, Origin, Pattern, Pending, Publisher, Queue, Request,
+    Sending, Serving, Subscription,
 };
 use common::{Number, behaviour, counter};
 use component::{
@@ -24,7 +24,7 @@ fn watcher() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
         move |cycle| {
             for health in cycle.all(health).to_vec() {
                 let said = format!("{} {}", health.state, health.reason);
-                cycle.report("health", Datum::Text(said.into()));
+                cycle.report("health", Datum::Text(said));
             }
             Ok(())
         }

@@ -263,7 +263,10 @@ fn own(scene: &Scene<'_>, roles: &[Role], report: &mut Report) {
     for role in roles {
         if role.published {
             let problem = OwnProblem::Published;
-            report.found(TopicError::Own { at: role.at, problem });
+            report.found(TopicError::Own {
+                at: role.at,
+                problem,
+            });
         }
         let Some(kind) = &role.kind else { continue };
         if !scene.types.same(&kind.text, BusHealth::NAME) {

@@ -11,7 +11,7 @@ pub struct Broker {
     pub name: At<String>,
     /// Where it is, with user and password.
     pub url: At<Template>,
-    /// The topic exchange; the composite's name where not given.
+    /// The topic exchange; `robots` where not given.
     pub exchange: Option<At<String>>,
     /// How payloads are encoded.
     pub codec: Option<At<Codec>>,

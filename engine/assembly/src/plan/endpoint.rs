@@ -1,7 +1,10 @@
 //! Brokers and bridges of a plan, with their secrets.
 
+use std::collections::BTreeSet;
+
 use serde::{Serialize, Serializer};
 
+use super::Plan;
 use super::fill::{given, number};
 use super::flatten::Flattener;
 use crate::At;
@@ -103,6 +106,32 @@ impl Serialize for Endpoint {
     }
 }
 
+/// The exchange that all robots share, unless the composite names another one.
+const EXCHANGE: &str = "robots";
+
+impl Plan {
+    /// The broker that topics and services go over: the one that components, wires and promotions name; if none does,
+    /// the only one. `None` if there is none.
+    ///
+    /// # Errors
+    /// There are several: their names.
+    pub fn broker(&self) -> Result<Option<&Broker>, Vec<&str>> {
+        let of_components = self.components.iter().map(|it| &it.pace.broker);
+        let of_wires = self.wires.iter().map(|it| &it.broker);
+        let of_promotions = self.promoted.iter().map(|it| &it.broker);
+        let named: BTreeSet<&str> = (of_components.chain(of_wires).chain(of_promotions))
+            .filter_map(Option::as_deref)
+            .collect();
+        let is_meant = |broker: &&Broker| named.is_empty() || named.contains(&*broker.name);
+        let meant: Vec<&Broker> = self.brokers.iter().filter(is_meant).collect();
+        match *meant.as_slice() {
+            [] => Ok(None),
+            [broker] => Ok(Some(broker)),
+            _ => Err(meant.iter().map(|broker| &*broker.name).collect()),
+        }
+    }
+}
+
 impl Flattener<'_, '_> {
     /// Adds the brokers and bridges of a composite.
     pub(super) fn endpoints(&mut self, index: usize, composite: &Composite) {
@@ -118,7 +147,7 @@ impl Flattener<'_, '_> {
                 exchange: broker
                     .exchange
                     .as_ref()
-                    .map_or_else(|| composite.name.value.clone(), |name| name.value.clone()),
+                    .map_or_else(|| EXCHANGE.to_owned(), |name| name.value.clone()),
                 codec: given(&broker.codec),
                 tls: given(&broker.tls),
                 reconnect_first_ms: reconnect.and_then(|it| number(&it.first_ms)).unwrap_or(100),

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use bus::{Bus, BusError, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription};
+use bus::{
+    Bus, BusError, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription,
+};
 use datum::{DatumError, Problem, Sample};
 
 use super::Membership;

@@ -7,12 +7,12 @@ use bus::Sending;
 use datum::{Message, Schema};
 
 use super::{BuildError, System, Topic};
-use crate::{BusHealth, HEALTH_TOPIC, Policy};
 use crate::body::Body;
 use crate::declaration::{OperationDeclaration, PortDeclaration};
 use crate::port::Link;
 use crate::property::suggestion_among;
 use crate::service::{Reference, Wire, Wiring};
+use crate::{BusHealth, HEALTH_TOPIC, Policy};
 
 /// One end of a connection.
 #[derive(Debug, Clone, PartialEq, Eq)]

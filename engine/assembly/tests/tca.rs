@@ -1,0 +1,231 @@
+//! The ten properties of a component of the Task Component Architecture, with the paper's meaning; each test is named
+//! by the row of the paper's table.
+#![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
+
+mod support;
+
+use std::time::Duration;
+
+use asm_lang::Files;
+use assembly::{AsmFiles, Constructor, Context, Opened, Plan, Standard, Tables, plan};
+use component::{Component, Cycle, Fault, Interface, Run, Simulation, State, Time};
+use support::Variables;
+
+datum::message! {
+    /// A number.
+    #[derive(Copy)]
+    pub struct Number = "test/Number" {
+        /// The number.
+        pub n: i64,
+    }
+}
+
+/// Does nothing, in time.
+struct Task;
+
+impl Component for Task {
+    fn update(&mut self, _: &mut Cycle<'_>) -> Result<(), Fault> {
+        Ok(())
+    }
+}
+
+const COMPONENTS: &[(&str, Constructor)] = &[("test::Task", |interface: &mut Interface| {
+    interface.output::<Number>("path", "where to");
+    Box::new(Task)
+})];
+
+const BUILD: Tables = Tables {
+    components: COMPONENTS,
+    messages: &[("test/Number", <Number as datum::Message>::schema)],
+    interfaces: &[],
+    builtins: &[],
+};
+
+/// A composite with one component that has these lines.
+fn composite(lines: &str) -> String {
+    format!(
+        "schema = \"composite/1\"\n[composite]\nname = \"tca\"\n\n[components.Task]\n\
+         implementation = {{ rust = \"test::Task\" }}\n{lines}\n"
+    )
+}
+
+fn open(text: &str) -> Opened {
+    let mut files = Files::new();
+    files.add("tca.toml", text);
+    let context = Context {
+        loader: &files,
+        environment: &Variables,
+        catalogue: &BUILD,
+        specifications: &AsmFiles::new(&files),
+        settings: &[],
+    };
+    assembly::open("tca.toml", &context)
+}
+
+/// What is found in it: the codes and the texts.
+fn findings(text: &str) -> String {
+    let opened = open(text);
+    support::render::report(&opened.sources, &opened.report)
+}
+
+fn plan(text: &str) -> Plan {
+    let opened = open(text);
+    let said = support::render::report(&opened.sources, &opened.report);
+    opened
+        .plan(None)
+        .unwrap_or_else(|| panic!("{said}"))
+        .clone()
+}
+
+/// The component with this `task`.
+fn task(keys: &str) -> plan::Component {
+    let plan = plan(&composite(&format!("task = {{ {keys} }}")));
+    plan.component("Task").expect("the task").clone()
+}
+
+/// The same in simulated time.
+fn simulated(keys: &str) -> Simulation {
+    let plan = plan(&composite(&format!("task = {{ {keys} }}")));
+    let files = Files::new();
+    let mut workshop = Standard {
+        catalogue: &BUILD,
+        loader: &files,
+        seed: 1,
+        builtins: &mut |_, _| None,
+    };
+    let system = assembly::start(&plan, &mut workshop).expect("a system");
+    system.simulate()
+}
+
+#[test]
+fn t15_an_id_is_unique_and_names_the_component_outside() {
+    assert_eq!(task("id = \"planner\", period_ms = 10").id, "planner");
+    assert_eq!(task("period_ms = 10").id, "Task");
+    let twice = composite(
+        "task = { id = \"one\" }\n[components.Other]\nimplementation = { rust = \"test::Task\" }\ntask = { id = \"one\" }",
+    );
+    let said = findings(&twice);
+    assert!(said.contains("two components have the id `one`"), "{said}");
+    assert_eq!(
+        said.matches(" | task = { id").count(),
+        2,
+        "both places: {said}"
+    );
+}
+
+#[test]
+fn t16_a_period_is_the_time_between_two_cycles_and_0_is_event_driven() {
+    let mut run = simulated("period_ms = 50");
+    run.run_for(Duration::from_secs(1));
+    assert_eq!(run.cycles("Task"), 21);
+    let changed = run.set_period("Task", Duration::from_millis(100));
+    assert_eq!(changed, Ok(()));
+    run.run_for(Duration::from_secs(1));
+    assert!((10..=11).contains(&(run.cycles("Task") - 21)));
+    let mut run = simulated("period_ms = 0");
+    run.run_for(Duration::from_secs(1));
+    assert!(run.cycles("Task") <= 1, "only its start");
+}
+
+#[test]
+fn t17_a_delay_goes_before_the_first_cycle() {
+    let mut run = simulated("period_ms = 50, delay_ms = 120");
+    run.run_until(Time::ZERO + Duration::from_millis(119));
+    assert_eq!(run.cycles("Task"), 0);
+    run.run_until(Time::ZERO + Duration::from_millis(120));
+    assert_eq!(run.cycles("Task"), 1);
+}
+
+#[test]
+fn t18_one_that_does_not_run_on_startup_is_there_and_waits() {
+    let mut run = simulated("period_ms = 50, run_on_startup = false");
+    run.run_for(Duration::from_secs(1));
+    assert_eq!(run.state("Task"), Some(State::Stopped));
+    assert_eq!(run.cycles("Task"), 0);
+    let started = run.transition("Task", component::Transition::Start);
+    assert_eq!(started, Ok(()));
+    run.run_for(Duration::from_secs(1));
+    assert_eq!(run.cycles("Task"), 21);
+}
+
+#[test]
+fn t19_only_who_says_so_may_be_interrupted() {
+    assert!(!task("period_ms = 50").pace.may_interrupt_if_running);
+    let may = task("period_ms = 50, may_interrupt_if_running = true");
+    assert!(may.pace.may_interrupt_if_running);
+}
+
+const BROKER: &str =
+    "\n[brokers.main]\nurl = \"amqp://${ROBOT_USER}:${ROBOT_PASSWORD_FILE}@desk:5672/cell\"";
+
+#[test]
+fn t20_a_component_goes_over_the_broker_it_names_and_else_stays_inside() {
+    assert_eq!(
+        plan(&composite("")).broker().map(|it| it.is_none()),
+        Ok(true)
+    );
+    let second = BROKER.replace("main", "spare");
+    let named = composite(&format!("task = {{ broker = \"spare\" }}{BROKER}{second}"));
+    let named = plan(&named);
+    let broker = named
+        .broker()
+        .map(|broker| broker.map(|it| it.name.clone()));
+    assert_eq!(broker, Ok(Some("spare".to_owned())));
+    let several = plan(&composite(&format!("{BROKER}{second}")));
+    assert_eq!(several.broker(), Err(vec!["main", "spare"]));
+    let said = findings(&composite(&format!(
+        "task = {{ broker = \"mian\" }}{BROKER}"
+    )));
+    assert!(said.contains("did you mean `main`"), "{said}");
+}
+
+#[test]
+fn t21_url_user_and_password_come_from_outside_and_are_never_shown() {
+    let plan = plan(&composite(BROKER));
+    let broker = plan.broker().expect("one").expect("one");
+    let url = broker.url.as_ref().expect("an address");
+    assert_eq!(url.reveal(), "amqp://robot:geheim@desk:5672/cell");
+    let shown = format!("{plan:?} {}", plan.to_toml().expect("a text"));
+    assert!(!shown.contains("geheim"), "{shown}");
+    let written = BROKER.replace("${ROBOT_PASSWORD_FILE}", "geheim");
+    let said = findings(&composite(&written));
+    assert!(said.contains("warning[C019]"), "{said}");
+}
+
+#[test]
+fn t22_a_topic_is_renamed_and_a_misspelt_name_is_found() {
+    let publish = "publish = { path = \"test/Number\" }\n";
+    let plan = plan(&composite(&format!(
+        "{publish}rename = {{ path = \"plan\" }}"
+    )));
+    let topics: Vec<_> = plan.topics.iter().map(|topic| &*topic.name).collect();
+    assert_eq!(topics, ["plan"]);
+    let said = findings(&composite(&format!(
+        "{publish}rename = {{ paht = \"plan\" }}"
+    )));
+    assert!(
+        said.contains("C052") && said.contains("did you mean `path`"),
+        "{said}"
+    );
+}
+
+#[test]
+fn t23_all_ten_stand_in_the_plan() {
+    let keys = "id = \"planner\", period_ms = 10, delay_ms = 5, run_on_startup = false, may_interrupt_if_running = true, broker = \"main\"";
+    let lines = format!(
+        "task = {{ {keys} }}\npublish = {{ path = \"test/Number\" }}\nrename = {{ path = \"plan\" }}{BROKER}"
+    );
+    let shown = plan(&composite(&lines)).to_toml().expect("a text");
+    for property in [
+        "id = \"planner\"",
+        "period_ms = 10",
+        "delay_ms = 5",
+        "run_on_startup = false",
+        "may_interrupt_if_running = true",
+        "broker = \"main\"",
+        "url = \"amqp://robot:***@desk:5672/cell\"",
+        "topic = \"plan\"",
+    ] {
+        assert!(shown.contains(property), "{property}: {shown}");
+    }
+}
