@@ -7,13 +7,16 @@ use datum::Message;
 use source::{Diagnostic, Report, Span};
 
 use super::component::topic;
+use super::component_error::ComponentError;
 use super::connection::TopicLink;
+use super::connection_error::ConnectionError;
 use super::face::Kind;
 use super::scene::{Part, Scene};
 use super::wire::own_place;
 use crate::finding::{Finding, Findings};
-use crate::model::Promoted;
+use crate::model::{self, Codec, Promoted};
 use crate::nearest::{Nearest, Suggest, nearest};
+use crate::read::error::ReadError;
 
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum TopicError {
@@ -41,6 +44,12 @@ pub(crate) enum TopicError {
     },
     #[error("topic `{HEALTH_TOPIC}` is the engine's own: it tells there how its bus is")]
     Own { at: Span, problem: OwnProblem },
+    #[error("nothing is on topic `{topic}`")]
+    Unused {
+        topic: String,
+        at: Span,
+        nearest: Option<Nearest>,
+    },
     #[error("output `{port}` is on two topics: `{first}` and `{second}`")]
     TwoTopics {
         port: String,
@@ -114,6 +123,9 @@ impl Finding for TopicError {
                         .help(format!("its messages are of type `{}`", BusHealth::NAME)),
                 }
             }
+            Self::Unused { at, nearest, .. } => Diagnostic::error("C056", self)
+                .label(*at, "no such topic")
+                .suggest_or(*at, nearest, "here stands how a topic goes over a broker"),
             Self::TwoTopics { at, first_at, .. } => Diagnostic::error("C053", self)
                 .label(*at, "the second topic")
                 .label(*first_at, "the first topic")
@@ -179,6 +191,9 @@ pub(crate) fn check(scene: &Scene<'_>, links: &[TopicLink], report: &mut Report)
         }
     }
     two_topics(&topics, report);
+    for topic in &scene.composite.topics {
+        sending(topic, &topics, report);
+    }
     topics
 }
 
@@ -320,6 +335,45 @@ fn renames(part: &Part<'_>, report: &mut Report) {
                 known: known.clone(),
             });
         }
+    }
+}
+
+/// How a topic is sent is said of one that is there; a queue has a size.
+fn sending(topic: &model::Topic, topics: &Topics, report: &mut Report) {
+    let (name, at) = (&topic.name.value, topic.name.span);
+    if !topics.contains_key(name) || name == HEALTH_TOPIC {
+        let known = topics
+            .iter()
+            .filter_map(|(name, roles)| Some((name.as_str(), Some(roles.first()?.at))));
+        report.found(TopicError::Unused {
+            topic: name.clone(),
+            at,
+            nearest: nearest(name, known),
+        });
+    }
+    let outage = topic.outage.as_ref();
+    match (outage.map(|outage| outage.value), &topic.size) {
+        (Some(model::Outage::Queue), None) => report.found(ReadError::MissingKey {
+            key: "size",
+            of: "a queue",
+            at: outage.map_or(at, |outage| outage.span),
+            example: "64".to_owned(),
+        }),
+        (None | Some(model::Outage::Drop | model::Outage::Latest), Some(size)) => {
+            report.found(ConnectionError::Idle {
+                key: "size",
+                at: size.span,
+                reason: "only `outage = \"queue\"` has a size",
+            });
+        }
+        (Some(model::Outage::Queue), Some(_)) | (None | Some(_), None) => {}
+    }
+    if let Some(codec) = topic.codec.as_ref().filter(|it| it.value == Codec::Cdr) {
+        report.found(ComponentError::NotInBuild {
+            what: "codec",
+            name: codec.value.to_string(),
+            at: codec.span,
+        });
     }
 }
 

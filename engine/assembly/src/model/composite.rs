@@ -2,7 +2,7 @@
 
 use source::FileId;
 
-use super::{Bridge, Broker, Component, Connection, Deploy, Promotion, Property, Wire};
+use super::{Bridge, Broker, Component, Connection, Deploy, Promotion, Property, Topic, Wire};
 use crate::At;
 
 /// A composite file.
@@ -26,6 +26,8 @@ pub struct Composite {
     pub bridges: Vec<Bridge>,
     /// `[components.<name>]`, in the order of the file.
     pub components: Vec<Component>,
+    /// `[topics.<name>]`.
+    pub topics: Vec<Topic>,
     /// `[[wires]]`.
     pub wires: Vec<Wire>,
     /// `[[connections]]`.

@@ -9,6 +9,7 @@ mod implementation;
 mod pace;
 mod promote;
 mod setting;
+mod topic;
 mod wiring;
 
 pub use component::{
@@ -22,6 +23,7 @@ pub use implementation::{Builtin, Implementation};
 pub use pace::{Lifecycle, OnDeadline, OnException, Overrun, Pace, Scheduler};
 pub use promote::{Promoted, Promotion};
 pub use setting::{Amount, Piece, Property, PropertyType, Scalar, Setting, Template};
+pub use topic::{Outage, Topic};
 pub use wiring::{
     Cancel, Connection, Delivery, End, Flow, Lock, OnStale, Policy, Retry, Sharing, Terminal,
     Transport, Wire,

@@ -2,7 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
-use crate::model::{Cancel, Delivery, Flow, Lock, OnStale, Sharing, Transport};
+use crate::model::{Cancel, Codec, Delivery, Flow, Lock, OnStale, Outage, Sharing, Transport};
 
 /// The end of a connection or wire; shown as `Component.name`.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -32,6 +32,14 @@ pub struct Topic {
     pub kind: Option<String>,
     /// Whether the outside may publish and subscribe it.
     pub promoted: bool,
+    /// Whether its messages are kept until a broker has confirmed them; else as the connections want it.
+    pub confirm: Option<bool>,
+    /// What becomes of them while the broker is away; else as the connections want it.
+    pub outage: Option<Outage>,
+    /// How many of them are kept then.
+    pub size: Option<u64>,
+    /// How they are encoded; else as the broker has it.
+    pub codec: Option<Codec>,
     /// The ports that publish it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub publishers: Vec<End>,

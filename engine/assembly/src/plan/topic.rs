@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use component::HEALTH_TOPIC;
 
+use super::fill::number;
 use super::flatten::Flattener;
 use super::{End, Terminal, Topic};
 use crate::check;
@@ -65,6 +66,10 @@ impl Flattener<'_, '_> {
                 name: name.clone(),
                 kind: None,
                 promoted: false,
+                confirm: None,
+                outage: None,
+                size: None,
+                codec: None,
                 publishers: Vec::new(),
                 subscribers: Vec::new(),
             });
@@ -82,7 +87,27 @@ impl Flattener<'_, '_> {
                 topic.promoted = true;
             }
         }
+        self.sending(&mut topics);
         self.plan.topics = topics.into_values().collect();
+    }
+
+    /// How the composites want topics sent; of a topic that two share, the outer one says it.
+    fn sending(&self, topics: &mut BTreeMap<String, Topic>) {
+        for (index, instance) in self.instances.iter().enumerate() {
+            for written in &instance.member.composite.topics {
+                let name = self.topic(index, &written.name.value);
+                let Some(topic) = topics.get_mut(&name) else {
+                    continue;
+                };
+                let confirm = written.confirm.as_ref().map(|confirm| confirm.value);
+                let outage = written.outage.as_ref().map(|outage| outage.value);
+                let codec = written.codec.as_ref().map(|codec| codec.value);
+                topic.confirm = topic.confirm.or(confirm);
+                topic.outage = topic.outage.or(outage);
+                topic.size = topic.size.or(number(&written.size));
+                topic.codec = topic.codec.or(codec);
+            }
+        }
     }
 
     fn kind(&self, end: &End, writes: bool) -> Option<String> {

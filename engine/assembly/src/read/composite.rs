@@ -4,7 +4,7 @@ use source::FileId;
 
 use super::error::ReadError;
 use super::keys::{Keys, Reader};
-use super::{component, deploy, endpoint, promote, setting, top, wiring};
+use super::{component, deploy, endpoint, promote, setting, top, topic, wiring};
 use crate::At;
 use crate::finding::Findings;
 use crate::model::Composite;
@@ -40,6 +40,7 @@ pub(crate) fn composite(reader: &mut Reader<'_>, file: FileId, root: &Table) -> 
         brokers: keys.named("brokers", "{ }", endpoint::broker),
         bridges: keys.named("bridges", "{ }", endpoint::bridge),
         components: keys.named("components", "{ }", component::component),
+        topics: keys.named("topics", "{ }", topic::topic),
         wires: keys.items("wires", "tables", "[[wires]]", wiring::wire),
         connections: keys.items(
             "connections",

@@ -13,6 +13,7 @@ mod pace;
 mod promote;
 mod setting;
 pub(crate) mod template;
+mod topic;
 mod types;
 mod wiring;
 

@@ -4,9 +4,11 @@ use std::num::NonZeroUsize;
 
 use bus::{Assurance, Outage, Sending};
 use component::Kind;
+use datum::Codec;
 
 use super::{Part, policy};
-use crate::plan::{End, Plan, Terminal};
+use crate::model;
+use crate::plan::{End, Plan, Terminal, Topic};
 
 /// How each topic that this part writes to is sent.
 pub(super) fn of_topics<'p>(
@@ -25,7 +27,8 @@ pub(super) fn of_topics<'p>(
         let connections = plan.connections.iter();
         let connections = connections.filter(|it| joins(&it.from) || joins(&it.to));
         let kinds = connections.map(|connection| policy(&connection.policy).kind);
-        (topic.name.as_str(), of(kinds))
+        let sending = of(kinds).by(codec(plan));
+        (topic.name.as_str(), as_written(topic, sending))
     })
 }
 
@@ -35,7 +38,41 @@ pub(super) fn of_port(plan: &Plan, port: &End) -> Sending {
         let to_port = matches!(connection.to, Terminal::Port(_));
         to_port && connection.from == Terminal::Port(port.clone())
     });
-    of(from.map(|connection| policy(&connection.policy).kind))
+    of(from.map(|connection| policy(&connection.policy).kind)).by(codec(plan))
+}
+
+/// How the broker wants payloads encoded.
+fn codec(plan: &Plan) -> Codec {
+    let broker = plan.broker().ok().flatten();
+    broker.map_or_else(Codec::default, |broker| of_word(broker.codec))
+}
+
+fn of_word(codec: model::Codec) -> Codec {
+    match codec {
+        // this build does not write CDR, and checking has said so
+        model::Codec::Cbor | model::Codec::Cdr => Codec::Cbor,
+        model::Codec::Json => Codec::Json,
+    }
+}
+
+/// What the composite says of a topic goes before what follows from its connections.
+fn as_written(topic: &Topic, mut sending: Sending) -> Sending {
+    sending.assurance = match topic.confirm {
+        None => sending.assurance,
+        Some(true) => Assurance::Confirmed,
+        Some(false) => Assurance::Once,
+    };
+    let size = topic.size.and_then(|size| usize::try_from(size).ok());
+    sending.outage = match (topic.outage, size.and_then(NonZeroUsize::new)) {
+        (None, _) | (Some(model::Outage::Queue), None) => sending.outage,
+        (Some(model::Outage::Drop), _) => Outage::Drop,
+        (Some(model::Outage::Latest), _) => Outage::KeepLatest,
+        (Some(model::Outage::Queue), Some(size)) => Outage::Queue(size),
+    };
+    match topic.codec {
+        None => sending,
+        Some(codec) => sending.by(of_word(codec)),
+    }
 }
 
 /// A state is sent again and again, and the newest counts. Messages of a sequence are confirmed; while the bus is away as
@@ -66,6 +103,31 @@ fn of(kinds: impl IntoIterator<Item = Kind>) -> Sending {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_written_goes_before_what_follows() {
+        let mut topic = Topic {
+            name: "event".to_owned(),
+            kind: None,
+            promoted: false,
+            confirm: None,
+            outage: None,
+            size: None,
+            codec: None,
+            publishers: Vec::new(),
+            subscribers: Vec::new(),
+        };
+        assert_eq!(as_written(&topic, Sending::state()), Sending::state());
+        topic.confirm = Some(true);
+        topic.outage = Some(model::Outage::Queue);
+        topic.size = Some(7);
+        topic.codec = Some(model::Codec::Json);
+        let seven = NonZeroUsize::new(7).unwrap();
+        let wanted = Sending::events(seven).by(Codec::Json);
+        assert_eq!(as_written(&topic, Sending::state()), wanted);
+        topic.outage = Some(model::Outage::Drop);
+        assert_eq!(as_written(&topic, wanted).outage, Outage::Drop);
+    }
 
     #[test]
     fn a_state_is_sent_once_and_a_sequence_confirmed() {

@@ -1,0 +1,32 @@
+//! How topics go over a broker.
+
+use super::Codec;
+use crate::At;
+use crate::choice::choice;
+
+/// `[topics.<name>]`. What is left out follows from the connections.
+#[derive(Clone, Debug)]
+pub struct Topic {
+    /// The topic.
+    pub name: At<String>,
+    /// Whether messages are kept until the broker has confirmed them, and sent again if need be.
+    pub confirm: Option<At<bool>>,
+    /// What becomes of messages while the broker is away.
+    pub outage: Option<At<Outage>>,
+    /// How many of them are kept.
+    pub size: Option<At<i64>>,
+    /// How payloads are encoded; as the broker has it where not given.
+    pub codec: Option<At<Codec>>,
+}
+
+choice! {
+    /// What becomes of messages while the broker is away.
+    pub enum Outage {
+        /// They are dropped, and counted.
+        Drop = "drop",
+        /// The newest is kept.
+        Latest = "latest",
+        /// The oldest so many are kept.
+        Queue = "queue",
+    }
+}
