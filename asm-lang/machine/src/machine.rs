@@ -344,7 +344,7 @@ impl Machine {
     }
 
     /// Checks the invariants of the state that the last step led to.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn check_again(
         &mut self,
         environment: &mut dyn Environment,
@@ -587,13 +587,13 @@ impl Machine {
         };
         let grown = run.updates.grown();
         let result = work(&mut run);
-        match run.fault.take() {
-            None => Ok(result),
-            Some(fault) => {
-                run.abandon(grown);
-                Err(fault)
-            }
+        if let Some(fault) = run.fault.take() {
+            run.abandon(grown);
+            return Err(fault);
         }
+        let Run { agent, .. } = run;
+        agent.discard();
+        Ok(result)
     }
 }
 

@@ -157,12 +157,20 @@ impl Record {
 
     #[inline]
     pub fn begin(&mut self, now_ns: i64) {
-        self.inputs.clear();
         self.choices.clear();
-        self.picked.clear();
-        self.printed.clear();
-        self.done.clear();
-        self.sent.clear();
+        // most steps of a fast machine have none of these
+        let kept = self.inputs.len()
+            | self.picked.len()
+            | self.printed.len()
+            | self.done.len()
+            | self.sent.len();
+        if kept > 0 {
+            self.inputs.clear();
+            self.picked.clear();
+            self.printed.clear();
+            self.done.clear();
+            self.sent.clear();
+        }
         self.now_ns = now_ns;
     }
 }

@@ -29,6 +29,14 @@ impl Value {
         }
     }
 
+    /// Drops the value; of a scalar there is nothing to drop.
+    #[inline]
+    pub fn discard(self) {
+        if self.is_scalar() {
+            std::mem::forget(self);
+        }
+    }
+
     /// Whether the value lies in the `Value` itself, and shares nothing.
     #[inline]
     pub fn is_scalar(&self) -> bool {

@@ -136,13 +136,20 @@ impl Frame {
         // and marks below the number of slots the program fixes, and updates below `room`; it keeps no
         // pointer across a call of the functions below. `run` is not used here meanwhile.
         let stopped = unsafe { entry(&raw mut frame) };
-        if stopped == 0 {
-            // every sequence has ended
-            frame.settle_list();
-            return Ok(());
-        }
-        frame.settle();
-        Err(Stopped)
+        let done = match stopped {
+            0 => {
+                // every sequence has ended
+                frame.settle_list();
+                Ok(())
+            }
+            _ => {
+                frame.settle();
+                Err(Stopped)
+            }
+        };
+        let Self { answer, .. } = frame;
+        answer.discard();
+        done
     }
 
     fn run(&mut self) -> &mut Run<'static> {
