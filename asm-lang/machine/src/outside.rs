@@ -147,7 +147,7 @@ impl Machine {
         Ok((function, arguments, value))
     }
 
-    /// Says which agents are outside: messages to them are given out, see [`Sent::leaves`], and not
+    /// Says which agents are outside: messages to them are given out, see [`Sent::leaves`](crate::Sent::leaves), and not
     /// delivered.
     pub fn set_partners(&mut self, partners: Vec<Value>) {
         self.post.set_partners(partners);
