@@ -55,6 +55,25 @@ fn every_standard_signature_has_one_body_and_the_reverse() -> Result<(), String>
 }
 
 #[test]
+fn what_the_machine_does_with_messages_is_declared() -> Result<(), String> {
+    let text = text("CommonBehavior")?;
+    let rules = text.split("rule r_act").skip(1);
+    let declared: Vec<String> = rules
+        .filter_map(|rest| Some(format!("r_act{}", rest.split_once('(')?.0)))
+        .collect();
+    let known: Vec<&str> = stdlib::Act::ALL.iter().map(|(name, _)| *name).collect();
+    assert_eq!(declared, known);
+    for (name, mail) in stdlib::Mail::ALL {
+        assert!(text.contains(&format!("monitored {name}:")), "{name}");
+        assert_eq!(stdlib::Mail::named(name), Some(mail));
+    }
+    for (name, act) in stdlib::Act::ALL {
+        assert_eq!(stdlib::Act::named(name), Some(act));
+    }
+    Ok(())
+}
+
+#[test]
 fn the_temporal_operators_are_listed() -> Result<(), String> {
     let mut declared: Vec<String> = Vec::new();
     for module in [
