@@ -164,6 +164,8 @@ fn exchange(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
     if published && read.next_within(PATIENCE).is_some() {
         return Ok(());
     }
+    // an alarm may be noticed only now
+    take(bus, settings)?;
     let what = "a topic cannot be written";
     Err(forbidden(what, "what was published has not come", settings))
 }
