@@ -37,6 +37,12 @@ pub trait Signature {
             .find(|function| function.name == name)
     }
 
+    /// The first operation of a partner for whose answer the specification waits, and where it does.
+    fn awaits(&self, partner: &str) -> Option<(String, Span)> {
+        let _ = partner;
+        None
+    }
+
     /// The main rule and its place.
     fn main_rule(&self) -> Option<(String, Span)>;
 }

@@ -1,6 +1,9 @@
 //! Signatures of `.asm` files, as the language crates read them.
 
 use asm_lang::hir::{self, DomainKind, Model, Type, TypeId};
+use asm_lang::ir::{Role, message_uses};
+use asm_lang::stdlib;
+use asm_lang::value::{Atom, Value};
 use source::{Loader, Report, Sources, Span};
 
 use crate::signature::{Codomain, FunctionInfo, FunctionKind, Signature, Specifications};
@@ -54,6 +57,15 @@ impl Signature for ModelSignature {
         .collect()
     }
 
+    fn awaits(&self, partner: &str) -> Option<(String, Span)> {
+        let uses = message_uses(&self.0);
+        let awaited = uses.iter().find(|used| {
+            let asks = used.role == Role::Ask && used.reply.is_some();
+            asks && self.element(used.partner) == Some(partner)
+        });
+        awaited.map(|used| (stdlib::operation(used.operation).to_owned(), used.at))
+    }
+
     fn main_rule(&self) -> Option<(String, Span)> {
         let main = self.0.main?;
         let rule = self.0.rules.get(main.0 as usize)?;
@@ -62,6 +74,14 @@ impl Signature for ModelSignature {
 }
 
 impl ModelSignature {
+    /// The name of the element that a term is.
+    fn element(&self, term: &hir::Term) -> Option<&str> {
+        let hir::TermKind::Value(Value::Atom(Atom(index))) = &*term.kind else {
+            return None;
+        };
+        self.0.atoms.get(*index as usize).map(|atom| &*atom.name)
+    }
+
     fn domain(&self, parameters: &[TypeId]) -> String {
         let shown = parameters
             .iter()

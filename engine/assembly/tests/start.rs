@@ -404,3 +404,104 @@ fn it_takes_paths_from_the_folder_of_the_file_they_are_written_in() {
         "\"here/maps\""
     );
 }
+
+const TELLER: &str = "asm teller
+import StandardLibrary
+import CommonBehavior
+signature:
+	domain Listeners subsetof Agent
+	static listeners: Listeners
+	static asked: Listeners
+	out hear: Prod(Listeners, Integer) -> Rule
+	controlled told: Boolean
+	controlled answer: Integer
+definitions:
+	main rule r_Main =
+		if not told then par
+			r_wsend[listeners, \"hear\", 7]
+			told := true
+		endpar endif
+default init s0:
+	function told = false
+";
+
+const LISTENER: &str = "asm listener
+import StandardLibrary
+import CommonBehavior
+signature:
+	controlled heard: Integer
+	out hear: Prod(Agent, Integer) -> Rule
+definitions:
+	main rule r_Main =
+		if nextRequest(self) = \"hear\" then r_wreceive[undef, \"hear\", heard] endif
+default init s0:
+	function heard = 0
+";
+
+/// A specification that tells two others.
+const TOLD: &str = r#"
+schema = "composite/1"
+[composite]
+name = "told"
+[components.Teller]
+implementation = { asm = "teller.asm" }
+task = { period_ms = 10, delay_ms = 10 }
+references = { listeners = "test/Listener" }
+[components.One]
+implementation = { asm = "listener.asm" }
+task = { period_ms = 10 }
+services = { notifying = "test/Listener" }
+[components.Two]
+implementation = { asm = "listener.asm" }
+task = { period_ms = 10 }
+services = { notifying = "test/Listener" }
+[[wires]]
+reference = "Teller.listeners"
+service = ["One.notifying", "Two.notifying"]
+"#;
+
+fn told(specification: &str) -> Files {
+    let mut files = Files::new();
+    files.add("main.toml", TOLD);
+    files.add("teller.asm", specification);
+    files.add("listener.asm", LISTENER);
+    files
+}
+
+#[test]
+fn y10_what_is_sent_to_a_reference_reaches_all_of_its_services() {
+    let files = told(TELLER);
+    let opened = open(&files, &[]);
+    let mut system = start(&files, opened.plan(None).expect("a plan")).expect("a system");
+    let log = Log::new();
+    system.observe(log.clone());
+    system.simulate().run_for(1.s());
+    let heard = log.lines_with("heard");
+    assert_eq!(heard.len(), 2, "{:#?}", log.lines());
+    assert!(
+        heard[0].contains("One") && heard[1].contains("Two"),
+        "{heard:?}"
+    );
+}
+
+#[test]
+fn y10_a_specification_that_waits_for_an_answer_has_one_service() {
+    let asks = TELLER.replace(
+        "r_wsend[listeners, \"hear\", 7]",
+        "r_wsendreceive[listeners, \"hear\", 7, answer]",
+    );
+    let files = told(&asks);
+    let context = Context {
+        loader: &files,
+        environment: &Variables,
+        catalogue: &BUILD,
+        specifications: &AsmFiles::new(&files),
+        settings: &[],
+    };
+    let opened = assembly::open("main.toml", &context);
+    let said = support::render::report(&opened.sources, &opened.report);
+    assert!(
+        said.contains("C034") && said.contains("waits for the answer to `hear`"),
+        "{said}"
+    );
+}

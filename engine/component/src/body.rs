@@ -66,7 +66,7 @@ impl Body {
             references: (declaration.references.iter().cloned())
                 .map(|declaration| Reference {
                     declaration,
-                    wiring: None,
+                    wirings: Vec::new(),
                 })
                 .collect(),
             declaration,

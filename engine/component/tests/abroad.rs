@@ -209,6 +209,51 @@ fn one_system_reaches_itself_over_the_bus_the_same_way_each_time() {
     assert_eq!(lines(), lines());
 }
 
+/// Reports what it is told.
+fn listening() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
+    behaviour(|interface| {
+        let double = interface.serve::<Double>("sums", "listens");
+        move |cycle| {
+            for request in cycle.requests(double) {
+                cycle.report("told", Datum::Int(request.argument.n));
+            }
+            Ok(())
+        }
+    })
+}
+
+#[test]
+fn y10_a_callback_reaches_listeners_inside_and_beyond_the_bus() {
+    let bus = Local::new();
+    let replies = Replies::default();
+    let (mut there, log_there) = (System::new(), Log::new());
+    there.observe(log_there.clone());
+    there.add("Far", Activity::event(), listening()).unwrap();
+    there.offer("Far.sums").unwrap();
+    there.attach(Arc::new(bus.clone()), 1).unwrap();
+    let (mut here, log_here) = (System::new(), Log::new());
+    here.observe(log_here.clone());
+    here.add("Near", Activity::event(), listening()).unwrap();
+    (here.add("Caller", Activity::event(), caller(&replies))).unwrap();
+    (here.wire("Caller.sums", "Near.sums", Wire::one_way())).unwrap();
+    (here.reach("Caller.sums", "Far.sums", Wire::one_way())).unwrap();
+    here.attach(Arc::new(bus), 2).unwrap();
+    let running = (there.live(), here.live());
+    for (log, name) in [(log_here, "Near"), (log_there, "Far")] {
+        let until = std::time::Instant::now() + Duration::from_secs(20);
+        while log.lines_with("told").is_empty() && std::time::Instant::now() < until {
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let told = log.lines_with("told");
+        assert!(
+            matches!(told.as_slice(), [one] if one.contains(name)),
+            "{told:?}"
+        );
+    }
+    drop(running);
+    assert!(replies.lock().unwrap().is_empty());
+}
+
 /// Reports every number it reads.
 fn teller() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     behaviour(|interface| {

@@ -357,6 +357,72 @@ fn c7_a_one_way_call_returns_at_once_and_a_lost_one_is_counted() {
     );
 }
 
+/// Tells `double` once, and wants no answer.
+fn telling() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
+    behaviour(|interface| {
+        let double = interface.require::<Double>("listeners", "to hear it");
+        let mut told = false;
+        move |cycle| {
+            if !std::mem::replace(&mut told, true) {
+                cycle.call(double, number(21));
+            }
+            Ok(())
+        }
+    })
+}
+
+/// Reports what it is told.
+fn listening() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
+    behaviour(|interface| {
+        let double = interface.serve::<Double>("sums", "listens");
+        move |cycle| {
+            for request in cycle.requests(double) {
+                cycle.report("told", Datum::Int(request.argument.n));
+            }
+            Ok(())
+        }
+    })
+}
+
+#[test]
+fn y10_a_one_way_reference_reaches_each_of_its_services() {
+    let (mut system, log) = (System::new(), Log::new());
+    system.observe(log.clone());
+    system.add("Teller", Activity::event(), telling()).unwrap();
+    let startup = [("First", true), ("Absent", false), ("Last", true)];
+    for (name, runs) in startup {
+        let activity = Activity::event().run_on_startup(runs);
+        system.add(name, activity, listening()).unwrap();
+        let service = format!("{name}.sums");
+        (system.wire("Teller.listeners", &service, Wire::one_way())).unwrap();
+    }
+    system.simulate().run_for(1.s());
+    assert_eq!(
+        log.lines_with("told"),
+        ["0 s First: told: 21", "0 s Last: told: 21"]
+    );
+    // who is not there has not heard it, and is counted alone
+    let lost = log.lines_with("lost");
+    assert_eq!(lost.len(), 1, "{lost:?}");
+    assert!(lost[0].contains("Absent.sums"), "{lost:?}");
+}
+
+#[test]
+fn a_reference_that_waits_for_an_answer_has_one_service() {
+    let mut system = System::new();
+    system.add("Teller", Activity::event(), telling()).unwrap();
+    system.add("First", Activity::event(), listening()).unwrap();
+    system.add("Last", Activity::event(), listening()).unwrap();
+    let mut wire = |to, wire| system.wire("Teller.listeners", to, wire);
+    wire("First.sums", Wire::one_way()).unwrap();
+    let refused = ["`Teller.listeners` is joined already: to `First.sums`"; 2];
+    let said = [
+        wire("Last.sums", Wire::default()),
+        wire("First.sums", Wire::one_way()),
+    ];
+    assert_eq!(said.map(|it| it.unwrap_err().to_string()), refused);
+}
+
 #[test]
 fn a_service_has_several_operations_and_callers() {
     let log = Log::new();

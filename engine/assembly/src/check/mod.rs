@@ -13,6 +13,7 @@ mod declared;
 mod deploy;
 mod endpoint;
 pub(crate) mod face;
+mod fan_out;
 mod promote;
 mod scene;
 mod topic;

@@ -1,13 +1,14 @@
 //! Wires: every reference has a service of its interface, once.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use source::{Diagnostic, Report, Span};
 
-use super::face::{Kind, Service};
+use super::face::{Kind, Service, nearest_service};
+use super::fan_out;
 use super::scene::{Part, Scene};
 use crate::finding::{Finding, Findings};
-use crate::model::{Promoted, Wire};
+use crate::model::{End, Promoted, Wire};
 
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum WireError {
@@ -105,6 +106,8 @@ pub(crate) const DEFAULT_TIMEOUT_MS: u64 = 1000;
 #[derive(Default)]
 struct Joined {
     places: BTreeMap<(String, String), (Span, bool)>,
+    /// Those that a misspelt wire means: it has its finding.
+    meant: BTreeSet<(String, String)>,
 }
 
 impl Joined {
@@ -127,9 +130,8 @@ impl Joined {
 }
 
 fn wire(scene: &Scene<'_>, wire: &Wire, joined: &mut Joined, report: &mut Report) {
-    let reference = scene
-        .reference(&wire.reference, report)
-        .map(|(_, reference)| reference);
+    let found = scene.reference(&wire.reference, report);
+    let reference = found.map(|(_, reference)| reference);
     let mut answered = false;
     for end in &wire.services {
         let absent = scene.composite.component(&end.component).is_some()
@@ -161,11 +163,30 @@ fn wire(scene: &Scene<'_>, wire: &Wire, joined: &mut Joined, report: &mut Report
     let end = &wire.reference;
     let key = (end.component.value.clone(), end.name.value.clone());
     joined.take(key, end.span(), true, report);
+    if reference.is_none() {
+        joined.meant.extend(meant(scene, end));
+    }
     scene.broker(wire.binding.as_ref(), wire.broker.as_ref(), report);
+    if let Some((part, reference)) = found {
+        fan_out::check(scene, wire, part, reference, report);
+    }
     if reference.is_some() && waits(wire) && wire.timeout_ms.is_none() {
         let (reference, at) = (wire.reference.to_string(), wire.reference.span());
         report.found(WireError::NoTimeout { reference, at });
     }
+}
+
+/// The reference that a wire means whose own name is not known: the one that is called like it, or the only one.
+fn meant(scene: &Scene<'_>, end: &End) -> Option<(String, String)> {
+    let parts = &scene.parts;
+    let part = (parts.iter()).find(|part| part.component.name.value == end.component.value)?;
+    let references = &part.face.references;
+    let name = match (nearest_service(references, &end.name), &**references) {
+        (Some(nearest), _) => nearest.name,
+        (None, [only]) => only.name.text.clone(),
+        (None, _) => return None,
+    };
+    Some((end.component.value.clone(), name))
 }
 
 /// Whether the caller waits for a reply; nobody can wait for several.
@@ -177,7 +198,7 @@ pub(crate) fn waits(wire: &Wire) -> bool {
 fn dangling(part: &Part<'_>, reference: &Service, joined: &Joined, report: &mut Report) {
     let component = part.component.name.value.clone();
     let key = (component, reference.name.text.clone());
-    if reference.optional || joined.places.contains_key(&key) {
+    if reference.optional || joined.places.contains_key(&key) || joined.meant.contains(&key) {
         return;
     }
     report.found(WireError::Dangling {

@@ -36,12 +36,6 @@ pub enum StartError {
         /// Why.
         reason: String,
     },
-    /// A reference has several services.
-    #[error("`{reference}` has several services, and this build can only reach one")]
-    FanOut {
-        /// The reference.
-        reference: String,
-    },
     /// A property does not take its value.
     #[error("`{component}`: {source}")]
     Property {
@@ -271,21 +265,19 @@ impl Building<'_> {
         }) {
             return Ok(());
         }
-        let [service] = wire.services.as_slice() else {
-            return Err(StartError::FanOut {
-                reference: reference.to_string(),
-            });
-        };
         let how = Wire {
             timeout: Duration::from_millis(wire.timeout_ms),
             retries: u32::try_from(wire.retry_attempts).unwrap_or(u32::MAX),
             cancel_on_timeout: wire.cancel == model::Cancel::OnTimeout,
             one_way: wire.oneway,
         };
-        let (caller, provider) = (reference.to_string(), service.to_string());
-        match self.part.has(&service.component) && !self.part.takes_the_bus_inside() {
-            true => self.system.wire(&caller, &provider, how)?,
-            false => self.system.reach(&caller, &provider, how)?,
+        let caller = reference.to_string();
+        for service in &wire.services {
+            let provider = service.to_string();
+            match self.part.has(&service.component) && !self.part.takes_the_bus_inside() {
+                true => self.system.wire(&caller, &provider, how)?,
+                false => self.system.reach(&caller, &provider, how)?,
+            }
         }
         Ok(())
     }

@@ -32,7 +32,8 @@ impl Mailbox {
 /// A reference at run time.
 pub(crate) struct Reference {
     pub declaration: ReferenceDeclaration,
-    pub wiring: Option<Wiring>,
+    /// One; several where nobody answers, and all are told.
+    pub wirings: Vec<Wiring>,
 }
 
 /// What a reference is joined to.
@@ -48,6 +49,13 @@ pub(crate) struct Wiring {
 }
 
 impl Wiring {
+    /// Leaves a question with the provider.
+    fn ask(&self, ask: Ask, leaving: &mut Leaving<'_>) -> Result<(), CallError> {
+        self.inbox.post(Post::Ask(ask))?;
+        self.trigger(leaving);
+        Ok(())
+    }
+
     /// Something is in the provider's inbox. One beyond the bus hears the inbox' bell.
     fn trigger(&self, leaving: &mut Leaving<'_>) {
         if let Some(provider) = self.provider {
@@ -133,31 +141,49 @@ impl Caller {
             deadline: leaving.now + wire.timeout,
             argument,
         };
+        if one_way {
+            return self.tell(references, &call, leaving);
+        }
         let full = self.outstanding.len() + self.ended.len() + self.frozen.len() >= UNDER_WAY;
-        let posted = if full && !one_way {
-            Err(CallError::Unavailable)
-        } else {
-            self.post(references, &call, one_way, leaving)
+        let posted = match full {
+            true => Err(CallError::Unavailable),
+            false => self.post(references, &call, leaving),
         };
         match posted {
-            Ok(()) if one_way => {}
             Ok(()) => {
                 leaving.outside.wake_at(leaving.me, call.deadline);
                 self.outstanding.push(call);
             }
-            Err(_) if one_way => {
-                self.lost += 1;
-                let (port, _) = names(references, slot);
-                let wiring = wiring(references, slot);
-                leaving.emit(&Event::Dropped {
-                    component: leaving.name,
-                    port,
-                    to: wiring.map_or("", |wiring| &wiring.to),
-                    total: self.lost,
-                    reason: None,
-                });
-            }
             Err(error) => self.end(references, number, slot, Err(error), leaving),
+        }
+    }
+
+    /// Tells every service; what one does not hear is counted.
+    fn tell(&mut self, references: &[Reference], call: &Outstanding, leaving: &mut Leaving<'_>) {
+        let (port, _) = announce(references, call, leaving);
+        let wirings = references.get(call.slot.port).map(|it| &*it.wirings);
+        let wirings = wirings.unwrap_or_default();
+        let mut lose = |to: &str, leaving: &mut Leaving<'_>| {
+            self.lost += 1;
+            leaving.emit(&Event::Dropped {
+                component: leaving.name,
+                port,
+                to,
+                total: self.lost,
+                reason: None,
+            });
+        };
+        if wirings.is_empty() {
+            lose("", leaving);
+        }
+        for wiring in wirings {
+            let told = wiring
+                .operations
+                .get(call.slot.operation)
+                .map(|operation| wiring.ask(question(call, *operation, None, leaving), leaving));
+            if !matches!(told, Some(Ok(()))) {
+                lose(&wiring.to, leaving);
+            }
         }
     }
 
@@ -166,33 +192,15 @@ impl Caller {
         &self,
         references: &[Reference],
         call: &Outstanding,
-        one_way: bool,
         leaving: &mut Leaving<'_>,
     ) -> Result<(), CallError> {
-        let (reference, operation) = names(references, call.slot);
-        leaving.emit(&Event::Called {
-            component: leaving.name,
-            reference,
-            operation,
-            call: CallId(call.number),
-            attempt: call.attempt,
-            argument: &*call.argument,
-        });
+        announce(references, call, leaving);
         let wiring = wiring(references, call.slot).ok_or(CallError::Unavailable)?;
         let operation = wiring.operations.get(call.slot.operation);
-        wiring.inbox.post(Post::Ask(Ask {
-            key: CallKey {
-                caller: leaving.me,
-                number: call.number,
-            },
-            operation: *operation.ok_or(CallError::Unavailable)?,
-            argument: Arc::clone(&call.argument),
-            caller: Arc::clone(leaving.name),
-            deadline: (!one_way).then_some(call.deadline),
-            answer_to: (!one_way).then(|| AnswerTo::Here(Arc::clone(&self.mailbox))),
-        }))?;
-        wiring.trigger(leaving);
-        Ok(())
+        let operation = *operation.ok_or(CallError::Unavailable)?;
+        let answer_to = AnswerTo::Here(Arc::clone(&self.mailbox));
+        let ask = question(call, operation, Some(answer_to), leaving);
+        wiring.ask(ask, leaving)
     }
 
     /// Takes back a call; the provider is told. A call that has ended stays ended.
@@ -249,7 +257,7 @@ impl Caller {
         }
         call.attempt += 1;
         call.deadline = leaving.now + wire.timeout;
-        match self.post(references, &call, false, leaving) {
+        match self.post(references, &call, leaving) {
             Ok(()) => {
                 leaving.outside.wake_at(leaving.me, call.deadline);
                 self.outstanding.push(call);
@@ -312,8 +320,47 @@ impl Caller {
     }
 }
 
+/// Tells the observers of an attempt; says which reference and operation it is of.
+fn announce<'r>(
+    references: &'r [Reference],
+    call: &Outstanding,
+    leaving: &mut Leaving<'_>,
+) -> (&'r str, &'r str) {
+    let (reference, operation) = names(references, call.slot);
+    leaving.emit(&Event::Called {
+        component: leaving.name,
+        reference,
+        operation,
+        call: CallId(call.number),
+        attempt: call.attempt,
+        argument: &*call.argument,
+    });
+    (reference, operation)
+}
+
+/// What a service is asked; without a return address it is told.
+fn question(
+    call: &Outstanding,
+    operation: usize,
+    answer_to: Option<AnswerTo>,
+    leaving: &Leaving<'_>,
+) -> Ask {
+    Ask {
+        key: CallKey {
+            caller: leaving.me,
+            number: call.number,
+        },
+        operation,
+        argument: Arc::clone(&call.argument),
+        caller: Arc::clone(leaving.name),
+        deadline: answer_to.is_some().then_some(call.deadline),
+        answer_to,
+    }
+}
+
+/// The wiring whose service answers.
 fn wiring(references: &[Reference], slot: Slot) -> Option<&Wiring> {
-    references.get(slot.port)?.wiring.as_ref()
+    references.get(slot.port)?.wirings.first()
 }
 
 fn wire_of(references: &[Reference], slot: Slot) -> Wire {

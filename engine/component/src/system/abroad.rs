@@ -63,7 +63,10 @@ impl System {
     /// calls end with [`CallError::Unavailable`](crate::CallError::Unavailable).
     pub fn reach(&mut self, from: &str, service: &str, wire: Wire) -> Result<(), BuildError> {
         let from = self.end(from, references)?;
-        let operations = &self.unwired(&from)?.declaration.operations;
+        let operations = &self
+            .open_reference(&from, service, wire)?
+            .declaration
+            .operations;
         let addresses = operations
             .iter()
             .map(|called| address(service, &called.name));
@@ -80,7 +83,8 @@ impl System {
             wire,
         };
         self.abroad.reached.push(way);
-        self.units[from.unit].body.references[from.index].wiring = Some(wiring);
+        let reference = &mut self.units[from.unit].body.references[from.index];
+        reference.wirings.push(wiring);
         Ok(())
     }
 }

@@ -64,7 +64,8 @@ pub enum BuildError {
         /// The service.
         to: String,
     },
-    /// Joined already: a connection twice, a second topic for an output, a second service for a reference.
+    /// Joined already: a connection twice, a second topic for an output, a second service for a reference
+    /// that waits for an answer.
     #[error("`{end}` is joined already: to {to}")]
     Joined {
         /// The end.

@@ -134,11 +134,12 @@ impl System {
         self.topics[index].sending = sending;
     }
 
-    /// Wires a reference to a service: `wire("ASMCoordinator.planner", "TrajectoryPlanner.planning", wire)`.
+    /// Wires a reference to a service: `wire("ASMCoordinator.planner", "TrajectoryPlanner.planning", wire)`. A reference
+    /// has one service, or several that are told and do not answer ([`Wire::one_way`]).
     pub fn wire(&mut self, from: &str, to: &str, wire: Wire) -> Result<(), BuildError> {
         let from = self.end(from, references)?;
         let to = self.end(to, services)?;
-        let reference = self.unwired(&from)?;
+        let reference = self.open_reference(&from, &to.name, wire)?;
         let service = &self.units[to.unit].body.services[to.index];
         if reference.declaration.interface != service.declaration.interface {
             return Err(BuildError::Interfaces {
@@ -160,14 +161,22 @@ impl System {
             operations,
             wire,
         };
-        self.units[from.unit].body.references[from.index].wiring = Some(wiring);
+        let reference = &mut self.units[from.unit].body.references[from.index];
+        reference.wirings.push(wiring);
         Ok(())
     }
 
-    /// A reference that has no service yet.
-    pub(super) fn unwired(&self, from: &End) -> Result<&Reference, BuildError> {
+    /// A reference that may have this service, too.
+    pub(super) fn open_reference(
+        &self,
+        from: &End,
+        to: &str,
+        wire: Wire,
+    ) -> Result<&Reference, BuildError> {
         let reference = &self.units[from.unit].body.references[from.index];
-        match &reference.wiring {
+        let stands_in_the_way =
+            |wiring: &&Wiring| wiring.to == to || !(wire.one_way && wiring.wire.one_way);
+        match reference.wirings.iter().find(stands_in_the_way) {
             None => Ok(reference),
             Some(wiring) => Err(BuildError::Joined {
                 end: from.name.clone(),

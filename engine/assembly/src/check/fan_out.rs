@@ -1,0 +1,134 @@
+//! A wire to several services: each is told, so nobody may wait for an answer.
+
+use datum::Shape;
+use source::{Diagnostic, Report, Span};
+
+use super::face::Service;
+use super::scene::{Part, Scene};
+use crate::finding::{Finding, Findings};
+use crate::model::binding::{Action, Effect};
+use crate::model::{Implementation, Wire};
+
+#[derive(Debug, thiserror::Error)]
+#[error("`{reference}` has several services, and {who}")]
+struct AwaitsSeveral {
+    reference: String,
+    /// Who waits, for what.
+    who: String,
+    at: Span,
+    /// Where it says so.
+    place: Option<Span>,
+}
+
+impl Finding for AwaitsSeveral {
+    fn diagnostic(&self) -> Diagnostic {
+        let diagnostic = Diagnostic::error("C034", self).label(self.at, "only one can answer");
+        let diagnostic = match self.place {
+            Some(place) => diagnostic.label(place, "an answer is awaited here"),
+            None => diagnostic,
+        };
+        diagnostic.help(
+            "wire it to one service; or wait for no answer, and say `oneway = true`: all are told",
+        )
+    }
+}
+
+/// Checks that nobody waits for the answer of a reference with several services.
+pub(super) fn check(
+    scene: &Scene<'_>,
+    wire: &Wire,
+    part: &Part<'_>,
+    reference: &Service,
+    report: &mut Report,
+) {
+    if wire.services.len() < 2 {
+        return;
+    }
+    if let Some((who, place)) = awaited(scene, wire, part, reference) {
+        report.found(AwaitsSeveral {
+            reference: wire.reference.to_string(),
+            who,
+            at: wire.reference.span(),
+            place,
+        });
+    }
+}
+
+/// Who waits for an answer of the reference, and where that stands.
+fn awaited(
+    scene: &Scene<'_>,
+    wire: &Wire,
+    part: &Part<'_>,
+    reference: &Service,
+) -> Option<(String, Option<Span>)> {
+    let name = &wire.reference.name.value;
+    by_binding(part, name)
+        .or_else(|| by_specification(scene, part, name))
+        .or_else(|| match &wire.oneway {
+            Some(oneway) if !oneway.value => Some((
+                "the wire says that an answer is awaited".to_owned(),
+                Some(oneway.span),
+            )),
+            Some(_) => None,
+            None => by_interface(scene, reference),
+        })
+}
+
+/// The binding keeps an answer, or tells of it.
+fn by_binding(part: &Part<'_>, reference: &str) -> Option<(String, Option<Span>)> {
+    let effects = part.component.bind.out.iter().map(|out| &out.effect);
+    let actions = effects.flat_map(|effect| match effect {
+        Effect::Literals(cases) => cases.iter().flat_map(|(_, actions)| actions).collect(),
+        Effect::Publish { .. } => Vec::new(),
+    });
+    for action in actions {
+        let Action::Call(call) = action else {
+            continue;
+        };
+        let awaits = [
+            &call.keep,
+            &call.event,
+            &call.ok,
+            &call.failed,
+            &call.timeout,
+        ];
+        if call.operation.component.value == reference
+            && let Some(place) = awaits.into_iter().flatten().next()
+        {
+            let who = format!("its binding waits for `{}`", call.operation);
+            return Some((who, Some(place.span)));
+        }
+    }
+    None
+}
+
+/// The specification asks, and waits for what it is answered.
+fn by_specification(
+    scene: &Scene<'_>,
+    part: &Part<'_>,
+    reference: &str,
+) -> Option<(String, Option<Span>)> {
+    let Some(Implementation::Asm { file, .. }) = &part.component.implementation else {
+        return None;
+    };
+    let signature = scene.family.specification(scene.member, file)?;
+    let (operation, place) = signature.awaits(reference)?;
+    let who = format!("its specification waits for the answer to `{operation}`");
+    Some((who, Some(place)))
+}
+
+/// An operation of the interface answers something.
+fn by_interface(scene: &Scene<'_>, reference: &Service) -> Option<(String, Option<Span>)> {
+    let interface = &reference.interface.text;
+    let operations = scene.catalogue.operations(interface)?;
+    let says_something = |shape: &Shape| match shape {
+        Shape::Record(fields) => !fields.is_empty(),
+        shape => *shape != Shape::Any,
+    };
+    let answers = (operations.iter()).find(|it| says_something(&it.response.shape))?;
+    let who = format!(
+        "`{}` of `{interface}` answers `{}`",
+        answers.name, answers.response
+    );
+    Some((who, None))
+}
