@@ -90,7 +90,7 @@ pub fn listen(bus: &AmqpBus, pattern: &str) -> Result<Subscription, BusError> {
         size: 4096,
         overflow: Overflow::DropOldest,
     };
-    bus.subscribe(&Pattern::new(pattern), queue, Arc::new(Bell::new()))
+    bus.subscribe("tool", &Pattern::new(pattern), queue, Arc::new(Bell::new()))
 }
 
 /// Who is there, by robot and process. Takes a second and a half.

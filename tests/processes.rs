@@ -190,7 +190,12 @@ pub(super) fn three_processes(folder: &Path) -> PathBuf {
 
 /// The composite with a broker of its own, whose address the environment has.
 fn with_broker(folder: &Path, url: &str) -> Command {
-    let broker = "[brokers.main]\nurl = \"${NAVIGATION_BROKER}\"\n";
+    with_broker_and(folder, url, "")
+}
+
+/// The same, with more said of the broker and after it.
+fn with_broker_and(folder: &Path, url: &str, more: &str) -> Command {
+    let broker = format!("[brokers.main]\nurl = \"${{NAVIGATION_BROKER}}\"\n{more}");
     let composite = folder.join("named.composite.toml");
     std::fs::write(&composite, format!("{}\n{broker}", copied(folder))).unwrap();
     let mut command = run(&composite);
@@ -213,6 +218,37 @@ fn over_the_broker_that_the_composite_names_unless_the_bus_is_local() {
     assert_eq!(modes(&local), expected());
     let said = String::from_utf8(local.stderr).unwrap();
     assert!(said.contains("virtual clock"), "{said}");
+}
+
+#[test]
+fn messages_go_by_the_codec_of_the_broker_or_of_their_topic() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let more = "codec = \"cdr\"\n[topics.event]\ncodec = \"json\"\n";
+    let spy = amqp::AmqpBus::connect(amqp::Settings::parse(&vhost.url()).unwrap(), LONG).unwrap();
+    let size = 100_000;
+    let queue = bus::Queue::All {
+        size,
+        overflow: bus::Overflow::DropNewest,
+    };
+    let bell = std::sync::Arc::new(bus::Bell::new());
+    let seen = bus::Bus::subscribe(&spy, "spy", &bus::Pattern::new("navigation.#"), queue, bell);
+    let seen = seen.unwrap();
+    let mut over = with_broker_and(folder.path(), &vhost.url(), more);
+    let output = over.output().unwrap();
+    assert_eq!(modes(&output), expected(), "{output:?}");
+    let mut codecs = std::collections::BTreeMap::new();
+    while let Some(envelope) = seen.next_within(Duration::from_millis(500)) {
+        if let bus::Payload::Bytes { codec, .. } = envelope.payload {
+            codecs.insert(envelope.topic.to_string(), codec);
+        }
+    }
+    let codec = |topic: &str| codecs.get(&format!("navigation.{topic}")).copied();
+    assert_eq!(codec("event"), Some(datum::Codec::Json), "{codecs:?}");
+    for topic in ["goal", "plan", "odom"] {
+        assert_eq!(codec(topic), Some(datum::Codec::Cdr), "{topic}: {codecs:?}");
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crate::terminal::{BAD, GOOD, Terminal};
 use amqp::{AmqpBus, Settings};
 use bus::{Bell, Bus, BusError, CallFailure, Link, Origin, Payload, Request, Sending};
 use clap::Args;
-use datum::Datum;
+use datum::{Datum, Message};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -158,7 +158,7 @@ fn exchange(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
     let sending = Sending::events(NonZeroUsize::MIN);
     let origin = Origin::new("asmotion-doctor", 0);
     let message = Payload::of(Datum::text("hello"));
-    let mut publisher = (bus.publisher(TRIED, &origin, "", sending))
+    let mut publisher = (bus.publisher(TRIED, &origin, Datum::schema(), sending))
         .map_err(|error| forbidden("a topic cannot be written", &error.to_string(), settings))?;
     let published = publisher.publish(0, message).is_ok();
     if published && read.next_within(PATIENCE).is_some() {

@@ -6,7 +6,7 @@ use assembly::presence::{PRESENCE, Presence, presence_topic};
 use assembly::{Part, Plan};
 use bus::{Bus, BusError, Origin, Payload, Publisher, Sending};
 use component::Run;
-use datum::{Codec, Datum};
+use datum::{Codec, Datum, Schema};
 
 /// How often it speaks.
 const PERIOD: Duration = Duration::from_secs(1);
@@ -35,7 +35,12 @@ impl<'p> Herald<'p> {
             plan,
             part,
             process: process.to_owned(),
-            publisher: bus.publisher(&presence_topic(process), &origin, PRESENCE, sending)?,
+            publisher: bus.publisher(
+                &presence_topic(process),
+                &origin,
+                &Schema::opaque(PRESENCE),
+                sending,
+            )?,
             last: None,
         })
     }

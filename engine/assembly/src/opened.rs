@@ -29,13 +29,12 @@ pub struct Opened {
     /// The profiles in order of their names; none where the composite has none.
     pub profiles: Vec<String>,
     plans: Vec<(Option<String>, Plan)>,
-    schemas: BTreeMap<String, Schema>,
 }
 
 impl Opened {
     /// What a type looks like that a port of a plan names.
     pub fn schema(&self, name: &str) -> Option<&Schema> {
-        self.schemas.get(name)
+        self.plans.iter().find_map(|(_, plan)| plan.types.get(name))
     }
 
     /// The plan for a profile; for none where the composite has none. `None` where an error stands
@@ -83,7 +82,8 @@ pub fn open(path: &str, context: &Context<'_>) -> Opened {
             profile,
         };
         let plan = plan::flatten(&parts, &mut notes);
-        if let Some(plan) = plan.filter(|_| !broken && !notes.report.has_errors()) {
+        if let Some(mut plan) = plan.filter(|_| !broken && !notes.report.has_errors()) {
+            plan.types = schemas(&plan, &types);
             plans.push((profile.map(str::to_owned), plan));
         }
         outside |= notes.outside;
@@ -93,7 +93,6 @@ pub fn open(path: &str, context: &Context<'_>) -> Opened {
     let composite = family
         .member(&family.root)
         .map(|member| member.composite.clone());
-    let schemas = schemas(plans.iter().map(|(_, plan)| plan), &types);
     Opened {
         sources,
         report: report.finish(),
@@ -101,16 +100,12 @@ pub fn open(path: &str, context: &Context<'_>) -> Opened {
         composite,
         profiles,
         plans,
-        schemas,
     }
 }
 
 /// The shape of every type that a port names, as far as anybody says.
-fn schemas<'p>(
-    plans: impl Iterator<Item = &'p Plan>,
-    types: &BTreeMap<&str, Types<'_>>,
-) -> BTreeMap<String, Schema> {
-    let components = plans.flat_map(|plan| &plan.components);
+fn schemas(plan: &Plan, types: &BTreeMap<&str, Types<'_>>) -> BTreeMap<String, Schema> {
+    let components = plan.components.iter();
     let ports = components.flat_map(|it| it.inputs.iter().chain(&it.outputs));
     ports
         .filter_map(|port| {

@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use datum::Schema;
+
 use crate::{
     Bell, Health, Pattern, Payload, Pending, Queue, Request, Sending, Sent, Serving, Subscription,
 };
@@ -12,18 +14,21 @@ use crate::{
 /// Between one publisher and one subscription messages keep their order; a subscription sees what was published after
 /// it began. Publishing never waits for a subscriber.
 pub trait Bus: Send + Sync {
-    /// A publisher of one topic. Types are compared where messages are read; a topic should have one.
+    /// A publisher of one topic, of messages of this shape. Types are compared where messages are read; a topic should
+    /// have one.
     fn publisher(
         &self,
         topic: &str,
         origin: &Origin,
-        type_name: &str,
+        schema: &Schema,
         sending: Sending,
     ) -> Result<Box<dyn Publisher>, BusError>;
 
-    /// All messages of the topics that match a pattern, from now on. The bell is rung for each.
+    /// All messages of the topics that match a pattern, from now on, for one reader, whose name operators see. The bell
+    /// is rung for each.
     fn subscribe(
         &self,
+        reader: &str,
         pattern: &Pattern,
         queue: Queue,
         bell: Arc<Bell>,

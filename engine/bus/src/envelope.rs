@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use datum::{Codec, Datum, DatumError, Message, Sample};
+use datum::{Codec, Datum, DatumError, Message, Problem, Sample, Schema};
 
 /// A message on a topic.
 #[derive(Debug, Clone)]
@@ -48,34 +48,69 @@ impl Payload {
         Self::Sample(Arc::new(message))
     }
 
-    /// The content as data.
+    /// The content as data, where it says itself what it is.
     pub fn to_datum(&self) -> Result<Datum, DatumError> {
+        self.to_datum_of(Datum::schema())
+    }
+
+    /// The content as data of a shape.
+    pub fn to_datum_of(&self, schema: &Schema) -> Result<Datum, DatumError> {
         match self {
             Self::Sample(sample) => sample.to_datum(),
-            Self::Bytes { codec, bytes } => codec.decode(bytes),
+            Self::Bytes { codec, bytes } => codec.decode(bytes, schema),
         }
     }
 
     /// The content as a message.
     pub fn read<T: Message>(&self) -> Result<T, DatumError> {
-        self.to_sample()?.read()
+        self.to_sample(T::schema())?.read()
     }
 
-    /// The content as a sample: itself, or a datum.
-    pub fn to_sample(&self) -> Result<Arc<dyn Sample>, DatumError> {
+    /// The content as a sample: itself, or a datum of a shape.
+    pub fn to_sample(&self, schema: &Schema) -> Result<Arc<dyn Sample>, DatumError> {
         match self {
             Self::Sample(sample) => Ok(Arc::clone(sample)),
-            Self::Bytes { codec, bytes } => Ok(Arc::new(codec.decode(bytes)?)),
+            Self::Bytes { codec, bytes } => Ok(Arc::new(codec.decode(bytes, schema)?)),
         }
     }
 
-    /// The content in bytes of a codec.
-    pub fn encode(&self, wanted: Codec) -> Result<Arc<[u8]>, DatumError> {
+    /// The content, of this shape, in bytes of a codec.
+    pub fn encode(&self, wanted: Codec, schema: &Schema) -> Result<Arc<[u8]>, DatumError> {
         match self {
             Self::Bytes { codec, bytes } if *codec == wanted => Ok(Arc::clone(bytes)),
-            Self::Sample(_) | Self::Bytes { .. } => Ok(wanted.encode(&self.to_datum()?)?.into()),
+            Self::Sample(_) | Self::Bytes { .. } => {
+                let datum = self.to_datum_of(schema)?;
+                Ok(wanted.encode(&datum, schema)?.into())
+            }
         }
     }
+}
+
+impl Envelope {
+    /// The content as a sample of a shape. Bytes that do not say what they are are read only if the message has the
+    /// name of that shape.
+    pub fn to_sample(&self, schema: &Schema) -> Result<Arc<dyn Sample>, DatumError> {
+        if let Payload::Bytes {
+            codec: Codec::Cdr, ..
+        } = self.payload
+            && !is_named(&self.type_name, &schema.name)
+        {
+            return Err(DatumError::new(Problem::Mismatch(format!(
+                "it is `{}`, and `{schema}` is read",
+                self.type_name
+            ))));
+        }
+        self.payload.to_sample(schema)
+    }
+}
+
+/// Whether a message's type is that of a name, also in the words of ROS 2: `geometry_msgs/msg/Twist`. Who has no name
+/// is believed.
+fn is_named(type_name: &str, wanted: &str) -> bool {
+    let anonymous = type_name.is_empty() || wanted.is_empty();
+    let in_ros_2 = || type_name.split_once("/msg/");
+    let same = |(package, name)| wanted.split_once('/') == Some((package, name));
+    anonymous || type_name == wanted || in_ros_2().is_some_and(same)
 }
 
 impl fmt::Debug for Payload {

@@ -6,6 +6,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use datum::Schema;
+
 use crate::request::Desk;
 use crate::{
     Bell, Bus, BusError, CallFailure, Envelope, Health, Inlet, Link, Origin, Pattern, Payload,
@@ -70,14 +72,14 @@ impl Bus for Local {
         &self,
         topic: &str,
         origin: &Origin,
-        type_name: &str,
+        schema: &Schema,
         _: Sending,
     ) -> Result<Box<dyn Publisher>, BusError> {
         Ok(Box::new(LocalPublisher {
             shared: Arc::clone(&self.shared),
             topic: topic.into(),
             origin: origin.clone(),
-            type_name: type_name.into(),
+            type_name: (&*schema.name).into(),
             sequence: 0,
             unheard: 0,
             clock: "".into(),
@@ -88,6 +90,7 @@ impl Bus for Local {
 
     fn subscribe(
         &self,
+        _: &str,
         pattern: &Pattern,
         queue: Queue,
         bell: Arc<Bell>,

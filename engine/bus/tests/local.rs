@@ -8,7 +8,7 @@ use bus::{
     Bell, Bus, BusError, Health, Local, Origin, Overflow, Pattern, Payload, Pending, Publisher,
     Queue, Request, Sending, Sent, Serving, Subscription, contract,
 };
-use datum::Datum;
+use datum::{Datum, Message};
 
 #[test]
 fn t29_the_local_bus_keeps_the_contract() {
@@ -48,20 +48,21 @@ impl Bus for Forgetful {
         &self,
         topic: &str,
         origin: &Origin,
-        type_name: &str,
+        schema: &datum::Schema,
         sending: Sending,
     ) -> Result<Box<dyn Publisher>, BusError> {
-        let inner = self.0.publisher(topic, origin, type_name, sending)?;
+        let inner = self.0.publisher(topic, origin, schema, sending)?;
         Ok(Box::new(ForgetfulPublisher(inner, 0)))
     }
 
     fn subscribe(
         &self,
+        reader: &str,
         pattern: &Pattern,
         queue: Queue,
         bell: Arc<Bell>,
     ) -> Result<Subscription, BusError> {
-        self.0.subscribe(pattern, queue, bell)
+        self.0.subscribe(reader, pattern, queue, bell)
     }
 
     fn serve(&self, address: &str, size: usize, bell: Arc<Bell>) -> Result<Serving, BusError> {
@@ -120,15 +121,17 @@ fn one_bell_rings_for_several_subscriptions() {
         overflow: Overflow::DropOldest,
     };
     let a = bus
-        .subscribe(&Pattern::new("a"), all, Arc::clone(&bell))
+        .subscribe("Tester", &Pattern::new("a"), all, Arc::clone(&bell))
         .unwrap();
     let b = bus
-        .subscribe(&Pattern::new("b"), all, Arc::clone(&bell))
+        .subscribe("Tester", &Pattern::new("b"), all, Arc::clone(&bell))
         .unwrap();
     let publishing = std::thread::spawn(move || {
         let origin = Origin::new("Elsewhere", 1);
         std::thread::sleep(Duration::from_millis(50));
-        let mut publisher = bus.publisher("b", &origin, "", Sending::default()).unwrap();
+        let mut publisher = bus
+            .publisher("b", &origin, Datum::schema(), Sending::default())
+            .unwrap();
         publisher.publish(0, Payload::of(Datum::Int(1))).unwrap();
     });
     assert!(bell.wait(Duration::from_secs(10)));
@@ -141,11 +144,21 @@ fn one_bell_rings_for_several_subscriptions() {
 fn payloads_are_shared_not_copied() {
     let bus = Local::new();
     let subscription = bus
-        .subscribe(&Pattern::all(), Queue::Latest, Arc::new(Bell::new()))
+        .subscribe(
+            "Tester",
+            &Pattern::all(),
+            Queue::Latest,
+            Arc::new(Bell::new()),
+        )
         .unwrap();
     let sample: Arc<dyn datum::Sample> = Arc::new(Datum::text("a big map"));
     let mut publisher = bus
-        .publisher("map", &Origin::new("Maps", 1), "", Sending::default())
+        .publisher(
+            "map",
+            &Origin::new("Maps", 1),
+            Datum::schema(),
+            Sending::default(),
+        )
         .unwrap();
     publisher
         .publish(0, Payload::Sample(Arc::clone(&sample)))

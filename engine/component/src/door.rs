@@ -41,7 +41,10 @@ pub(crate) struct Doors {
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Place {
     Port(usize),
+    /// All who read a topic.
     Topic(usize),
+    /// One who reads a topic: which topic, and which of its readers.
+    Reader(usize, usize),
 }
 
 impl Doors {
@@ -92,6 +95,13 @@ impl Doors {
         Ok(Place::Topic(index))
     }
 
+    /// Finds the port that reads a topic.
+    pub(crate) fn reader(&self, topic: usize, port: &str) -> Option<Place> {
+        let mut doors = self.topics.get(topic)?.1.iter();
+        let reader = doors.position(|door| door.name == port)?;
+        Some(Place::Reader(topic, reader))
+    }
+
     /// Gives a sample to its place.
     pub(crate) fn give(
         &mut self,
@@ -100,24 +110,19 @@ impl Doors {
         now: Time,
         outside: &mut dyn Outside,
     ) {
-        let (name, doors) = match place {
-            Place::Port(port) => {
-                let door = &mut self.ports[port];
-                (door.name.clone(), std::slice::from_mut(door))
-            }
-            Place::Topic(topic) => {
-                let (name, doors) = &mut self.topics[topic];
-                (name.clone(), doors.as_mut_slice())
-            }
+        let name = match place {
+            Place::Port(port) => &self.ports[port].name,
+            Place::Topic(topic) => &self.topics[topic].0,
+            Place::Reader(topic, reader) => &self.topics[topic].1[reader].name,
         };
         outside.emit(
             now,
             &Event::Injected {
-                place: &name,
+                place: name,
                 sample: &**sample,
             },
         );
-        for door in doors {
+        for door in self.at(place) {
             door.give(sample, now, outside);
         }
     }
@@ -146,6 +151,7 @@ impl Doors {
         match place {
             Place::Port(port) => std::slice::from_mut(&mut self.ports[port]),
             Place::Topic(topic) => self.topics[topic].1.as_mut_slice(),
+            Place::Reader(topic, reader) => std::slice::from_mut(&mut self.topics[topic].1[reader]),
         }
     }
 }

@@ -59,9 +59,9 @@ impl Interface {
         self.add_input(name, T::schema().clone(), doc)
     }
 
-    /// An input port whose message type is known by name only.
-    pub fn input_of(&mut self, name: &str, type_name: &str, doc: &str) -> In<Datum> {
-        self.add_input(name, Schema::opaque(type_name.to_owned()), doc)
+    /// An input port whose message type is known at run time only.
+    pub fn input_of(&mut self, name: &str, schema: Schema, doc: &str) -> In<Datum> {
+        self.add_input(name, schema, doc)
     }
 
     /// An output port.
@@ -69,9 +69,9 @@ impl Interface {
         self.add_output(name, T::schema().clone(), doc)
     }
 
-    /// An output port whose message type is known by name only.
-    pub fn output_of(&mut self, name: &str, type_name: &str, doc: &str) -> Out<Datum> {
-        self.add_output(name, Schema::opaque(type_name.to_owned()), doc)
+    /// An output port whose message type is known at run time only.
+    pub fn output_of(&mut self, name: &str, schema: Schema, doc: &str) -> Out<Datum> {
+        self.add_output(name, schema, doc)
     }
 
     /// An operation that the component serves, under a service's name. A service may have several operations.

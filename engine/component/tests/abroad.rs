@@ -291,6 +291,7 @@ fn topics_abroad_reach_those_inside_by_the_bus_and_only_once() {
     let bus = Local::new();
     let tool = bus
         .subscribe(
+            "Tester",
             &bus::Pattern::new("numbers"),
             Queue::Latest,
             Arc::new(Bell::new()),
@@ -311,6 +312,6 @@ fn topics_abroad_reach_those_inside_by_the_bus_and_only_once() {
     let mut run = system.simulate();
     run.run_for(15.ms());
     assert_eq!(log.lines_with("heard").len(), 2);
-    assert_eq!(log.lines_with("numbers <- ").len(), 2);
+    assert_eq!(log.lines_with("Teller.n <- ").len(), 2);
     assert_eq!(tool.try_next().unwrap().sequence, 2);
 }

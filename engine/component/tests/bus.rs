@@ -11,15 +11,20 @@ use common::{Number, Words, behaviour, counter, number};
 use component::{
     Activity, Component, Event, Interface, Log, OnStale, Policy, Run, Span, System, Time,
 };
-use datum::{Codec, Datum};
+use datum::{Codec, Datum, Message};
 
 fn all(bus: &Local, pattern: &str) -> Subscription {
     let queue = Queue::All {
         size: 64,
         overflow: Overflow::DropOldest,
     };
-    bus.subscribe(&Pattern::new(pattern), queue, Arc::new(Bell::new()))
-        .unwrap()
+    bus.subscribe(
+        "Tester",
+        &Pattern::new(pattern),
+        queue,
+        Arc::new(Bell::new()),
+    )
+    .unwrap()
 }
 
 /// Reports every number it reads.
@@ -93,13 +98,13 @@ fn what_others_publish_comes_in_typed_or_encoded_and_what_does_not_fit_is_counte
         .publisher(
             "numbers",
             &Origin::new("Elsewhere", 8),
-            "test/Number",
+            Number::schema(),
             Sending::default(),
         )
         .unwrap();
     let encoded = |value: Datum| Payload::Bytes {
         codec: Codec::Json,
-        bytes: Codec::Json.encode(&value).unwrap().into(),
+        bytes: Codec::Json.encode(&value, Datum::schema()).unwrap().into(),
     };
     let garbage = Payload::Bytes {
         codec: Codec::Cbor,
@@ -140,7 +145,7 @@ fn what_is_lost_on_its_way_in_is_seen() {
         .publisher(
             "numbers",
             &Origin::new("Elsewhere", 8),
-            "test/Number",
+            Number::schema(),
             Sending::default(),
         )
         .unwrap();
@@ -171,7 +176,7 @@ fn what_comes_in_is_kept_by_the_subscribers_policy() {
         .publisher(
             "numbers",
             &Origin::new("Elsewhere", 8),
-            "test/Number",
+            Number::schema(),
             Sending::default(),
         )
         .unwrap();

@@ -10,7 +10,7 @@ use component::{
     Activity, Component, Cycle, Fault, Flow, Interface, Log, OnStale, Policy, Property, Run, Setup,
     Span, State, System, Time, Wire,
 };
-use datum::Datum;
+use datum::{Datum, Schema};
 
 type Seen<T> = Arc<Mutex<Vec<T>>>;
 
@@ -253,7 +253,7 @@ fn everything() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
     behaviour(|interface| {
         interface.input::<Number>("in", "numbers");
         interface.output::<Words>("words", "words");
-        interface.output_of("opaque", "test/Number", "by name");
+        interface.output_of("opaque", Schema::opaque("test/Number"), "by name");
         interface.serve::<Double>("sums", "doubles");
         let other = interface.require::<Double>("others", "doubles elsewhere");
         interface.optional(other);

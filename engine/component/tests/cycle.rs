@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 
 use common::{Number, behaviour, burst, counter, number};
 use component::{Activity, Fault, Flow, Log, Out, Policy, Run, Span, State, System, Time};
-use datum::Datum;
+use datum::{Datum, Schema};
 
 /// Collects what a reader's cycles see.
 type Seen<T> = Arc<Mutex<Vec<T>>>;
@@ -320,8 +320,8 @@ fn a_port_known_by_name_only_joins_a_typed_one_both_ways() {
         .add("Counter", Activity::periodic(10.ms()), counter())
         .unwrap();
     let dynamic = behaviour(|interface| {
-        let input = interface.input_of("in", "test/Number", "some number");
-        let output = interface.output_of("out", "test/Number", "ten times as much");
+        let input = interface.input_of("in", Schema::opaque("test/Number"), "some number");
+        let output = interface.output_of("out", Schema::opaque("test/Number"), "ten times as much");
         move |cycle| {
             if let Some(datum) = cycle.read(input).new() {
                 let n = datum

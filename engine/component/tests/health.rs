@@ -66,7 +66,12 @@ fn a_system_is_told_once_that_its_bus_is_up_and_so_is_one_without() {
     let (mut system, _) = watched();
     let bus = Local::new();
     let tool = bus
-        .subscribe(&Pattern::new("#"), Queue::Latest, Arc::new(Bell::new()))
+        .subscribe(
+            "Tester",
+            &Pattern::new("#"),
+            Queue::Latest,
+            Arc::new(Bell::new()),
+        )
         .unwrap();
     system.attach(Arc::new(bus), 1).unwrap();
     assert_eq!(heard(system), ["UP "]);
@@ -93,19 +98,20 @@ impl Bus for Moody {
         &self,
         topic: &str,
         origin: &Origin,
-        type_name: &str,
+        schema: &datum::Schema,
         sending: Sending,
     ) -> Result<Box<dyn Publisher>, BusError> {
-        self.bus.publisher(topic, origin, type_name, sending)
+        self.bus.publisher(topic, origin, schema, sending)
     }
 
     fn subscribe(
         &self,
+        reader: &str,
         pattern: &Pattern,
         queue: Queue,
         bell: Arc<Bell>,
     ) -> Result<Subscription, BusError> {
-        self.bus.subscribe(pattern, queue, bell)
+        self.bus.subscribe(reader, pattern, queue, bell)
     }
 
     fn serve(&self, address: &str, size: usize, bell: Arc<Bell>) -> Result<Serving, BusError> {

@@ -3,7 +3,7 @@
 //! Whoever reads composites has checked it: names exist, kinds fit. What does not fit all the same is
 //! a [`crate::BindError`] when the coordinator is built.
 
-use datum::Datum;
+use datum::{Datum, Schema};
 use serde::Serialize;
 
 /// Which messages become the values of monitored functions, and what updates of out functions do.
@@ -16,12 +16,12 @@ pub struct Binding {
 }
 
 /// The ports and references of the component that runs a specification, with their types.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Interfaces {
-    /// Input ports and the names of their message types.
-    pub inputs: Vec<(String, String)>,
-    /// Output ports and the names of their message types.
-    pub outputs: Vec<(String, String)>,
+    /// Input ports and their message types.
+    pub inputs: Vec<(String, Schema)>,
+    /// Output ports and their message types.
+    pub outputs: Vec<(String, Schema)>,
     /// References and the names of their interfaces.
     pub references: Vec<(String, String)>,
     /// Services and the names of their interfaces.

@@ -155,7 +155,7 @@ impl Coordinator {
 fn health(interfaces: &Interfaces, handles: &Handles) -> Option<In<Datum>> {
     let types = interfaces.inputs.iter().map(|(_, message)| message);
     let mut ports = types.zip(&handles.inputs);
-    let found = ports.find(|(message, _)| *message == BusHealth::NAME);
+    let found = ports.find(|(message, _)| message.name == BusHealth::NAME);
     found.map(|(_, (_, port))| *port)
 }
 
@@ -167,11 +167,11 @@ fn declare(
 ) -> Result<Handles, BindError> {
     let mut handles = Handles::default();
     for (name, message) in &interfaces.inputs {
-        let port = interface.input_of(name, message, "bound to the specification");
+        let port = interface.input_of(name, message.clone(), "bound to the specification");
         handles.inputs.push((name.clone(), port));
     }
     for (name, message) in &interfaces.outputs {
-        let port = interface.output_of(name, message, "bound to the specification");
+        let port = interface.output_of(name, message.clone(), "bound to the specification");
         handles.outputs.push((name.clone(), port));
     }
     for call in calls(binding) {

@@ -39,7 +39,12 @@ pub trait Described: Sized {
 
 /// The door through which [`message!`](crate::message!) sends each field: `#[serde(with = "datum::field")]`.
 pub mod field {
-    use super::{Described, Deserializer, Serializer};
+    use super::{Datum, Described, Deserializer, Serializer, Writing};
+
+    /// The initial value of a field as data; nothing, if it cannot be data.
+    pub fn datum<T: Described>(value: &T) -> Datum {
+        Datum::of(&Writing(value)).unwrap_or_default()
+    }
 
     /// Writes a field.
     pub fn serialize<T: Described, S: Serializer>(

@@ -32,6 +32,14 @@ pub enum Problem {
         /// Its reason.
         reason: String,
     },
+    /// The codec has no way to write this.
+    #[error("{codec} cannot carry {shape}")]
+    Uncarried {
+        /// The codec.
+        codec: &'static str,
+        /// What it cannot carry, in words.
+        shape: String,
+    },
     /// Data nested deeper than any message is; refused, so that a stack never overflows.
     #[error("nested deeper than {0} levels")]
     TooDeep(usize),

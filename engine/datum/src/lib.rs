@@ -38,7 +38,7 @@ mod schema;
 mod ser;
 mod value;
 
-pub use codec::{Codec, cbor, json};
+pub use codec::{Codec, cbor, cdr, json};
 pub use described::{Described, field};
 pub use error::{DatumError, Problem};
 pub use message::Message;

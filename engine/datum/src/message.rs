@@ -91,6 +91,7 @@ macro_rules! message {
                             name: ::std::borrow::Cow::Borrowed(stringify!($field)),
                             doc: ::std::borrow::Cow::Borrowed(concat!($($doc),*).trim_ascii()),
                             schema: <$type as $crate::Described>::describe(),
+                            initial: $crate::message!(@given $type $(= $initial)?),
                         }),*])
                     })
                 }
@@ -120,6 +121,11 @@ macro_rules! message {
             }
         )+
     };
+    (@given $type:ty = $initial:expr) => {{
+        let initial: $type = $initial;
+        $crate::field::datum(&initial)
+    }};
+    (@given $type:ty) => { $crate::Datum::Null };
     (@initial $type:ty = $initial:expr) => { $initial };
     (@initial $type:ty) => { <$type as $crate::Described>::initial() };
 }

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use crate::Datum;
+use crate::{Datum, Shape};
 
 macro_rules! numbers {
     ($($(#[$meta:meta])* $variant:ident($element:ty) = $name:literal, tag $tag:literal, $wrap:ident($via:ty);)+) => {
@@ -58,6 +58,37 @@ macro_rules! numbers {
                 match name {
                     $($name => <$element as Packed>::unpack(bytes).map(|all| Self::$variant(all.into())),)+
                     _ => None,
+                }
+            }
+
+            /// The shape of one of them.
+            pub(crate) fn shape(&self) -> Shape {
+                match self { $(Self::$variant(_) => Shape::$variant,)+ }
+            }
+
+            /// How many bytes one of them has.
+            pub(crate) fn size(&self) -> usize {
+                match self { $(Self::$variant(_) => size_of::<$element>(),)+ }
+            }
+
+            /// How many bytes one of a shape has, if a run of it is packed numbers.
+            pub(crate) fn size_of(shape: &Shape) -> Option<usize> {
+                Self::from_shape(shape, &[]).map(|none| none.size())
+            }
+
+            /// Little-endian bytes as numbers of a shape; `None` if a run of it is not packed, or the length is none.
+            pub(crate) fn from_shape(shape: &Shape, bytes: &[u8]) -> Option<Self> {
+                match shape {
+                    $(Shape::$variant => <$element as Packed>::unpack(bytes).map(|all| Self::$variant(all.into())),)+
+                    Shape::Any
+                    | Shape::Bool
+                    | Shape::U8
+                    | Shape::U64
+                    | Shape::Text
+                    | Shape::Option(_)
+                    | Shape::List(_)
+                    | Shape::Array(..)
+                    | Shape::Record(_) => None,
                 }
             }
 

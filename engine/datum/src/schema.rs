@@ -5,10 +5,10 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::Name;
+use crate::{Datum, Name};
 
 /// What a type looks like.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Schema {
     /// The message type's name, `geometry_msgs/Twist`; empty for what has none.
     pub name: Name,
@@ -17,7 +17,7 @@ pub struct Schema {
 }
 
 /// The kinds of data.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
     /// Known at run time only.
@@ -57,7 +57,7 @@ pub enum Shape {
 }
 
 /// A field of a record.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Field {
     /// Its name.
     pub name: Name,
@@ -65,6 +65,9 @@ pub struct Field {
     pub doc: Name,
     /// Its schema.
     pub schema: Schema,
+    /// What it is in a new message, where that is not its zero; else nothing.
+    #[serde(default, skip_serializing_if = "Datum::is_null")]
+    pub initial: Datum,
 }
 
 /// The first place where two schemas differ.
@@ -113,6 +116,27 @@ impl Schema {
         })
     }
 
+    /// The zero of this shape. A record's is empty: what it leaves out has its initial value.
+    pub(crate) fn zero(&self) -> Datum {
+        match &self.shape {
+            Shape::Any | Shape::Option(_) => Datum::Null,
+            Shape::Bool => Datum::Bool(false),
+            Shape::I8
+            | Shape::I16
+            | Shape::I32
+            | Shape::I64
+            | Shape::U8
+            | Shape::U16
+            | Shape::U32
+            | Shape::U64 => Datum::Int(0),
+            Shape::F32 | Shape::F64 => Datum::Float(0.0),
+            Shape::Text => Datum::Text(String::new()),
+            Shape::List(_) => Datum::List(Vec::new()),
+            Shape::Array(element, count) => Datum::List(vec![element.zero(); *count]),
+            Shape::Record(_) => Datum::Record(Vec::new()),
+        }
+    }
+
     /// Says where this schema and another part ways. Docs may differ; [`Shape::Any`] agrees with everything.
     pub fn compare(&self, other: &Self) -> Result<(), Difference> {
         if self.shape == Shape::Any || other.shape == Shape::Any {
@@ -142,6 +166,26 @@ impl Schema {
             left: self.to_string(),
             right: other.to_string(),
         })
+    }
+}
+
+impl Field {
+    /// A field that is zero in a new message.
+    pub fn new(name: impl Into<Name>, doc: impl Into<Name>, schema: Schema) -> Self {
+        Self {
+            name: name.into(),
+            doc: doc.into(),
+            schema,
+            initial: Datum::Null,
+        }
+    }
+
+    /// What it is in a new message.
+    pub(crate) fn initial(&self) -> Datum {
+        match &self.initial {
+            Datum::Null => self.schema.zero(),
+            given => given.clone(),
+        }
     }
 }
 

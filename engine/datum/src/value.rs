@@ -112,6 +112,11 @@ impl Datum {
         }
     }
 
+    /// Whether there is nothing.
+    pub fn is_null(&self) -> bool {
+        *self == Self::Null
+    }
+
     /// The text, if it is one.
     pub fn as_text(&self) -> Option<&str> {
         if let Self::Text(text) = self {

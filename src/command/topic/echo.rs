@@ -1,11 +1,14 @@
 //! `asmotion topic echo`: the messages of a topic, as they come.
 
 use crate::broker;
+use crate::build::BUILD;
 use crate::exit::Exit;
 use crate::terminal::Terminal;
 use amqp::AmqpBus;
+use assembly::Catalogue;
 use bus::Envelope;
 use clap::Args;
+use datum::{Datum, Message};
 use serde_json::json;
 use std::time::{Duration, Instant};
 
@@ -42,7 +45,10 @@ impl Echo {
 }
 
 fn line(envelope: &Envelope) -> String {
-    let content = envelope.payload.to_datum();
+    // what does not say itself what it is, the build may know by its type
+    let schema = BUILD.schema(&envelope.type_name);
+    let schema = schema.as_ref().unwrap_or(Datum::schema());
+    let content = envelope.payload.to_datum_of(schema);
     let content = content.and_then(|datum| datum::json::encode(&datum));
     // a number as its sender wrote it
     let content = content.unwrap_or_else(|error| json!(error.to_string()).to_string());

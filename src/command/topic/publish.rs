@@ -4,7 +4,7 @@ use crate::exit::Exit;
 use amqp::AmqpBus;
 use bus::{Bus, Origin, Payload, Sending};
 use clap::Args;
-use datum::{Codec, Datum};
+use datum::{Codec, Datum, Schema};
 use std::num::NonZeroUsize;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -39,7 +39,8 @@ impl Pub {
             .map_err(|_| format!("`--rate {}`: a number above zero is wanted", self.rate))?;
         let origin = Origin::new("asmotion-tool", 0);
         let sending = Sending::events(NonZeroUsize::MIN.saturating_add(255)).by(Codec::Json);
-        let mut publisher = (bus.publisher(&self.topic, &origin, &self.kind, sending))
+        let kind = Schema::opaque(self.kind);
+        let mut publisher = (bus.publisher(&self.topic, &origin, &kind, sending))
             .map_err(|error| error.to_string())?;
         for number in 0..self.count {
             if number > 0 {

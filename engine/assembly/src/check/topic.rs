@@ -3,11 +3,10 @@
 use std::collections::BTreeMap;
 
 use component::{BusHealth, HEALTH_TOPIC};
-use datum::Message;
+use datum::{DatumError, Message, Schema};
 use source::{Diagnostic, Report, Span};
 
 use super::component::topic;
-use super::component_error::ComponentError;
 use super::connection::TopicLink;
 use super::connection_error::ConnectionError;
 use super::face::Kind;
@@ -49,6 +48,13 @@ pub(crate) enum TopicError {
         topic: String,
         at: Span,
         nearest: Option<Nearest>,
+    },
+    #[error("topic `{topic}`: {reason}")]
+    Uncarried {
+        topic: String,
+        reason: DatumError,
+        codec: Span,
+        at: Span,
     },
     #[error("output `{port}` is on two topics: `{first}` and `{second}`")]
     TwoTopics {
@@ -126,6 +132,14 @@ impl Finding for TopicError {
             Self::Unused { at, nearest, .. } => Diagnostic::error("C056", self)
                 .label(*at, "no such topic")
                 .suggest_or(*at, nearest, "here stands how a topic goes over a broker"),
+            Self::Uncarried {
+                topic, codec, at, ..
+            } => Diagnostic::error("C057", self)
+                .label(*at, "its messages are of this type")
+                .label(*codec, "CDR is wanted here")
+                .help(format!(
+                    "describe the type, or send it otherwise: `codec = \"cbor\"` under `[topics.{topic}]`"
+                )),
             Self::TwoTopics { at, first_at, .. } => Diagnostic::error("C053", self)
                 .label(*at, "the second topic")
                 .label(*first_at, "the first topic")
@@ -194,6 +208,7 @@ pub(crate) fn check(scene: &Scene<'_>, links: &[TopicLink], report: &mut Report)
     for topic in &scene.composite.topics {
         sending(topic, &topics, report);
     }
+    codecs(scene, &topics, report);
     topics
 }
 
@@ -368,12 +383,33 @@ fn sending(topic: &model::Topic, topics: &Topics, report: &mut Report) {
         }
         (Some(model::Outage::Queue), Some(_)) | (None | Some(_), None) => {}
     }
-    if let Some(codec) = topic.codec.as_ref().filter(|it| it.value == Codec::Cdr) {
-        report.found(ComponentError::NotInBuild {
-            what: "codec",
-            name: codec.value.to_string(),
-            at: codec.span,
-        });
+}
+
+/// What goes by CDR, because the topic or its broker says so, is of a type that CDR can carry.
+fn codecs(scene: &Scene<'_>, topics: &Topics, report: &mut Report) {
+    let brokers = scene.composite.brokers.iter();
+    let mut general = brokers.filter_map(|broker| broker.codec.as_ref());
+    let general = general.find(|codec| codec.value == Codec::Cdr);
+    for (name, roles) in topics.iter().filter(|(name, _)| *name != HEALTH_TOPIC) {
+        let mut written = scene.composite.topics.iter();
+        let written = written.find(|topic| topic.name.value == *name);
+        let own = written.and_then(|topic| topic.codec.as_ref());
+        let codec = own.or(general).filter(|codec| codec.value == Codec::Cdr);
+        let mut typed = roles.iter();
+        let typed = typed.find_map(|role| Some((role, role.kind.as_ref()?)));
+        let (Some(codec), Some((role, kind))) = (codec, typed) else {
+            continue;
+        };
+        let schema = scene.types.schema(&kind.text);
+        let schema = schema.unwrap_or_else(|| Schema::opaque(kind.text.clone()));
+        if let Err(reason) = datum::Codec::Cdr.carries(&schema) {
+            report.found(TopicError::Uncarried {
+                topic: name.clone(),
+                reason,
+                codec: codec.span,
+                at: kind.at.unwrap_or(role.at),
+            });
+        }
     }
 }
 

@@ -110,6 +110,7 @@ fn blank(composite: &Composite, profile: Option<&str>) -> Plan {
         processes: Vec::new(),
         restart: None,
         record: None,
+        types: BTreeMap::new(),
     }
 }
 

@@ -13,6 +13,9 @@ mod part;
 mod place;
 mod topic;
 
+use std::collections::BTreeMap;
+
+use datum::Schema;
 use serde::{Serialize, Serializer};
 
 use crate::value::Value;
@@ -74,6 +77,9 @@ pub struct Plan {
     pub restart: Option<Restart>,
     /// What is written down.
     pub record: Option<Record>,
+    /// What the types look like that ports name, as far as anybody says.
+    #[serde(skip)]
+    pub types: BTreeMap<String, Schema>,
 }
 
 /// Names and values, in the order they were declared or set.

@@ -1,9 +1,11 @@
 //! A specification as a component: the binding as the coordinator wants it.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use component::{Component, Interface};
 use coordinator::{Coordinator, Interfaces};
+use datum::Schema;
 use source::Loader;
 
 use super::Make;
@@ -15,13 +17,14 @@ use crate::plan::{self, Asm};
 pub(super) fn make(
     component: &plan::Component,
     asm: &Asm,
+    types: &BTreeMap<String, Schema>,
     loader: &dyn Loader,
     seed: u64,
 ) -> Result<Make, String> {
     let specification = asm_lang::open(&asm.path, loader).map_err(|failure| failure.to_string())?;
     let specification = Arc::new(specification);
     let binding = component.binding.as_ref().map(binding).unwrap_or_default();
-    let interfaces = interfaces(component);
+    let interfaces = interfaces(component, types);
     Ok(Box::new(move |interface: &mut Interface| {
         let made = Coordinator::new(specification, &binding, &interfaces, seed, interface);
         let made = made.map_err(|error| error.to_string())?;
@@ -29,11 +32,15 @@ pub(super) fn make(
     }))
 }
 
-fn interfaces(component: &plan::Component) -> Interfaces {
+fn interfaces(component: &plan::Component, types: &BTreeMap<String, Schema>) -> Interfaces {
+    let schema = |kind: &String| {
+        let known = types.get(kind).cloned();
+        known.unwrap_or_else(|| Schema::opaque(kind.clone()))
+    };
     let ports = |ports: &[plan::Port]| {
         ports
             .iter()
-            .map(|port| (port.name.clone(), port.kind.clone()))
+            .map(|port| (port.name.clone(), schema(&port.kind)))
             .collect()
     };
     let services = |services: &[plan::Service]| {

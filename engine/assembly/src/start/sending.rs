@@ -49,9 +49,9 @@ fn codec(plan: &Plan) -> Codec {
 
 fn of_word(codec: model::Codec) -> Codec {
     match codec {
-        // this build does not write CDR, and checking has said so
-        model::Codec::Cbor | model::Codec::Cdr => Codec::Cbor,
+        model::Codec::Cbor => Codec::Cbor,
         model::Codec::Json => Codec::Json,
+        model::Codec::Cdr => Codec::Cdr,
     }
 }
 

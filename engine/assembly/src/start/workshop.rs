@@ -47,7 +47,7 @@ impl Workshop for Standard<'_> {
                     .iter()
                     .position(|it| it.name == component.name);
                 let seed = self.seed.wrapping_add(position.unwrap_or(0) as u64);
-                coordinator::make(component, asm, self.loader, seed)
+                coordinator::make(component, asm, &plan.types, self.loader, seed)
             }
             Implementation::Builtin(settings) => (self.builtins)(component, plan).ok_or(format!(
                 "the built-in `{}` is not in this build",

@@ -36,11 +36,8 @@ impl<'d> Builder<'d, '_, '_> {
             return Schema::opaque(definition.name.value.clone());
         }
         self.open.push(&definition.name);
-        let fields = definition.fields.iter().map(|(name, text)| Field {
-            name: name.value.clone().into(),
-            doc: "".into(),
-            schema: self.value(text),
-        });
+        let fields = (definition.fields.iter())
+            .map(|(name, text)| Field::new(name.value.clone(), "", self.value(text)));
         let fields = fields.collect();
         self.open.pop();
         Schema {

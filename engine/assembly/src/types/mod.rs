@@ -261,11 +261,7 @@ const PRIMITIVES: [(&str, Shape); 22] = [
 
 fn primitive(name: &str) -> Option<Schema> {
     if name == "time" {
-        let field = |name: &'static str, shape| Field {
-            name: name.into(),
-            doc: "".into(),
-            schema: Schema::plain(shape),
-        };
+        let field = |name: &'static str, shape| Field::new(name, "", Schema::plain(shape));
         let fields = vec![field("sec", Shape::I32), field("nanosec", Shape::U32)];
         return Some(Schema::record("builtin_interfaces/Time", fields));
     }

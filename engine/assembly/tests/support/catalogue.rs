@@ -175,11 +175,7 @@ impl Catalogue for SmallBuild {
 }
 
 fn field(name: &'static str, schema: Schema) -> Field {
-    Field {
-        name: name.into(),
-        doc: "".into(),
-        schema,
-    }
+    Field::new(name, "", schema)
 }
 
 fn port(name: &str, message: &str) -> PortDeclaration {

@@ -16,7 +16,7 @@ use amqprs::channel::{
 };
 use amqprs::connection::{Connection, OpenConnectionArguments};
 use bus::{Bell, Bus, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription};
-use datum::{Codec, Datum};
+use datum::{Codec, Datum, Message, Schema};
 use tokio::runtime::Runtime;
 use tokio::sync::mpsc::UnboundedReceiver;
 
@@ -42,14 +42,19 @@ impl Ours {
             overflow: Overflow::DropNewest,
         };
         let subscription = bus
-            .subscribe(&Pattern::new("ours"), queue, Arc::new(Bell::new()))
+            .subscribe("bench", &Pattern::new("ours"), queue, Arc::new(Bell::new()))
             .unwrap();
         let origin = Origin::new("Bench", 1);
         let publisher = bus
-            .publisher("ours", &origin, "test/Bytes", Sending::default())
+            .publisher(
+                "ours",
+                &origin,
+                &Schema::opaque("test/Bytes"),
+                Sending::default(),
+            )
             .unwrap();
         let bytes = Codec::Cbor
-            .encode(&Datum::Bytes(vec![7; SIZE - 2].into()))
+            .encode(&Datum::Bytes(vec![7; SIZE - 2].into()), Datum::schema())
             .unwrap();
         assert_eq!(bytes.len(), SIZE);
         let payload = Payload::Bytes {

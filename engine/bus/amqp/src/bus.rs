@@ -9,6 +9,7 @@ use bus::{
     Bell, Bus, BusError, Health, Inlet, Origin, Pattern, Pending, Publisher, Queue, Request,
     Sending, Serving, Subscription,
 };
+use datum::Schema;
 use tokio::runtime::{Builder, Handle};
 use tokio::sync::oneshot;
 
@@ -58,8 +59,8 @@ impl AmqpBus {
             .build()
             .map_err(disconnected)?;
         let life = life();
-        let client = format!("{}.{life}", settings.process);
-        let names = Names::new(settings.robot.clone(), client);
+        let (robot, process) = (settings.robot.clone(), settings.process.clone());
+        let names = Names::new(robot, process, life.clone());
         let link = Arc::new(Link::new(settings));
         let tasks = runtime.handle().clone();
         let supervisor = supervisor::supervise(Arc::clone(&link));
@@ -127,11 +128,11 @@ impl Bus for AmqpBus {
         &self,
         topic: &str,
         origin: &Origin,
-        type_name: &str,
+        schema: &Schema,
         sending: Sending,
     ) -> Result<Box<dyn Publisher>, BusError> {
         let key = self.names.key(topic)?;
-        short(type_name, type_name)?;
+        short(&schema.name, &schema.name)?;
         let lane = Lane::new(sending);
         let settings = &self.link.settings;
         let task = publisher::Task {
@@ -144,9 +145,9 @@ impl Bus for AmqpBus {
                 stream: format!("{}.{}", self.life, self.next_number()),
                 clock: settings.clock.clone(),
                 user: settings.credentials.user().to_owned(),
-                type_name: type_name.to_owned(),
                 persistent: sending.assurance == bus::Assurance::Confirmed,
                 codec: sending.codec,
+                schema: schema.clone(),
             },
         };
         let mut lanes = self.lanes.lock().unwrap_or_else(PoisonError::into_inner);
@@ -164,6 +165,7 @@ impl Bus for AmqpBus {
     /// Returns when the broker has the queue; without a broker at once, and the queue is made when there is one.
     fn subscribe(
         &self,
+        reader: &str,
         pattern: &Pattern,
         queue: Queue,
         bell: Arc<Bell>,
@@ -177,7 +179,7 @@ impl Bus for AmqpBus {
             names: self.names.clone(),
             pattern: pattern.clone(),
             binding,
-            queue: self.names.queue(self.next_number(), pattern),
+            queue: self.names.queue(reader, pattern, self.next_number()),
             policy: queue,
             inlet: inlet.clone(),
             leave,

@@ -9,13 +9,19 @@ pub(crate) const LONGEST: usize = 255;
 #[derive(Debug, Clone)]
 pub(crate) struct Names {
     robot: Option<String>,
-    /// Begins the name of every queue; no other client has it.
-    client: String,
+    /// Begins the name of every queue: what a user may configure is said by it.
+    process: String,
+    /// Ends the name of every queue; no other bus has it.
+    life: String,
 }
 
 impl Names {
-    pub(crate) fn new(robot: Option<String>, client: String) -> Self {
-        Self { robot, client }
+    pub(crate) fn new(robot: Option<String>, process: String, life: String) -> Self {
+        Self {
+            robot,
+            process,
+            life,
+        }
     }
 
     /// The routing key of a topic, or the queue of an address.
@@ -40,13 +46,22 @@ impl Names {
         own.unwrap_or(key)
     }
 
-    /// The name of a subscription's queue: whose it is, which of its lives, what it reads.
-    pub(crate) fn queue(&self, number: u64, pattern: &Pattern) -> String {
-        let mut name = format!("{}.{number}.{pattern}", self.client);
-        while name.len() > LONGEST {
-            name.pop();
+    /// The name of a subscription's queue, as operators look for it: the process, the robot, who reads there what. At
+    /// its end stands what makes it one's own; what comes before is cut to leave room for it.
+    pub(crate) fn queue(&self, reader: &str, pattern: &Pattern, number: u64) -> String {
+        let mut name = self.process.clone();
+        for word in self
+            .robot
+            .as_deref()
+            .into_iter()
+            .chain([reader, pattern.as_str()])
+        {
+            name.push('.');
+            name.push_str(word);
         }
-        name
+        let own = format!(".{}.{number}", self.life);
+        while name.len() + own.len() > LONGEST && name.pop().is_some() {}
+        name + &own
     }
 }
 
@@ -67,21 +82,35 @@ mod tests {
 
     #[test]
     fn keys_are_below_the_robot_and_come_back_as_topics() {
-        let names = Names::new(Some("rover1".into()), "c".into());
+        let names = Names::new(Some("rover1".into()), "onboard".into(), "l".into());
         assert_eq!(names.key("odom").unwrap(), "rover1.odom");
         assert_eq!(names.topic("rover1.odom"), "odom");
         assert_eq!(names.topic("rover10.odom"), "rover10.odom");
-        let tool = Names::new(None, "c".into());
+        let tool = Names::new(None, "tool".into(), "l".into());
         assert_eq!(tool.key("rover1.odom").unwrap(), "rover1.odom");
         assert_eq!(tool.topic("rover1.odom"), "rover1.odom");
     }
 
     #[test]
+    fn a_queue_shows_who_reads_what() {
+        let pattern = Pattern::new("map");
+        let names = Names::new(Some("rover1".into()), "onboard".into(), "l".into());
+        assert_eq!(
+            names.queue("Planner", &pattern, 7),
+            "onboard.rover1.Planner.map.l.7"
+        );
+        let tool = Names::new(None, "tool".into(), "l".into());
+        assert_eq!(tool.queue("echo", &pattern, 7), "tool.echo.map.l.7");
+    }
+
+    #[test]
     fn a_name_too_long_is_refused_and_a_queue_of_it_cut() {
-        let names = Names::new(Some("rover1".into()), "c".into());
+        let names = Names::new(Some("rover1".into()), "onboard".into(), "l".into());
         assert!(names.key(&"x".repeat(248)).is_ok());
         assert!(names.key(&"x".repeat(249)).is_err());
         let pattern = Pattern::new("ü".repeat(200));
-        assert!(names.queue(1, &pattern).len() <= LONGEST);
+        let queue = names.queue("Planner", &pattern, 7);
+        assert!(queue.len() <= LONGEST, "{queue}");
+        assert!(queue.ends_with("ü.l.7"), "{queue}");
     }
 }

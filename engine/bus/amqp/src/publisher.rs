@@ -215,7 +215,7 @@ impl Task {
 
     fn write(&self, item: &Item) -> Result<Written, String> {
         let bytes = (item.payload)
-            .encode(self.author.codec)
+            .encode(self.author.codec, &self.author.schema)
             .map_err(|error| error.to_string())?;
         let properties = self
             .author

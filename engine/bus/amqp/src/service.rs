@@ -16,6 +16,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use bus::{Bell, BusError, CallFailure, Desk, Pending, Request, Serving};
+use datum::{Codec, Datum, Message};
 use tokio::runtime::Handle;
 use tokio::sync::mpsc::{UnboundedSender, unbounded_channel};
 use tokio::sync::oneshot;
@@ -135,8 +136,8 @@ impl Services {
 
     fn message(&self, address: &str, request: &Request) -> Result<message::Asking, BusError> {
         let key = self.names.key(address)?;
-        let codec = datum::Codec::Cbor;
-        let bytes = request.argument.encode(codec);
+        let codec = Codec::Cbor;
+        let bytes = request.argument.encode(codec, Datum::schema());
         let number = self.number.fetch_add(1, Ordering::Relaxed);
         Ok(message::Asking {
             id: format!("{}.{number}", self.life),

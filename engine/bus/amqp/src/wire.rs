@@ -5,7 +5,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use amqprs::{BasicProperties, FieldName, FieldTable, FieldValue};
 use bus::{Envelope, Payload};
-use datum::Codec;
+use datum::{Codec, Schema};
 
 /// The component that sent it.
 pub const SOURCE: &str = "source";
@@ -124,9 +124,10 @@ pub(crate) struct Author {
     pub stream: String,
     pub clock: String,
     pub user: String,
-    pub type_name: String,
     pub persistent: bool,
     pub codec: Codec,
+    /// The shape of its messages.
+    pub schema: Schema,
 }
 
 impl Author {
@@ -150,7 +151,7 @@ impl Author {
             .with_headers(headers)
             .with_persistence(self.persistent)
             .with_message_id(&format!("{}-{sequence}", self.stream))
-            .with_message_type(&self.type_name)
+            .with_message_type(&self.schema.name)
             .with_user_id(&self.user)
             .finish()
     }

@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use datum::{Codec, Datum};
+use datum::{Codec, Datum, Message, Schema};
 
 use crate::{
     Bell, Bus, BusError, CallFailure, Envelope, Origin, Overflow, Pattern, Payload, Pending,
@@ -76,13 +76,18 @@ fn publisher_of(
     topic: &str,
     sending: Sending,
 ) -> Result<Box<dyn Publisher>, String> {
-    bus.publisher(topic, &origin(), "test/Number", sending)
+    bus.publisher(topic, &origin(), &Schema::opaque("test/Number"), sending)
         .map_err(said)
 }
 
 fn subscribe(bus: &dyn Bus, pattern: &str, queue: Queue) -> Result<Subscription, String> {
-    bus.subscribe(&Pattern::new(pattern), queue, Arc::new(Bell::new()))
-        .map_err(said)
+    bus.subscribe(
+        "contract",
+        &Pattern::new(pattern),
+        queue,
+        Arc::new(Bell::new()),
+    )
+    .map_err(said)
 }
 
 fn said(error: BusError) -> String {
@@ -174,7 +179,7 @@ fn carries_exactly(bus: &dyn Bus, name: &str) -> Result<(), String> {
         ("many", Datum::List((0..1000).map(Datum::Int).collect())),
     ]);
     let bytes = Codec::Cbor
-        .encode(&sent)
+        .encode(&sent, Datum::schema())
         .map_err(|error| error.to_string())?;
     let payloads = [
         Payload::of(sent.clone()),

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use bus::{BusError, Call, Refusal, Serving};
+use datum::Schema;
 
 use super::Membership;
 use crate::Time;
@@ -28,6 +29,8 @@ struct Offer {
     provider: usize,
     inbox: Arc<Inbox>,
     operation: usize,
+    /// What it is asked with.
+    argument: Schema,
     serving: Serving,
 }
 
@@ -47,6 +50,7 @@ impl Offers {
                     provider: end.unit,
                     inbox: Arc::clone(&service.inbox),
                     operation,
+                    argument: declared.request.clone(),
                     serving: membership.bus.serve(&address, WAITING, bell)?,
                 });
             }
@@ -70,7 +74,7 @@ impl Offers {
 
 impl Offer {
     fn take(&self, call: Call, number: u64, now: Time, outside: &mut dyn Outside) {
-        let argument = match call.argument.to_sample() {
+        let argument = match call.argument.to_sample(&self.argument) {
             Ok(argument) => argument,
             Err(error) => {
                 return call.reply(Err(Refusal {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use bus::{CallFailure, Origin, Payload, Pending, Request};
-use datum::Sample;
+use datum::{Datum, Message, Sample};
 
 use super::Membership;
 use crate::outside::Outside;
@@ -163,6 +163,6 @@ impl Reached {
 
 fn read(payload: &Payload) -> Result<Arc<dyn Sample>, CallError> {
     payload
-        .to_sample()
+        .to_sample(Datum::schema())
         .map_err(|error| CallError::Fault(ServiceFault::new("BAD_REPLY", error.to_string())))
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bus::{
     Bus, BusError, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription,
 };
-use datum::{DatumError, Problem, Sample};
+use datum::{DatumError, Problem, Sample, Schema};
 
 use super::Membership;
 use crate::connection::Delivery;
@@ -20,9 +20,12 @@ use crate::{Kind, Time};
 /// How many messages of a topic may wait between two deliveries, at least; when full, the oldest is dropped.
 const WAITING: usize = 256;
 
-/// A topic of the bus, on its way in.
+/// A topic of the bus, on its way into a port. Each port that reads it has a queue of its own there, so that none waits
+/// for another, and operators see who does not keep up.
 struct Incoming {
     place: Place,
+    /// What the port takes.
+    schema: Schema,
     subscription: Subscription,
     /// How many of its messages are known to be lost.
     lost: u64,
@@ -53,21 +56,31 @@ impl Topics {
         for (end, sending) in &abroad.exposed {
             publish(units, end, &port_topic(&end.name), *sending, membership)?;
         }
+        let doors = Doors::new(units, topics);
         let mut incoming = Vec::new();
         for (index, topic) in topics.iter().enumerate() {
-            if !topic.subscribers.is_empty() && topic.name != HEALTH_TOPIC {
+            if topic.name == HEALTH_TOPIC {
+                continue;
+            }
+            let pattern = Pattern::new(&*topic.name);
+            for (end, policy) in &topic.subscribers {
+                let Some(place) = doors.reader(index, &end.name) else {
+                    continue;
+                };
+                let unit = &units[end.unit];
                 let bell = Arc::clone(&membership.bell);
-                let pattern = Pattern::new(&*topic.name);
+                let queue = queue(policy.kind);
                 incoming.push(Incoming {
-                    place: Place::Topic(index),
-                    subscription: membership.bus.subscribe(&pattern, queue(topic), bell)?,
+                    place,
+                    schema: unit.body.inputs[end.index].schema().clone(),
+                    subscription: (membership.bus).subscribe(&unit.name, &pattern, queue, bell)?,
                     lost: 0,
                 });
             }
         }
         Ok(Self {
             own: (!abroad.topics).then_some(membership.incarnation),
-            doors: Doors::new(units, topics),
+            doors,
             incoming,
             health: HealthTeller::new(topics),
             bus: Arc::clone(&membership.bus),
@@ -83,7 +96,7 @@ impl Topics {
                 if self.own == Some(envelope.incarnation) {
                     continue;
                 }
-                match envelope.payload.to_sample() {
+                match envelope.to_sample(&topic.schema) {
                     Ok(sample) => self.doors.give(topic.place, &sample, now, outside),
                     Err(reason) => self.doors.refuse(topic.place, &reason, now, outside),
                 }
@@ -99,18 +112,11 @@ impl Topics {
     }
 }
 
-/// What the bus keeps of a topic for us: where every reader wants the newest, the newest.
-fn queue(topic: &Topic) -> Queue {
-    let sizes = topic
-        .subscribers
-        .iter()
-        .map(|(_, policy)| match policy.kind {
-            Kind::Data => None,
-            Kind::Buffer(size) | Kind::Circular(size) => Some(size),
-        });
-    match sizes.max().flatten() {
-        None => Queue::Latest,
-        Some(size) => Queue::All {
+/// What the bus keeps of a topic for a port: where it wants the newest, the newest.
+fn queue(kind: Kind) -> Queue {
+    match kind {
+        Kind::Data => Queue::Latest,
+        Kind::Buffer(size) | Kind::Circular(size) => Queue::All {
             size: size.max(WAITING),
             overflow: Overflow::DropOldest,
         },
@@ -128,8 +134,7 @@ fn publish(
     let unit = &mut units[end.unit];
     let origin = Origin::new(Arc::clone(&unit.name), membership.incarnation);
     let output = &mut unit.body.outputs[end.index];
-    let type_name = output.schema().name.clone();
-    let publisher = (membership.bus).publisher(topic, &origin, &type_name, sending)?;
+    let publisher = (membership.bus).publisher(topic, &origin, output.schema(), sending)?;
     output.join(
         Box::new(BusSender(publisher)),
         Link::to_bus(format!("bus topic {topic}")),

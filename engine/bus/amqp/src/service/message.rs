@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use amqprs::BasicProperties;
 use bus::{CallFailure, Origin, Payload, Refusal, Request};
-use datum::Codec;
+use datum::{Codec, Datum, Message};
 
 use crate::wire::{self, Headers};
 
@@ -105,7 +105,7 @@ impl Answer {
             bytes,
         };
         Some(match end {
-            Ok(payload) => match payload.encode(codec) {
+            Ok(payload) => match payload.encode(codec, Datum::schema()) {
                 Ok(bytes) => answer(wire::RESULT, None, bytes),
                 Err(error) => {
                     let detail = error.to_string();

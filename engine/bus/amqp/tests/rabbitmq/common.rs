@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use amqp::{AmqpBus, Notice, Settings};
 use bus::{Bell, Bus, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription};
-use datum::Datum;
+use datum::{Datum, Schema};
 
 /// Long enough for anything on a loaded machine.
 pub const LONG: Duration = Duration::from_secs(30);
@@ -40,13 +40,23 @@ pub fn events() -> Sending {
 }
 
 pub fn subscribe(bus: &dyn Bus, pattern: &str, queue: Queue) -> Subscription {
-    bus.subscribe(&Pattern::new(pattern), queue, Arc::new(Bell::new()))
-        .unwrap()
+    bus.subscribe(
+        "Tester",
+        &Pattern::new(pattern),
+        queue,
+        Arc::new(Bell::new()),
+    )
+    .unwrap()
 }
 
 pub fn publisher(bus: &dyn Bus, topic: &str, sending: Sending) -> Box<dyn Publisher> {
-    bus.publisher(topic, &Origin::new("Tester", 1), "test/Number", sending)
-        .unwrap()
+    bus.publisher(
+        topic,
+        &Origin::new("Tester", 1),
+        &Schema::opaque("test/Number"),
+        sending,
+    )
+    .unwrap()
 }
 
 pub fn number(n: i64) -> Payload {

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use amqp::{AmqpBus, Notice, Settings};
 use bus::{Bell, Bus, BusError, Link, Origin, Queue, Sending};
+use datum::Message;
 
 use crate::common::{
     LONG, all, connect, events, eventually, noted, number, numbers, publisher, settings, subscribe,
@@ -249,7 +250,12 @@ fn who_may_not_read_is_told_at_once() {
     broker.add_user(&user, "p").unwrap();
     vhost.permit(&user, ".*", ".*", "^$").unwrap();
     let bus = connect(settings(&vhost.url_of(&user, "p")));
-    let end = bus.subscribe(&bus::Pattern::all(), all(1), Arc::new(Bell::new()));
+    let end = bus.subscribe(
+        "Tester",
+        &bus::Pattern::all(),
+        all(1),
+        Arc::new(Bell::new()),
+    );
     assert!(matches!(end.map(drop), Err(BusError::Refused { .. })));
 }
 
@@ -384,7 +390,7 @@ fn one_connection_carries_two_hundred_components() {
             let subscription = subscribe(&bus, &topic, Queue::Latest);
             let origin = Origin::new(format!("C{n}"), 1);
             let publisher = bus
-                .publisher(&topic, &origin, "", Sending::state())
+                .publisher(&topic, &origin, datum::Datum::schema(), Sending::state())
                 .unwrap();
             (subscription, publisher)
         })

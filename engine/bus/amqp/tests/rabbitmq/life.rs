@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use amqp::{AmqpBus, Credentials, Identity, Notice, Settings, Tls};
 use bus::{Bell, Bus, BusError, CallFailure, Link, Origin, Pattern, Request, Sending};
+use datum::{Datum, Message, Schema};
 
 use crate::common::{
     LONG, all, connect, events, eventually, noted, number, numbers, publisher, settings, subscribe,
@@ -80,11 +81,16 @@ fn names_that_the_client_breaks_at_are_refused() {
     let bell = || Arc::new(Bell::new());
     let request = || Request::new(origin.clone(), number(1), LONG);
     let ends = [
-        bus.publisher(&long, &origin, "", Sending::default())
+        bus.publisher(&long, &origin, Datum::schema(), Sending::default())
             .map(drop),
-        bus.publisher("topic", &origin, &long, Sending::default())
-            .map(drop),
-        bus.subscribe(&Pattern::new(&*long), all(1), bell())
+        bus.publisher(
+            "topic",
+            &origin,
+            &Schema::opaque(long.clone()),
+            Sending::default(),
+        )
+        .map(drop),
+        bus.subscribe("Tester", &Pattern::new(&*long), all(1), bell())
             .map(drop),
         bus.serve(&long, 1, bell()).map(drop),
         bus.call(&long, request(), bell()).map(drop),
@@ -108,7 +114,9 @@ fn a_source_or_an_argument_may_be_of_any_length() {
     let bus = connect(settings(&vhost.url()));
     let subscription = subscribe(&bus, "t", all(4));
     let origin = Origin::new("ü".repeat(1000), 1);
-    let mut publisher = bus.publisher("t", &origin, "", Sending::default()).unwrap();
+    let mut publisher = bus
+        .publisher("t", &origin, Datum::schema(), Sending::default())
+        .unwrap();
     publisher
         .publish_within(0, number(1), Some("t".repeat(1000).into()))
         .unwrap();

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use bus::{Payload, Sending};
 use component::{
     Activity, Component, Cycle, Event, Fault, In, Out, Policy, Run, Span, System, Time,
 };
-use datum::Datum;
+use datum::{Codec, Datum};
 
-use crate::common::{connect, events, settings};
+use crate::common::{LONG, all, connect, events, eventually, settings, subscribe};
 
 datum::message! {
     /// A count.
@@ -45,36 +46,81 @@ impl Component for Teller {
     }
 }
 
+/// A system that counts, on a bus of its own.
+fn counting(url: &str, sending: Sending) -> System {
+    let mut system = System::new();
+    let counter = |interface: &mut component::Interface| {
+        let out = interface.output("out", "the count");
+        Box::new(Counter { count: 0, out }) as Box<dyn Component>
+    };
+    (system.add("Counter", Activity::periodic(20.ms()), counter)).unwrap();
+    system.publish("Counter.out", "counts").unwrap();
+    system.sending("counts", sending);
+    system.attach(Arc::new(connect(settings(url))), 1).unwrap();
+    system
+}
+
+/// A system of components that tell what the other counts, on a bus of its own.
+fn telling(url: &str, names: &[&str]) -> System {
+    let mut system = System::new();
+    for name in names {
+        let teller = |interface: &mut component::Interface| {
+            Box::new(Teller(interface.input("in", "counts"))) as Box<dyn Component>
+        };
+        system.add(name, Activity::event(), teller).unwrap();
+        let end = format!("{name}.in");
+        (system.subscribe("counts", &end, Policy::buffer(1000))).unwrap();
+    }
+    system.attach(Arc::new(connect(settings(url))), 2).unwrap();
+    system
+}
+
+#[test]
+fn a_topic_by_cdr_is_read_by_its_type() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let spy = connect(settings(&vhost.url()));
+    let seen = subscribe(&spy, "counts", all(1000));
+    let mut above = telling(&vhost.url(), &["Teller"]).live();
+    let _on_board = counting(&vhost.url(), events().by(Codec::Cdr)).live();
+    let mut heard = |_: Time, event: &Event<'_>| matches!(event, Event::Report { kind: "heard", what, .. } if what.as_int() == Some(3));
+    assert!(above.run_until_event(Time::ZERO + LONG, &mut heard));
+    let envelope = seen.next_within(LONG).unwrap();
+    let Payload::Bytes { codec, bytes } = &envelope.payload else {
+        panic!("{envelope:?}");
+    };
+    assert_eq!(*codec, Codec::Cdr);
+    assert_eq!(**bytes, [0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0]);
+    assert!(
+        envelope.payload.to_datum().is_err(),
+        "it does not say what it is"
+    );
+    assert_eq!(envelope.payload.read::<Count>().unwrap().count, 1);
+}
+
+#[test]
+fn each_component_has_a_queue_of_its_own_for_a_topic() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let above = telling(&vhost.url(), &["One", "Other"]).live();
+    let mut queues = vhost.queues().unwrap();
+    queues.sort();
+    let names: Vec<_> = (queues.iter())
+        .map(|queue| queue.split('.').take(3).collect::<Vec<_>>().join("."))
+        .collect();
+    assert_eq!(names, ["asmotion.One.counts", "asmotion.Other.counts"]);
+    drop(above);
+    eventually("they are gone", || vhost.queues().unwrap().is_empty());
+}
+
 #[test]
 fn events_between_two_systems_outlive_the_broker() {
     let Some(broker) = broker::alone() else {
         return;
     };
     let vhost = broker.vhost().unwrap();
-    let (supervisor, robot) = (
-        connect(settings(&vhost.url())),
-        connect(settings(&vhost.url())),
-    );
-
-    let mut on_board = System::new();
-    let counter = |interface: &mut component::Interface| {
-        let out = interface.output("out", "the count");
-        Box::new(Counter { count: 0, out }) as Box<dyn Component>
-    };
-    (on_board.add("Counter", Activity::periodic(20.ms()), counter)).unwrap();
-    on_board.publish("Counter.out", "counts").unwrap();
-    on_board.sending("counts", events());
-    on_board.attach(Arc::new(robot), 1).unwrap();
-
-    let mut above = System::new();
-    let teller = |interface: &mut component::Interface| {
-        Box::new(Teller(interface.input("in", "counts"))) as Box<dyn Component>
-    };
-    above.add("Teller", Activity::event(), teller).unwrap();
-    (above.subscribe("counts", "Teller.in", Policy::buffer(1000))).unwrap();
-    above.attach(Arc::new(supervisor), 2).unwrap();
-
-    let (mut above, on_board) = (above.live(), on_board.live());
+    let mut above = telling(&vhost.url(), &["Teller"]).live();
+    let on_board = counting(&vhost.url(), events()).live();
     let mut heard = Vec::new();
     let mut until = |count: usize, heard: &mut Vec<i64>| {
         let mut enough = |_: Time, event: &Event<'_>| {

@@ -1,0 +1,170 @@
+//! A datum of a shape, read. What is announced is believed only as far as there are bytes.
+
+use super::{BIG, DEPTH, LITTLE, deeper, malformed, shapeless};
+use crate::{Datum, DatumError, Field, Numbers, Problem, Schema, Shape};
+
+/// What some writers add, so that a message ends at a multiple of four.
+const PADDING: usize = 3;
+
+/// One datum from CDR, and nothing after it but padding.
+pub(crate) fn read_whole(bytes: &[u8], schema: &Schema) -> Result<Datum, DatumError> {
+    let Some((header, body)) = bytes.split_at_checked(LITTLE.len()) else {
+        return Err(malformed("it ends too early"));
+    };
+    // The last two bytes are options, which mean nothing to a reader of plain CDR.
+    let big_first = match [header[0], header[1]] {
+        kind if kind == LITTLE[..2] => false,
+        kind if kind == BIG[..2] => true,
+        kind => {
+            return Err(malformed(format_args!(
+                "representation {kind:02x?} is none of plain CDR"
+            )));
+        }
+    };
+    let mut reader = Reader {
+        body,
+        at: 0,
+        big_first,
+    };
+    let datum = reader.one(schema, DEPTH)?;
+    if reader.left() > PADDING {
+        return Err(malformed("bytes are left over"));
+    }
+    Ok(datum)
+}
+
+struct Reader<'b> {
+    body: &'b [u8],
+    at: usize,
+    big_first: bool,
+}
+
+impl<'b> Reader<'b> {
+    fn one(&mut self, schema: &Schema, depth: usize) -> Result<Datum, DatumError> {
+        let depth = deeper(depth)?;
+        Ok(match &schema.shape {
+            Shape::Any | Shape::Array(_, 0) => return Err(shapeless(schema)),
+            Shape::Bool => Datum::Bool(match self.number::<1>()? {
+                [0] => false,
+                [1] => true,
+                [other] => return Err(malformed(format_args!("{other} is no truth value"))),
+            }),
+            Shape::I8 => Datum::Int(i8::from_le_bytes(self.number()?).into()),
+            Shape::I16 => Datum::Int(i16::from_le_bytes(self.number()?).into()),
+            Shape::I32 => Datum::Int(i32::from_le_bytes(self.number()?).into()),
+            Shape::I64 => Datum::Int(i64::from_le_bytes(self.number()?)),
+            Shape::U8 => Datum::Int(u8::from_le_bytes(self.number()?).into()),
+            Shape::U16 => Datum::Int(u16::from_le_bytes(self.number()?).into()),
+            Shape::U32 => Datum::Int(u32::from_le_bytes(self.number()?).into()),
+            Shape::U64 => {
+                let value = u64::from_le_bytes(self.number()?);
+                let too_big = |_| DatumError::new(Problem::IntegerTooBig(value.to_string()));
+                Datum::Int(i64::try_from(value).map_err(too_big)?)
+            }
+            Shape::F32 => Datum::Float(f32::from_le_bytes(self.number()?).into()),
+            Shape::F64 => Datum::Float(f64::from_le_bytes(self.number()?)),
+            Shape::Text => Datum::Text(self.text()?),
+            Shape::Option(element) => match self.count()? {
+                0 => Datum::Null,
+                1 => self.one(element, depth)?,
+                more => return Err(malformed(format_args!("{more} where one may be"))),
+            },
+            Shape::List(element) => {
+                let count = self.count()?;
+                self.many(element, count, depth)?
+            }
+            Shape::Array(element, count) => self.many(element, *count, depth)?,
+            Shape::Record(fields) => self.record(fields, depth)?,
+        })
+    }
+
+    fn left(&self) -> usize {
+        self.body.len().saturating_sub(self.at)
+    }
+
+    fn align(&mut self, size: usize) {
+        self.at = self.at.next_multiple_of(size);
+    }
+
+    fn take(&mut self, count: usize) -> Result<&'b [u8], DatumError> {
+        let end = self.at.checked_add(count);
+        let taken = end.and_then(|end| self.body.get(self.at..end));
+        let taken = taken.ok_or_else(|| malformed("it ends too early"))?;
+        self.at += count;
+        Ok(taken)
+    }
+
+    /// A number at a multiple of its own size, the little end first.
+    fn number<const N: usize>(&mut self) -> Result<[u8; N], DatumError> {
+        self.align(N);
+        let mut bytes = [0; N];
+        bytes.copy_from_slice(self.take(N)?);
+        if self.big_first {
+            bytes.reverse();
+        }
+        Ok(bytes)
+    }
+
+    fn count(&mut self) -> Result<usize, DatumError> {
+        let count = u32::from_le_bytes(self.number()?);
+        usize::try_from(count).map_err(malformed)
+    }
+
+    /// Its length counts the zero at its end; some writers give empty text none.
+    fn text(&mut self) -> Result<String, DatumError> {
+        let length = self.count()?;
+        match self.take(length)? {
+            [] => Ok(String::new()),
+            [text @ .., 0] => String::from_utf8(text.to_vec()).map_err(malformed),
+            _ => Err(malformed("a text does not end in zero")),
+        }
+    }
+
+    /// A run. Numbers of one kind are taken in one piece.
+    fn many(&mut self, element: &Schema, count: usize, depth: usize) -> Result<Datum, DatumError> {
+        if element.shape == Shape::U8 {
+            return Ok(Datum::Bytes(self.take(count)?.into()));
+        }
+        if let Some(size) = Numbers::size_of(&element.shape) {
+            return self.numbers(&element.shape, size, count);
+        }
+        // Each has a byte at least.
+        if count > self.left() {
+            return Err(malformed("it ends too early"));
+        }
+        let mut elements = Vec::new();
+        for index in 0..count {
+            let one = self.one(element, depth);
+            elements.push(one.map_err(|error| error.within(index))?);
+        }
+        Ok(Datum::List(elements))
+    }
+
+    fn numbers(&mut self, shape: &Shape, size: usize, count: usize) -> Result<Datum, DatumError> {
+        if count > 0 {
+            self.align(size);
+        }
+        let bytes = self.take(count.saturating_mul(size))?;
+        let numbers = if self.big_first {
+            let mut turned = bytes.to_vec();
+            turned.chunks_exact_mut(size).for_each(<[u8]>::reverse);
+            Numbers::from_shape(shape, &turned)
+        } else {
+            Numbers::from_shape(shape, bytes)
+        };
+        (numbers.map(Datum::Numbers)).ok_or_else(|| malformed("numbers of no kind"))
+    }
+
+    fn record(&mut self, fields: &[Field], depth: usize) -> Result<Datum, DatumError> {
+        if fields.is_empty() {
+            self.take(1)?;
+        }
+        let mut entries = Vec::with_capacity(fields.len());
+        for field in fields {
+            let value = self.one(&field.schema, depth);
+            let value = value.map_err(|error| error.within(&field.name))?;
+            entries.push((field.name.clone(), value));
+        }
+        Ok(Datum::Record(entries))
+    }
+}

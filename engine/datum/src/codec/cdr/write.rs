@@ -1,0 +1,187 @@
+//! A datum of a shape, written.
+
+use std::borrow::Cow;
+
+use super::{DEPTH, LITTLE, deeper, shapeless};
+use crate::codec::special_float;
+use crate::{Datum, DatumError, Field, Name, Problem, Schema, Shape};
+
+/// A datum as CDR.
+pub(crate) fn write_whole(datum: &Datum, schema: &Schema) -> Result<Vec<u8>, DatumError> {
+    let mut writer = Writer(LITTLE.to_vec());
+    writer.one(datum, schema, DEPTH)?;
+    Ok(writer.0)
+}
+
+/// What is written so far.
+struct Writer(Vec<u8>);
+
+impl Writer {
+    fn one(&mut self, datum: &Datum, schema: &Schema, depth: usize) -> Result<(), DatumError> {
+        let depth = deeper(depth)?;
+        match &schema.shape {
+            Shape::Any => return Err(shapeless(schema)),
+            Shape::Bool => {
+                let value = datum.as_bool().ok_or_else(|| misfit(datum, schema))?;
+                self.put([u8::from(value)]);
+            }
+            Shape::I8 => self.put(integer::<i8>(datum, schema)?.to_le_bytes()),
+            Shape::I16 => self.put(integer::<i16>(datum, schema)?.to_le_bytes()),
+            Shape::I32 => self.put(integer::<i32>(datum, schema)?.to_le_bytes()),
+            Shape::I64 => self.put(integer::<i64>(datum, schema)?.to_le_bytes()),
+            Shape::U8 => self.put(integer::<u8>(datum, schema)?.to_le_bytes()),
+            Shape::U16 => self.put(integer::<u16>(datum, schema)?.to_le_bytes()),
+            Shape::U32 => self.put(integer::<u32>(datum, schema)?.to_le_bytes()),
+            Shape::U64 => self.put(integer::<u64>(datum, schema)?.to_le_bytes()),
+            #[allow(
+                clippy::cast_possible_truncation,
+                reason = "the field has single precision"
+            )]
+            Shape::F32 => self.put((float(datum, schema)? as f32).to_le_bytes()),
+            Shape::F64 => self.put(float(datum, schema)?.to_le_bytes()),
+            Shape::Text => self.text(datum.as_text().ok_or_else(|| misfit(datum, schema))?)?,
+            Shape::Option(element) => match datum {
+                Datum::Null => self.count(0)?,
+                some => {
+                    self.count(1)?;
+                    self.one(some, element, depth)?;
+                }
+            },
+            Shape::List(element) => {
+                let count = elements(datum).ok_or_else(|| misfit(datum, schema))?;
+                self.count(count)?;
+                self.many(datum, element, count, depth)?;
+            }
+            Shape::Array(_, 0) => return Err(shapeless(schema)),
+            Shape::Array(element, count) => {
+                if elements(datum) != Some(*count) {
+                    return Err(misfit(datum, schema));
+                }
+                self.many(datum, element, *count, depth)?;
+            }
+            Shape::Record(fields) => match datum {
+                Datum::Record(entries) => self.record(entries, fields, depth)?,
+                other => return Err(misfit(other, schema)),
+            },
+        }
+        Ok(())
+    }
+
+    /// At a multiple of its own size.
+    fn put<const N: usize>(&mut self, bytes: [u8; N]) {
+        self.align(N);
+        self.0.extend(bytes);
+    }
+
+    fn align(&mut self, size: usize) {
+        let body = self.0.len() - LITTLE.len();
+        self.0.resize(LITTLE.len() + body.next_multiple_of(size), 0);
+    }
+
+    fn count(&mut self, count: usize) -> Result<(), DatumError> {
+        let count = u32::try_from(count)
+            .map_err(|_| DatumError::new(Problem::Mismatch(format!("{count} are too many"))))?;
+        self.put(count.to_le_bytes());
+        Ok(())
+    }
+
+    /// Its length counts the zero at its end.
+    fn text(&mut self, text: &str) -> Result<(), DatumError> {
+        self.count(text.len() + 1)?;
+        self.0.extend(text.as_bytes());
+        self.0.push(0);
+        Ok(())
+    }
+
+    /// A run. Packed numbers of the wanted kind go in one piece.
+    fn many(
+        &mut self,
+        run: &Datum,
+        element: &Schema,
+        count: usize,
+        depth: usize,
+    ) -> Result<(), DatumError> {
+        if let (Datum::Bytes(bytes), Shape::U8) = (run, &element.shape) {
+            self.0.extend(&**bytes);
+            return Ok(());
+        }
+        if let Datum::Numbers(numbers) = run
+            && element.shape == numbers.shape()
+        {
+            // Where there is none, nothing stands at a multiple of anything.
+            if !numbers.is_empty() {
+                self.align(numbers.size());
+            }
+            self.0.extend(numbers.to_bytes());
+            return Ok(());
+        }
+        (0..count).try_for_each(|index| match run.element(index) {
+            Some(one) => (self.one(&one, element, depth)).map_err(|error| error.within(index)),
+            None => Err(misfit(run, element)),
+        })
+    }
+
+    fn record(
+        &mut self,
+        entries: &[(Name, Datum)],
+        fields: &[Field],
+        depth: usize,
+    ) -> Result<(), DatumError> {
+        if fields.is_empty() {
+            // ROS 2 gives a message without fields a byte, because IDL has none.
+            self.put([0]);
+        }
+        for (index, field) in fields.iter().enumerate() {
+            // Nearly always they stand in the schema's order.
+            let named = |entry: &&(Name, Datum)| entry.0 == field.name;
+            let there = entries.get(index).filter(named);
+            let there = there.or_else(|| entries.iter().find(named));
+            let datum = match there {
+                Some((_, datum)) => Cow::Borrowed(datum),
+                None => Cow::Owned(field.initial()),
+            };
+            (self.one(&datum, &field.schema, depth)).map_err(|error| error.within(&field.name))?;
+        }
+        let unknown = |(name, _): &&(Name, Datum)| fields.iter().all(|field| field.name != *name);
+        if let Some((name, _)) = entries.iter().find(unknown) {
+            let unknown = format!("unknown field `{name}`");
+            return Err(DatumError::new(Problem::Mismatch(unknown)));
+        }
+        Ok(())
+    }
+}
+
+/// How many elements a run has.
+fn elements(datum: &Datum) -> Option<usize> {
+    match datum {
+        Datum::List(_) | Datum::Numbers(_) | Datum::Bytes(_) => datum.count(),
+        Datum::Null
+        | Datum::Bool(_)
+        | Datum::Int(_)
+        | Datum::Float(_)
+        | Datum::Text(_)
+        | Datum::Record(_) => None,
+    }
+}
+
+fn integer<N: TryFrom<i64>>(datum: &Datum, schema: &Schema) -> Result<N, DatumError> {
+    let value = datum.as_int().ok_or_else(|| misfit(datum, schema))?;
+    N::try_from(value).map_err(|_| {
+        let reason = format!("{value} does not fit `{schema}`");
+        DatumError::new(Problem::Mismatch(reason))
+    })
+}
+
+/// Text may stand for a number that JSON cannot write.
+fn float(datum: &Datum, schema: &Schema) -> Result<f64, DatumError> {
+    let special = || datum.as_text().and_then(special_float);
+    (datum.as_float().or_else(special)).ok_or_else(|| misfit(datum, schema))
+}
+
+fn misfit(datum: &Datum, schema: &Schema) -> DatumError {
+    let found = match elements(datum) {
+        Some(count) => format!("{} of {count}", datum.kind()),
+        None => datum.kind().to_owned(),
+    };
+    DatumError::new(Problem::Mismatch(format!("{found} is no `{schema}`")))
+}
