@@ -5,7 +5,9 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use amqp::{AmqpBus, Notice, Settings};
-use bus::{Bell, Bus, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription};
+use bus::{
+    Bell, Bus, Link, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription,
+};
 use datum::{Datum, Schema};
 
 /// Long enough for anything on a loaded machine.
@@ -17,6 +19,17 @@ pub fn settings(url: &str) -> Settings {
 
 pub fn connect(settings: Settings) -> AmqpBus {
     AmqpBus::connect(settings, LONG).unwrap()
+}
+
+/// Settings that give a silent broker up soon.
+pub fn quick(url: &str) -> Settings {
+    let mut settings = settings(url);
+    settings.timing.dead = Duration::from_secs(3);
+    settings
+}
+
+pub fn is_down(bus: &AmqpBus) -> bool {
+    matches!(bus.health().link, Link::Down { .. })
 }
 
 /// Settings whose notices are kept.

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use amqp::{AmqpBus, Notice, Settings};
-use bus::{Bell, Bus, BusError, Link, Origin, Queue, Sending};
-use datum::Message;
+use amqp::{AmqpBus, Notice};
+use bus::{Bell, Bus, BusError, Link, Queue, Sending};
 
 use crate::common::{
-    LONG, all, connect, events, eventually, noted, number, numbers, publisher, settings, subscribe,
+    LONG, all, connect, events, eventually, is_down, noted, number, numbers, publisher, quick,
+    settings, subscribe,
 };
 
 /// A life with events before and after a fault: none is lost or repeated.
@@ -45,16 +45,6 @@ fn survives(fault: impl FnOnce(&broker::Broker, &AmqpBus)) {
         states.publish(0, number(7)).unwrap();
         state.next_within(Duration::from_millis(50)).is_some()
     });
-}
-
-fn quick(url: &str) -> Settings {
-    let mut settings = settings(url);
-    settings.timing.dead = Duration::from_secs(3);
-    settings
-}
-
-fn is_down(bus: &AmqpBus) -> bool {
-    matches!(bus.health().link, Link::Down { .. })
 }
 
 #[test]
@@ -377,29 +367,6 @@ fn a_message_that_breaks_the_client_does_not_break_it_for_ever() {
     });
     std::thread::sleep(Duration::from_millis(2500));
     assert!(bus.health().is_up());
-}
-
-#[test]
-fn one_connection_carries_two_hundred_components() {
-    let Some(broker) = broker::calm() else { return };
-    let vhost = broker.vhost().unwrap();
-    let bus = connect(settings(&vhost.url()));
-    let components: Vec<_> = (0..200)
-        .map(|n| {
-            let topic = format!("c{n}.state");
-            let subscription = subscribe(&bus, &topic, Queue::Latest);
-            let origin = Origin::new(format!("C{n}"), 1);
-            let publisher = bus
-                .publisher(&topic, &origin, datum::Datum::schema(), Sending::state())
-                .unwrap();
-            (subscription, publisher)
-        })
-        .collect();
-    for (n, (subscription, mut publisher)) in components.into_iter().enumerate() {
-        publisher.publish(0, number(n as i64)).unwrap();
-        assert!(subscription.next_within(LONG).is_some(), "component {n}");
-    }
-    assert_eq!(vhost.connections().unwrap(), 2, "publishers and consumers");
 }
 
 /// The client without what we put around it.

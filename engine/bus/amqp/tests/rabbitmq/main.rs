@@ -10,6 +10,8 @@ mod common;
 mod contract;
 mod faults;
 mod life;
+mod line;
+mod many;
 mod services;
 mod soak;
 mod systems;

@@ -4,10 +4,17 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use amqp::AmqpBus;
+use broker::Vhost;
 use bus::{Bell, Bus, Call, CallFailure, Origin, Payload, Pending, Request, Serving};
 use datum::Datum;
 
 use crate::common::{LONG, connect, eventually, number, settings};
+
+/// The buses of two processes.
+fn two(vhost: &Vhost<'_>) -> (AmqpBus, AmqpBus) {
+    let one = || connect(settings(&vhost.url()));
+    (one(), one())
+}
 
 fn serve(bus: &dyn Bus, size: usize) -> Serving {
     bus.serve("planner.plan", size, Arc::new(Bell::new()))
@@ -32,10 +39,7 @@ fn int(payload: &Payload) -> i64 {
 fn a_service_is_called_from_another_process() {
     let Some(broker) = broker::calm() else { return };
     let vhost = broker.vhost().unwrap();
-    let (here, there) = (
-        connect(settings(&vhost.url())),
-        connect(settings(&vhost.url())),
-    );
+    let (here, there) = two(&vhost);
     let serving = serve(&there, 8);
     assert!(matches!(
         here.serve("planner.plan", 8, Arc::new(Bell::new()))
@@ -56,8 +60,7 @@ fn a_service_is_called_from_another_process() {
 fn a_provider_killed_in_the_middle_of_a_call_is_missed_before_the_deadline() {
     let Some(broker) = broker::calm() else { return };
     let vhost = broker.vhost().unwrap();
-    let here = connect(settings(&vhost.url()));
-    let there = connect(settings(&vhost.url()));
+    let (here, there) = two(&vhost);
     let serving = serve(&there, 8);
     let pending = call(&here, 1, 2 * LONG);
     let begun = next(&serving);
@@ -74,8 +77,7 @@ fn a_provider_killed_in_the_middle_of_a_call_is_missed_before_the_deadline() {
 fn a_provider_that_was_started_again_does_not_know_old_calls() {
     let Some(broker) = broker::calm() else { return };
     let vhost = broker.vhost().unwrap();
-    let here = connect(settings(&vhost.url()));
-    let there = connect(settings(&vhost.url()));
+    let (here, there) = two(&vhost);
     let serving = serve(&there, 8);
     let pending = call(&here, 1, 2 * LONG);
     std::mem::forget(next(&serving));
@@ -92,10 +94,7 @@ fn a_request_is_executed_once_though_the_link_breaks_and_its_answer_comes() {
         return;
     };
     let vhost = broker.vhost().unwrap();
-    let (here, there) = (
-        connect(settings(&vhost.url())),
-        connect(settings(&vhost.url())),
-    );
+    let (here, there) = two(&vhost);
     let serving = serve(&there, 8);
     let pending = call(&here, 20, 2 * LONG);
     let request = next(&serving);
@@ -123,28 +122,45 @@ fn a_call_outlives_a_restart_of_the_broker() {
         return;
     };
     let vhost = broker.vhost().unwrap();
-    let (here, there) = (
-        connect(settings(&vhost.url())),
-        connect(settings(&vhost.url())),
-    );
+    let (here, there) = two(&vhost);
     let serving = serve(&there, 8);
-    let back = there.serve("back", 8, Arc::new(Bell::new())).unwrap();
-    let mut request = Request::new(Origin::new("Tester", 1), number(1), 4 * LONG);
-    request.callback = Some("back".into());
-    let pending = here
-        .call("planner.plan", request, Arc::new(Bell::new()))
-        .unwrap();
+    let pending = call(&here, 1, 4 * LONG);
     let request = next(&serving);
-    let callback = request.callback.clone().unwrap();
     broker.kill().unwrap();
     broker.revive().unwrap();
     request.reply(Ok(number(2)));
     assert_eq!(int(&pending.wait().unwrap()), 2);
-    // And its callback finds its way afterwards.
-    let told = Request::new(Origin::new("Planner", 1), number(3), LONG);
-    let told = there.tell(&callback, told, Arc::new(Bell::new())).unwrap();
-    told.wait().unwrap();
+}
+
+#[test]
+fn c8_a_callback_finds_its_way_after_a_restart_of_the_broker() {
+    let Some(broker) = broker::alone() else {
+        return;
+    };
+    let vhost = broker.vhost().unwrap();
+    let (here, there) = two(&vhost);
+    let serving = serve(&there, 8);
+    let back = here.serve("back", 8, Arc::new(Bell::new())).unwrap();
+    let request = Request::new(Origin::new("Tester", 1), number(1), LONG).with_callback("back");
+    (here.tell("planner.plan", request, Arc::new(Bell::new())))
+        .unwrap()
+        .wait()
+        .unwrap();
+    let callback = next(&serving).callback.clone().unwrap();
+    broker.kill().unwrap();
+    broker.revive().unwrap();
+    let up = |bus: &AmqpBus| bus.health().is_up();
+    eventually("both are back", || up(&here) && up(&there));
+    // Until whoever is called back serves again, nobody is there: it is told again.
+    let mut told = 0;
+    eventually("it is told", || {
+        told += 1;
+        let word = Request::new(Origin::new("Planner", 1), number(3), LONG);
+        let word = there.tell(&callback, word, Arc::new(Bell::new())).unwrap();
+        word.wait().is_ok()
+    });
     assert_eq!(int(&next(&back).argument), 3);
+    assert!(back.try_next().is_none(), "once, of {told}");
 }
 
 #[test]
@@ -153,10 +169,7 @@ fn a_frozen_broker_ends_a_call_at_its_deadline() {
         return;
     };
     let vhost = broker.vhost().unwrap();
-    let (here, there) = (
-        connect(settings(&vhost.url())),
-        connect(settings(&vhost.url())),
-    );
+    let (here, there) = two(&vhost);
     let serving = serve(&there, 8);
     broker.freeze().unwrap();
     let at = Instant::now();

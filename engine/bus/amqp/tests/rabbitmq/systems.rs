@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use bus::{Payload, Sending};
 use component::{
-    Activity, Component, Cycle, Event, Fault, In, Out, Policy, Run, Span, System, Time,
+    Activity, Component, Cycle, Event, Fault, In, Operation, Out, Policy, Provided, Required, Run,
+    Span, System, Time, Wire,
 };
 use datum::{Codec, Datum};
 
@@ -73,6 +74,106 @@ fn telling(url: &str, names: &[&str]) -> System {
     }
     system.attach(Arc::new(connect(settings(url))), 2).unwrap();
     system
+}
+
+/// Gives a number back.
+struct Echo;
+
+impl Operation for Echo {
+    type Request = Count;
+    type Response = Count;
+    const INTERFACE: &'static str = "test/Echo";
+    const NAME: &'static str = "echo";
+}
+
+/// Calls once, and reports how it ended.
+struct Asker {
+    echo: Required<Echo>,
+    asked: bool,
+}
+
+impl Component for Asker {
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        if !std::mem::replace(&mut self.asked, true) {
+            cycle.call(self.echo, Count { count: 7 });
+        }
+        for reply in cycle.replies(self.echo) {
+            let said = match reply.result {
+                Ok(count) => Datum::Int(count.count),
+                Err(error) => Datum::text(error.to_string()),
+            };
+            cycle.report("replied", said);
+        }
+        Ok(())
+    }
+}
+
+/// Answers the third request of all, and forgets those before.
+struct Sleepy {
+    echo: Provided<Echo>,
+    requests: i64,
+}
+
+impl Component for Sleepy {
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        for request in cycle.requests(self.echo) {
+            self.requests += 1;
+            if self.requests == 3 {
+                cycle.reply(self.echo, request.id, Ok(request.argument));
+            }
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn a_call_is_tried_again_over_the_broker() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let bus = || Arc::new(connect(settings(&vhost.url())));
+    let mut on_board = System::new();
+    let sleepy = |interface: &mut component::Interface| {
+        let echo = interface.serve("echoing", "now and then");
+        Box::new(Sleepy { echo, requests: 0 }) as Box<dyn Component>
+    };
+    on_board.add("Sleepy", Activity::event(), sleepy).unwrap();
+    on_board.offer("Sleepy.echoing").unwrap();
+    on_board.attach(bus(), 1).unwrap();
+    let mut above = System::new();
+    let asker = |interface: &mut component::Interface| {
+        let echo = interface.require("echo", "a number");
+        let asked = false;
+        Box::new(Asker { echo, asked }) as Box<dyn Component>
+    };
+    above.add("Asker", Activity::event(), asker).unwrap();
+    let wire = Wire {
+        timeout: Duration::from_secs(1),
+        retries: 2,
+        cancel_on_timeout: true,
+        one_way: false,
+    };
+    above.reach("Asker.echo", "Sleepy.echoing", wire).unwrap();
+    above.attach(bus(), 2).unwrap();
+    let _on_board = on_board.live();
+    let mut attempts = Vec::new();
+    let mut said = None;
+    let mut replied = |_: Time, event: &Event<'_>| {
+        if let Event::Called { attempt, .. } = event {
+            attempts.push(*attempt);
+        }
+        if let Event::Report { what, .. } = event {
+            said = Some((*what).clone());
+        }
+        said.is_some()
+    };
+    assert!(
+        above
+            .live()
+            .run_until_event(Time::ZERO + LONG, &mut replied)
+    );
+    assert_eq!(said, Some(Datum::Int(7)));
+    // The first may have been made before anybody looked.
+    assert_eq!(attempts.last(), Some(&3));
 }
 
 #[test]

@@ -1,0 +1,105 @@
+//! A line between us and the broker that goes silent without closing: half-open TCP.
+
+use std::io::{Read, Write};
+use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use bus::{Bus, Queue, Sending};
+
+use crate::common::{
+    LONG, all, connect, events, eventually, is_down, number, numbers, publisher, quick, subscribe,
+};
+
+/// Passes on what comes from either end, except while it is cut; neither end hears of that.
+struct Line {
+    port: u16,
+    cut: Arc<AtomicBool>,
+}
+
+impl Line {
+    fn to(broker: SocketAddr) -> Self {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let line = Self {
+            port: listener.local_addr().unwrap().port(),
+            cut: Arc::default(),
+        };
+        let cut = Arc::clone(&line.cut);
+        thread::spawn(move || {
+            for near in listener.incoming().map_while(Result::ok) {
+                let far = TcpStream::connect(broker).unwrap();
+                for (from, to) in [(&near, &far), (&far, &near)] {
+                    let (from, to) = (from.try_clone().unwrap(), to.try_clone().unwrap());
+                    let cut = Arc::clone(&cut);
+                    thread::spawn(move || pass_on(from, to, &cut));
+                }
+            }
+        });
+        line
+    }
+
+    fn cut(&self, cut: bool) {
+        self.cut.store(cut, Ordering::Release);
+    }
+}
+
+fn pass_on(mut from: TcpStream, mut to: TcpStream, cut: &AtomicBool) {
+    let mut bytes = [0; 4096];
+    while let Ok(count @ 1..) = from.read(&mut bytes) {
+        while cut.load(Ordering::Acquire) {
+            thread::sleep(Duration::from_millis(5));
+        }
+        if to.write_all(&bytes[..count]).is_err() {
+            break;
+        }
+    }
+    // An end that has gone already needs not be told.
+    let _ = to.shutdown(Shutdown::Both);
+}
+
+#[test]
+fn a_line_that_goes_silent_is_given_up_and_taken_up_again_without_a_loss() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let line = Line::to(broker.address());
+    let mut behind = quick(&vhost.url());
+    behind.port = line.port;
+    behind.timing.connect = Duration::from_secs(2);
+    let (writer, reader) = (connect(behind), connect(quick(&vhost.url())));
+    let subscription = subscribe(&reader, "events", all(1000));
+    let state = subscribe(&reader, "state", Queue::Latest);
+    let mut events = publisher(&writer, "events", events());
+    let mut states = publisher(&writer, "state", Sending::state());
+    let mut dropped = publisher(&writer, "dropped", Sending::default());
+    for n in 0..100 {
+        events.publish(0, number(n)).unwrap();
+    }
+    assert!(writer.drain(LONG));
+
+    line.cut(true);
+    let begun = Instant::now();
+    eventually("it is noticed", || is_down(&writer));
+    assert!(begun.elapsed() < Duration::from_secs(5), "{begun:?}");
+    for n in 100..200 {
+        events.publish(0, number(n)).unwrap();
+        // The newest is kept, and that it took the place of another is no failure.
+        states.publish(0, number(n)).unwrap();
+        assert!(dropped.publish(0, number(n)).is_err());
+    }
+    assert_eq!((events.sent().open(), dropped.sent().dropped), (100, 100));
+    // Long enough to give the connection up, and to fail with others.
+    thread::sleep(Duration::from_secs(6));
+    assert!(is_down(&writer));
+
+    line.cut(false);
+    eventually("it is back", || writer.health().is_up());
+    assert!(writer.drain(LONG));
+    let silence = Duration::from_secs(1);
+    assert_eq!(
+        numbers(&subscription, silence),
+        (0..200).collect::<Vec<_>>()
+    );
+    assert_eq!(numbers(&state, silence), [199]);
+}
