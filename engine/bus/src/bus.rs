@@ -7,6 +7,7 @@ use datum::Schema;
 
 use crate::{
     Bell, Health, Pattern, Payload, Pending, Queue, Request, Sending, Sent, Serving, Subscription,
+    Trace,
 };
 
 /// A bus: topics and addresses shared by processes.
@@ -82,12 +83,12 @@ pub trait Publisher: Send {
         self.publish_within(stamp, payload, None)
     }
 
-    /// Publishes a message that belongs to a trace (W3C `traceparent`).
+    /// Publishes a message in the trace of what it follows from. Without that, it is the first of a trace.
     fn publish_within(
         &mut self,
         stamp: i64,
         payload: Payload,
-        trace: Option<Arc<str>>,
+        cause: Option<Trace>,
     ) -> Result<(), BusError>;
 
     /// What has become of the messages so far.

@@ -5,6 +5,8 @@ use std::sync::Arc;
 
 use datum::{Codec, Datum, DatumError, Message, Problem, Sample, Schema};
 
+use crate::Trace;
+
 /// A message on a topic.
 #[derive(Debug, Clone)]
 pub struct Envelope {
@@ -20,8 +22,8 @@ pub struct Envelope {
     pub stamp: i64,
     /// Which clock that is, `wall:rover1`; empty if it is the reader's own.
     pub clock: Arc<str>,
-    /// The trace it belongs to (W3C `traceparent`).
-    pub trace: Option<Arc<str>>,
+    /// Its place in a trace; none, if its sender keeps no traces.
+    pub trace: Option<Trace>,
     /// The payload's message type, `geometry_msgs/Twist`; empty if unknown.
     pub type_name: Arc<str>,
     /// What it says.

@@ -14,6 +14,7 @@ mod pattern;
 mod queue;
 mod request;
 mod sending;
+mod trace;
 
 pub use bell::{Bell, later};
 pub use bus::{Bus, BusError, Origin, Publisher};
@@ -24,3 +25,4 @@ pub use pattern::Pattern;
 pub use queue::{Inlet, Overflow, Queue, Received, Subscription};
 pub use request::{Call, CallFailure, Delivered, Desk, Pending, Refusal, Request, Serving};
 pub use sending::{Assurance, Outage, Sending, Sent};
+pub use trace::{NoTrace, Spans, Trace};

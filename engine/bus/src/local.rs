@@ -11,7 +11,7 @@ use datum::Schema;
 use crate::request::Desk;
 use crate::{
     Bell, Bus, BusError, CallFailure, Envelope, Health, Inlet, Link, Origin, Pattern, Payload,
-    Pending, Publisher, Queue, Request, Sending, Sent, Serving, Subscription,
+    Pending, Publisher, Queue, Request, Sending, Sent, Serving, Spans, Subscription, Trace,
 };
 
 /// A bus inside one process. Clones are the same bus.
@@ -78,6 +78,7 @@ impl Bus for Local {
         Ok(Box::new(LocalPublisher {
             shared: Arc::clone(&self.shared),
             topic: topic.into(),
+            spans: Spans::new(&origin.source, origin.incarnation, topic),
             origin: origin.clone(),
             type_name: (&*schema.name).into(),
             sequence: 0,
@@ -159,6 +160,7 @@ impl Bus for Local {
 struct LocalPublisher {
     shared: Arc<Shared>,
     topic: Arc<str>,
+    spans: Spans,
     origin: Origin,
     type_name: Arc<str>,
     /// Number of the last message.
@@ -178,7 +180,7 @@ impl Publisher for LocalPublisher {
         &mut self,
         stamp: i64,
         payload: Payload,
-        trace: Option<Arc<str>>,
+        cause: Option<Trace>,
     ) -> Result<(), BusError> {
         let generation = self.shared.generation.load(Ordering::Acquire);
         if generation != self.generation {
@@ -191,6 +193,7 @@ impl Publisher for LocalPublisher {
         }
         self.sequence += 1;
         self.unheard += u64::from(self.inlets.is_empty());
+        let trace = self.spans.of(self.sequence, cause);
         for inlet in &self.inlets {
             inlet.push(Envelope {
                 topic: Arc::clone(&self.topic),
@@ -199,7 +202,7 @@ impl Publisher for LocalPublisher {
                 sequence: self.sequence,
                 stamp,
                 clock: Arc::clone(&self.clock),
-                trace: trace.clone(),
+                trace: Some(trace),
                 type_name: Arc::clone(&self.type_name),
                 payload: payload.clone(),
             });

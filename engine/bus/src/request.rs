@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use crossbeam_queue::ArrayQueue;
 
 use crate::bell::later;
-use crate::{Bell, Origin, Payload};
+use crate::{Bell, Origin, Payload, Trace};
 
 /// What is asked of a server.
 #[derive(Debug, Clone)]
@@ -21,6 +21,8 @@ pub struct Request {
     pub timeout: Duration,
     /// Where the caller serves what the server has to say later, if it does (SCA `@Callback`).
     pub callback: Option<Arc<str>>,
+    /// Its place in a trace, if its sender keeps traces.
+    pub trace: Option<Trace>,
 }
 
 impl Request {
@@ -31,7 +33,15 @@ impl Request {
             argument,
             timeout,
             callback: None,
+            trace: None,
         }
+    }
+
+    /// The same, at a place in a trace.
+    #[must_use]
+    pub fn within(mut self, trace: Trace) -> Self {
+        self.trace = Some(trace);
+        self
     }
 
     /// The same, with the address where the caller can be called back.
@@ -168,6 +178,8 @@ pub struct Call {
     pub deadline: Instant,
     /// Where the caller serves what comes later, if it does.
     pub callback: Option<Arc<str>>,
+    /// Its place in a trace, if its sender keeps traces.
+    pub trace: Option<Trace>,
     slot: Arc<Slot>,
     one_way: bool,
 }
@@ -194,6 +206,7 @@ impl Call {
             argument: request.argument,
             deadline: later(request.timeout),
             callback: request.callback,
+            trace: request.trace,
             slot,
             one_way,
         }

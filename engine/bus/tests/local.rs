@@ -25,7 +25,7 @@ impl Publisher for ForgetfulPublisher {
         &mut self,
         stamp: i64,
         payload: Payload,
-        _: Option<Arc<str>>,
+        _: Option<bus::Trace>,
     ) -> Result<(), BusError> {
         self.1 += 1;
         match self.1 % 3 {

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use datum::{Datum, Sample};
 
+use crate::cause::Cause;
 use crate::declaration::Declaration;
 use crate::outside::Leaving;
 use crate::port::{AnyInput, AnyOutput};
@@ -27,6 +28,8 @@ pub(crate) struct Body {
     pub provided: Vec<Slot>,
     pub required: Vec<Slot>,
     pub caller: Caller,
+    /// What the present cycle follows from.
+    pub cause: Arc<Cause>,
     /// What the present cycle has done, in order; it happens when the cycle is committed.
     pub journal: Vec<Action>,
 }
@@ -54,6 +57,7 @@ pub(crate) enum Action {
 impl Body {
     pub(crate) fn new(interface: Interface, component: usize) -> Self {
         let declaration = interface.declaration().clone();
+        let cause = Arc::new(Cause::new());
         Self {
             owner: interface.owner,
             topics: declaration.outputs.iter().map(|_| None).collect(),
@@ -75,13 +79,15 @@ impl Body {
             properties: interface.properties,
             provided: interface.provided,
             required: interface.required,
-            caller: Caller::new(component),
+            caller: Caller::new(component, Arc::clone(&cause)),
+            cause,
             journal: Vec::new(),
         }
     }
 
     /// What came since the last cycle becomes visible to the next one.
     pub(crate) fn freeze(&mut self, leaving: &mut Leaving<'_>) {
+        self.cause.freeze();
         for input in &mut self.inputs {
             input.freeze(leaving.now);
         }

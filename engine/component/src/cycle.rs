@@ -98,6 +98,7 @@ impl<'a> Cycle<'a> {
         let taken = self.body.services[slot.port].take(slot.operation);
         let mut requests = Vec::with_capacity(taken.len());
         for (id, ask) in taken {
+            self.body.cause.take(ask.trace);
             match ask.argument.read() {
                 Ok(argument) => requests.push(Request {
                     id,
@@ -155,6 +156,9 @@ impl<'a> Cycle<'a> {
             return Vec::new();
         };
         let ended = self.body.caller.take(slot);
+        for ended in &ended {
+            self.body.cause.take(ended.cause);
+        }
         let read = |response: Arc<dyn Sample>| {
             (response.read()).map_err(|error| CallError::Fault(unreadable("BAD_REPLY", &error)))
         };

@@ -6,6 +6,7 @@
 
 mod activity;
 mod body;
+mod cause;
 mod component;
 mod connection;
 mod cycle;

@@ -210,3 +210,41 @@ fn two_live_systems_talk_over_a_bus() {
     assert!(other.run_until_event(Time::ZERO + Duration::from_secs(20), &mut enough));
     drop(one);
 }
+
+#[test]
+fn what_follows_from_a_message_is_in_its_trace() {
+    let bus = Local::new();
+    let mut system = System::new();
+    let relay = behaviour(|interface| {
+        let from = interface.input::<Number>("from", "");
+        let to = interface.output::<Number>("to", "");
+        move |cycle| {
+            for number in cycle.all(from).to_vec() {
+                cycle.write(to, number);
+            }
+            Ok(())
+        }
+    });
+    system.add("Relay", Activity::event(), relay).unwrap();
+    (system.subscribe("asked", "Relay.from", Policy::buffer(4))).unwrap();
+    system.publish("Relay.to", "told").unwrap();
+    system.attach(Arc::new(bus.clone()), 7).unwrap();
+    let mut run = system.simulate();
+    let told = all(&bus, "told");
+    let origin = Origin::new("Elsewhere", 8);
+    let schema = Number::schema();
+    let mut elsewhere = bus
+        .publisher("asked", &origin, schema, Sending::default())
+        .unwrap();
+    let mut spans = Vec::new();
+    for cause in 1..=2 {
+        let cause = bus::Trace { id: cause, span: 9 };
+        (elsewhere.publish_within(0, Payload::of(number(1)), Some(cause))).unwrap();
+        run.run_for(1.ms());
+        let trace = told.try_next().unwrap().trace.unwrap();
+        assert_eq!(trace.id, cause.id);
+        spans.push(trace.span);
+    }
+    let relay = bus::Spans::new("Relay", 7, "told");
+    assert_eq!(spans, [1, 2].map(|number| relay.of(number, None).span));
+}

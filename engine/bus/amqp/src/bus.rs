@@ -7,7 +7,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use bus::{
     Bell, Bus, BusError, Health, Inlet, Origin, Pattern, Pending, Publisher, Queue, Request,
-    Sending, Serving, Subscription,
+    Sending, Serving, Spans, Subscription,
 };
 use datum::Schema;
 use tokio::runtime::{Builder, Handle};
@@ -158,6 +158,7 @@ impl Bus for AmqpBus {
         Ok(Box::new(AmqpPublisher {
             link: Arc::clone(&self.link),
             lane,
+            spans: Spans::new(&origin.source, origin.incarnation, topic),
             sequence: 0,
         }))
     }

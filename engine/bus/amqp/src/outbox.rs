@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use amqprs::BasicProperties;
-use bus::{Assurance, Outage, Payload, Sending, Sent};
+use bus::{Assurance, Outage, Payload, Sending, Sent, Trace};
 
 /// How many messages may wait while the link is open: a burst, not an outage.
 const BURST: usize = 4096;
@@ -18,7 +18,7 @@ pub(crate) struct Item {
     pub sequence: u64,
     pub stamp: i64,
     pub payload: Payload,
-    pub trace: Option<Arc<str>>,
+    pub trace: Trace,
 }
 
 /// What a message has become once it is written; kept until it is known to have arrived.
@@ -218,7 +218,7 @@ mod tests {
             sequence,
             stamp: 0,
             payload: Payload::of(Datum::Null),
-            trace: None,
+            trace: bus::Spans::new("", 0, "").of(sequence, None),
         }
     }
 

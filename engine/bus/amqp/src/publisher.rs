@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use amqprs::channel::{BasicPublishArguments, Channel};
-use bus::{BusError, Payload, Publisher, Sending, Sent};
+use bus::{BusError, Payload, Publisher, Sending, Sent, Spans, Trace};
 use tokio::sync::Notify;
 use tokio::sync::mpsc::UnboundedReceiver;
 use tokio::time::{Instant, sleep, sleep_until};
@@ -60,6 +60,7 @@ impl Lane {
 pub(crate) struct AmqpPublisher {
     pub link: Arc<Link>,
     pub lane: Arc<Lane>,
+    pub spans: Spans,
     pub sequence: u64,
 }
 
@@ -68,14 +69,14 @@ impl Publisher for AmqpPublisher {
         &mut self,
         stamp: i64,
         payload: Payload,
-        trace: Option<Arc<str>>,
+        cause: Option<Trace>,
     ) -> Result<(), BusError> {
         self.sequence += 1;
         let item = Item {
             sequence: self.sequence,
             stamp,
             payload,
-            trace,
+            trace: self.spans.of(self.sequence, cause),
         };
         if !self.lane.outbox().put(item, self.link.is_open()) {
             let reason = match self.link.health().link {
@@ -219,7 +220,7 @@ impl Task {
             .map_err(|error| error.to_string())?;
         let properties = self
             .author
-            .properties(item.sequence, item.stamp, item.trace.as_deref());
+            .properties(item.sequence, item.stamp, item.trace);
         let properties = Box::new(properties);
         Ok(Written { properties, bytes })
     }

@@ -151,6 +151,7 @@ impl Services {
             timeout: request.timeout,
             deadline: message::deadline(request.timeout),
             callback: request.callback.clone(),
+            trace: request.trace,
             user: self.link.settings.credentials.user().to_owned(),
         })
     }

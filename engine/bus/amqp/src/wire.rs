@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use amqprs::{BasicProperties, FieldName, FieldTable, FieldValue};
-use bus::{Envelope, Payload};
+use bus::{Envelope, Payload, Trace};
 use datum::{Codec, Schema};
 
 /// The component that sent it.
@@ -132,19 +132,14 @@ pub(crate) struct Author {
 
 impl Author {
     /// The properties of one message.
-    pub(crate) fn properties(
-        &self,
-        sequence: u64,
-        stamp: i64,
-        trace: Option<&str>,
-    ) -> BasicProperties {
+    pub(crate) fn properties(&self, sequence: u64, stamp: i64, trace: Trace) -> BasicProperties {
         let headers = Headers::default()
             .text(SOURCE, &self.source)
             .count(INCARNATION, self.incarnation)
             .count(SEQUENCE, sequence)
             .number(STAMP, stamp)
             .text(CLOCK, &self.clock)
-            .maybe(TRACE, trace)
+            .text(TRACE, &trace.to_string())
             .into_table();
         BasicProperties::default()
             .with_content_type(self.codec.content_type())
@@ -192,6 +187,11 @@ pub(crate) fn identity(properties: &BasicProperties, topic: &str) -> Identity {
     }
 }
 
+/// Its place in a trace, if it says one.
+pub(crate) fn trace(properties: &BasicProperties) -> Option<Trace> {
+    text(properties, TRACE)?.parse().ok()
+}
+
 /// The payload; or what is wrong with its content type.
 pub(crate) fn payload(properties: &BasicProperties, content: Vec<u8>) -> Result<Payload, String> {
     let content_type = properties.content_type().map_or("", String::as_str);
@@ -216,7 +216,7 @@ pub(crate) fn envelope(topic: &str, properties: &BasicProperties, payload: Paylo
         sequence: count(properties, SEQUENCE).unwrap_or(0),
         stamp: number(properties, STAMP).unwrap_or(0),
         clock: text(CLOCK).unwrap_or_default().into(),
-        trace: text(TRACE).map(Into::into),
+        trace: trace(properties),
         type_name: properties.message_type().map_or("", String::as_str).into(),
         payload,
     }

@@ -8,7 +8,7 @@ use datum::{Codec, Datum, Message, Schema};
 
 use crate::{
     Bell, Bus, BusError, CallFailure, Envelope, Origin, Overflow, Pattern, Payload, Pending,
-    Publisher, Queue, Refusal, Request, Sending, Serving, Subscription,
+    Publisher, Queue, Refusal, Request, Sending, Serving, Spans, Subscription,
 };
 
 /// A case: a bus and a name of its own in; what went wrong out.
@@ -477,11 +477,23 @@ fn calls_back(bus: &dyn Bus, name: &str) -> Result<(), String> {
 
 fn carries_trace(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let subscription = subscribe(bus, name, EVERY)?;
-    let trace: Arc<str> = "00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01".into();
-    publisher(bus, name)?
-        .publish_within(0, Payload::of(Datum::Int(1)), Some(Arc::clone(&trace)))
+    let mut publisher = publisher(bus, name)?;
+    let cause = Spans::new("somebody", 1, "elsewhere").of(1, None);
+    let spans = Spans::new(&origin().source, origin().incarnation, name);
+    for (number, cause) in (1..).zip([Some(cause), None]) {
+        publisher
+            .publish_within(0, Payload::of(Datum::Int(1)), cause)
+            .map_err(said)?;
+        let trace = next(&subscription)?.trace;
+        expect(trace, Some(spans.of(number, cause)))?;
+    }
+    let address = below(name, "served");
+    let serving = serve(bus, &address, 1)?;
+    let asked = request(1, CROSSING).within(cause);
+    let _pending = bus
+        .call(&address, asked, Arc::new(Bell::new()))
         .map_err(said)?;
-    expect(next(&subscription)?.trace, Some(trace))
+    expect(next_call(&serving)?.trace, Some(cause))
 }
 
 fn confirms(bus: &dyn Bus, name: &str) -> Result<(), String> {

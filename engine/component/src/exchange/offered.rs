@@ -94,6 +94,7 @@ impl Offer {
             operation: self.operation,
             argument,
             caller: Arc::clone(&call.origin.source),
+            trace: call.trace,
             deadline: answered.then_some(now + left),
             answer_to: answered.then_some(AnswerTo::Bus(call)),
         };

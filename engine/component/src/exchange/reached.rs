@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use bus::{CallFailure, Origin, Payload, Pending, Request};
+use bus::{CallFailure, Origin, Payload, Pending, Request, Spans};
 use datum::{Datum, Message, Sample};
 
 use super::Membership;
@@ -90,6 +90,8 @@ impl Reached {
             Payload::Sample(ask.argument),
             left.unwrap_or(self.way.timeout),
         );
+        let spans = Spans::new(&ask.caller, self.membership.incarnation, &address);
+        let request = request.within(spans.of(ask.key.number, ask.trace));
         let bell = Arc::clone(bell);
         let (sent, caller) = match ask.answer_to {
             Some(answer_to) => {

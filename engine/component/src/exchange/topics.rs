@@ -8,6 +8,7 @@ use bus::{
 use datum::{DatumError, Problem, Sample, Schema};
 
 use super::Membership;
+use crate::cause::Cause;
 use crate::connection::Delivery;
 use crate::door::{Doors, Place};
 use crate::health::{HEALTH_TOPIC, HealthTeller};
@@ -26,6 +27,8 @@ struct Incoming {
     place: Place,
     /// What the port takes.
     schema: Schema,
+    /// What the next cycle of its component follows from.
+    cause: Arc<Cause>,
     subscription: Subscription,
     /// How many of its messages are known to be lost.
     lost: u64,
@@ -72,6 +75,7 @@ impl Topics {
                 let queue = queue(policy.kind);
                 incoming.push(Incoming {
                     place,
+                    cause: Arc::clone(&unit.body.cause),
                     schema: unit.body.inputs[end.index].schema().clone(),
                     subscription: (membership.bus).subscribe(&unit.name, &pattern, queue, bell)?,
                     lost: 0,
@@ -97,7 +101,12 @@ impl Topics {
                     continue;
                 }
                 match envelope.to_sample(&topic.schema) {
-                    Ok(sample) => self.doors.give(topic.place, &sample, now, outside),
+                    Ok(sample) => {
+                        if let Some(trace) = envelope.trace {
+                            topic.cause.arrive(trace);
+                        }
+                        self.doors.give(topic.place, &sample, now, outside);
+                    }
                     Err(reason) => self.doors.refuse(topic.place, &reason, now, outside),
                 }
             }
@@ -133,17 +142,22 @@ fn publish(
 ) -> Result<(), BusError> {
     let unit = &mut units[end.unit];
     let origin = Origin::new(Arc::clone(&unit.name), membership.incarnation);
+    let cause = Arc::clone(&unit.body.cause);
     let output = &mut unit.body.outputs[end.index];
     let publisher = (membership.bus).publisher(topic, &origin, output.schema(), sending)?;
     output.join(
-        Box::new(BusSender(publisher)),
+        Box::new(BusSender { publisher, cause }),
         Link::to_bus(format!("bus topic {topic}")),
     );
     Ok(())
 }
 
 /// The bus as the reading end of a connection.
-struct BusSender(Box<dyn Publisher>);
+struct BusSender {
+    publisher: Box<dyn Publisher>,
+    /// What the component's present cycle follows from.
+    cause: Arc<Cause>,
+}
 
 impl AnySender for BusSender {
     fn accepts(&self, _: &Arc<dyn Sample>) -> Result<(), DatumError> {
@@ -156,7 +170,9 @@ impl AnySender for BusSender {
         at: Time,
         _: u64,
     ) -> Result<Delivery, DatumError> {
-        match self.0.publish(at.nanos(), Payload::Sample(sample)) {
+        let payload = Payload::Sample(sample);
+        let cause = self.cause.present();
+        match (self.publisher).publish_within(at.nanos(), payload, cause) {
             Ok(()) => Ok(Delivery::Stored),
             Err(error) => Err(DatumError::new(Problem::Mismatch(error.to_string()))),
         }

@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
+use bus::Trace;
 use crossbeam_queue::ArrayQueue;
 use datum::Sample;
 
 use super::{Answer, AnswerTo, Ask, CallError, CallId, CallKey, Inbox, Post, Wire};
+use crate::cause::Cause;
 use crate::declaration::ReferenceDeclaration;
 use crate::outside::{Leaving, Outside};
 use crate::{Event, Time};
@@ -76,6 +78,8 @@ pub(crate) struct Caller {
     last: u64,
     /// One-way calls that found nobody.
     lost: u64,
+    /// What the present cycle follows from.
+    cause: Arc<Cause>,
 }
 
 /// Which operation of which reference.
@@ -92,17 +96,21 @@ struct Outstanding {
     deadline: Time,
     /// Kept for another attempt.
     argument: Arc<dyn Sample>,
+    /// What the cycle that made it followed from.
+    cause: Option<Trace>,
 }
 
 /// The end of a call.
 pub(crate) struct Ended {
     pub number: u64,
     slot: Slot,
+    /// What the cycle that made it followed from.
+    pub cause: Option<Trace>,
     pub result: Result<Arc<dyn Sample>, CallError>,
 }
 
 impl Caller {
-    pub(crate) fn new(component: usize) -> Self {
+    pub(crate) fn new(component: usize, cause: Arc<Cause>) -> Self {
         Self {
             mailbox: Arc::new(Mailbox {
                 queue: ArrayQueue::new(UNDER_WAY),
@@ -113,6 +121,7 @@ impl Caller {
             frozen: Vec::new(),
             last: 0,
             lost: 0,
+            cause,
         }
     }
 
@@ -140,6 +149,7 @@ impl Caller {
             attempt: 1,
             deadline: leaving.now + wire.timeout,
             argument,
+            cause: self.cause.present(),
         };
         if one_way {
             return self.tell(references, &call, leaving);
@@ -154,7 +164,7 @@ impl Caller {
                 leaving.outside.wake_at(leaving.me, call.deadline);
                 self.outstanding.push(call);
             }
-            Err(error) => self.end(references, number, slot, Err(error), leaving),
+            Err(error) => self.end(references, &call, Err(error), leaving),
         }
     }
 
@@ -216,7 +226,7 @@ impl Caller {
         };
         tell_cancelled(references, &call, leaving);
         let cancelled = Err(CallError::Cancelled);
-        self.end(references, call.number, call.slot, cancelled, leaving);
+        self.end(references, &call, cancelled, leaving);
     }
 
     /// Ends what has been answered and what has waited too long. Says whether anything waits for the next cycle.
@@ -229,7 +239,7 @@ impl Caller {
             let found = (self.outstanding.iter()).position(|one| one.number == answer.number);
             if let Some(index) = found {
                 let call = self.outstanding.remove(index);
-                self.end(references, call.number, call.slot, answer.result, leaving);
+                self.end(references, &call, answer.result, leaving);
             }
         }
         let now = leaving.now;
@@ -253,7 +263,7 @@ impl Caller {
         }
         if call.attempt > wire.retries {
             let timeout = Err(CallError::Timeout);
-            return self.end(references, call.number, call.slot, timeout, leaving);
+            return self.end(references, &call, timeout, leaving);
         }
         call.attempt += 1;
         call.deadline = leaving.now + wire.timeout;
@@ -262,29 +272,29 @@ impl Caller {
                 leaving.outside.wake_at(leaving.me, call.deadline);
                 self.outstanding.push(call);
             }
-            Err(error) => self.end(references, call.number, call.slot, Err(error), leaving),
+            Err(error) => self.end(references, &call, Err(error), leaving),
         }
     }
 
     fn end(
         &mut self,
         references: &[Reference],
-        number: u64,
-        slot: Slot,
+        call: &Outstanding,
         result: Result<Arc<dyn Sample>, CallError>,
         leaving: &mut Leaving<'_>,
     ) {
-        let (reference, operation) = names(references, slot);
+        let (reference, operation) = names(references, call.slot);
         leaving.emit(&Event::Replied {
             component: leaving.name,
             reference,
             operation,
-            call: CallId(number),
+            call: CallId(call.number),
             result: result.as_deref(),
         });
         self.ended.push(Ended {
-            number,
-            slot,
+            number: call.number,
+            slot: call.slot,
+            cause: call.cause,
             result,
         });
         leaving.outside.trigger(leaving.me);
@@ -354,6 +364,7 @@ fn question(
         argument: Arc::clone(&call.argument),
         caller: Arc::clone(leaving.name),
         deadline: answer_to.is_some().then_some(call.deadline),
+        trace: call.cause,
         answer_to,
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bus::{Call, CallFailure, Payload, Refusal};
+use bus::{Call, CallFailure, Payload, Refusal, Trace};
 use datum::Sample;
 
 use super::{CallError, Mailbox};
@@ -33,6 +33,8 @@ pub(crate) struct Ask {
     pub argument: Arc<dyn Sample>,
     pub caller: Arc<str>,
     pub deadline: Option<Time>,
+    /// What it follows from.
+    pub trace: Option<Trace>,
     /// Where the answer goes; nowhere for a one-way call.
     pub answer_to: Option<AnswerTo>,
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use amqprs::BasicProperties;
-use bus::{CallFailure, Origin, Payload, Refusal, Request};
+use bus::{CallFailure, Origin, Payload, Refusal, Request, Trace};
 use datum::{Codec, Datum, Message};
 
 use crate::wire::{self, Headers};
@@ -25,6 +25,7 @@ pub(crate) struct Asking {
     /// Nanoseconds of Unix time.
     pub deadline: i64,
     pub callback: Option<Arc<str>>,
+    pub trace: Option<Trace>,
     pub user: String,
 }
 
@@ -43,7 +44,8 @@ impl Asking {
             .count(wire::INCARNATION, self.incarnation)
             .count(wire::TIMEOUT, nanos)
             .number(wire::DEADLINE, self.deadline)
-            .maybe(wire::CALLBACK, self.callback.as_deref());
+            .maybe(wire::CALLBACK, self.callback.as_deref())
+            .maybe(wire::TRACE, self.trace.map(|it| it.to_string()).as_deref());
         // The broker's own limit of a TTL.
         let milliseconds = self.timeout.as_millis().clamp(1, u32::MAX.into());
         self.about(kind)
@@ -82,6 +84,7 @@ pub(crate) fn read_request(
         argument,
         timeout,
         callback: wire::text(properties, wire::CALLBACK).map(Into::into),
+        trace: wire::trace(properties),
     }))
 }
 
