@@ -46,6 +46,10 @@ pub trait Bus: Send + Sync {
     /// with a failure; who does not care drops it.
     fn tell(&self, address: &str, request: Request, bell: Arc<Bell>) -> Result<Pending, BusError>;
 
+    /// Sends the last message of each publisher that [keeps it](Sending::init) again, as the same message: those who
+    /// came late get it, those who have it take it out.
+    fn repeat(&self);
+
     /// The state of the transport.
     fn health(&self) -> Health;
 

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
 
 use datum::Schema;
@@ -25,6 +25,8 @@ struct Shared {
     /// Grows with every change of the routes, so that publishers look at them only then.
     generation: AtomicU64,
     desks: Mutex<BTreeMap<String, Arc<Desk>>>,
+    /// Of publishers that keep it, the last message.
+    lasts: Mutex<Vec<Weak<Mutex<Last>>>>,
     /// Up from the beginning to the end.
     health: Health,
 }
@@ -35,6 +37,7 @@ impl Default for Shared {
             routes: Mutex::default(),
             generation: AtomicU64::new(0),
             desks: Mutex::default(),
+            lasts: Mutex::default(),
             health: Health::now(Link::Up),
         }
     }
@@ -43,6 +46,16 @@ impl Default for Shared {
 struct Route {
     pattern: Pattern,
     inlet: Inlet,
+    /// The generation that it came with.
+    since: u64,
+}
+
+/// The last message of a publisher, and who has it.
+#[derive(Default)]
+struct Last {
+    envelope: Option<Envelope>,
+    /// The routes up to this generation.
+    had: u64,
 }
 
 impl Local {
@@ -61,9 +74,15 @@ impl Shared {
         self.desks.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn change_routes(&self, change: impl FnOnce(&mut Vec<Route>)) {
-        change(&mut self.routes());
-        self.generation.fetch_add(1, Ordering::Release);
+    fn lasts(&self) -> MutexGuard<'_, Vec<Weak<Mutex<Last>>>> {
+        self.lasts.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn change_routes(&self, change: impl FnOnce(&mut Vec<Route>, u64)) {
+        let mut routes = self.routes();
+        let next = self.generation.load(Ordering::Acquire) + 1;
+        change(&mut routes, next);
+        self.generation.store(next, Ordering::Release);
     }
 }
 
@@ -73,8 +92,13 @@ impl Bus for Local {
         topic: &str,
         origin: &Origin,
         schema: &Schema,
-        _: Sending,
+        sending: Sending,
     ) -> Result<Box<dyn Publisher>, BusError> {
+        let last = sending.init.then(Arc::<Mutex<Last>>::default);
+        let mut lasts = self.shared.lasts();
+        lasts.retain(|last| last.strong_count() > 0);
+        lasts.extend(last.as_ref().map(Arc::downgrade));
+        drop(lasts);
         Ok(Box::new(LocalPublisher {
             shared: Arc::clone(&self.shared),
             topic: topic.into(),
@@ -86,6 +110,7 @@ impl Bus for Local {
             clock: "".into(),
             generation: u64::MAX,
             inlets: Vec::new(),
+            last,
         }))
     }
 
@@ -97,14 +122,16 @@ impl Bus for Local {
         bell: Arc<Bell>,
     ) -> Result<Subscription, BusError> {
         let inlet = Inlet::new(queue, bell);
-        let route = Route {
-            pattern: pattern.clone(),
-            inlet: inlet.clone(),
-        };
-        self.shared.change_routes(|routes| routes.push(route));
+        self.shared.change_routes(|routes, since| {
+            routes.push(Route {
+                pattern: pattern.clone(),
+                inlet: inlet.clone(),
+                since,
+            });
+        });
         let (shared, own) = (Arc::clone(&self.shared), inlet.clone());
         Ok(inlet.subscription(move || {
-            shared.change_routes(|routes| routes.retain(|route| !route.inlet.is_same(&own)));
+            shared.change_routes(|routes, _| routes.retain(|route| !route.inlet.is_same(&own)));
         }))
     }
 
@@ -144,6 +171,23 @@ impl Bus for Local {
         Ok(pending)
     }
 
+    fn repeat(&self) {
+        let routes = self.shared.routes();
+        let now = self.shared.generation.load(Ordering::Acquire);
+        for last in self.shared.lasts().iter().filter_map(Weak::upgrade) {
+            let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
+            let had = std::mem::replace(&mut last.had, now);
+            let Some(envelope) = &last.envelope else {
+                continue;
+            };
+            for route in routes.iter().filter(|route| route.since > had) {
+                if route.pattern.matches(&envelope.topic) {
+                    route.inlet.push(envelope.clone());
+                }
+            }
+        }
+    }
+
     fn health(&self) -> Health {
         self.shared.health.clone()
     }
@@ -173,6 +217,8 @@ struct LocalPublisher {
     generation: u64,
     /// The subscriptions that match.
     inlets: Vec<Inlet>,
+    /// The last message, if it is kept.
+    last: Option<Arc<Mutex<Last>>>,
 }
 
 impl Publisher for LocalPublisher {
@@ -194,18 +240,25 @@ impl Publisher for LocalPublisher {
         self.sequence += 1;
         self.unheard += u64::from(self.inlets.is_empty());
         let trace = self.spans.of(self.sequence, cause);
+        let envelope = Envelope {
+            topic: Arc::clone(&self.topic),
+            source: Arc::clone(&self.origin.source),
+            incarnation: self.origin.incarnation,
+            sequence: self.sequence,
+            stamp,
+            clock: Arc::clone(&self.clock),
+            trace: Some(trace),
+            type_name: Arc::clone(&self.type_name),
+            payload,
+        };
         for inlet in &self.inlets {
-            inlet.push(Envelope {
-                topic: Arc::clone(&self.topic),
-                source: Arc::clone(&self.origin.source),
-                incarnation: self.origin.incarnation,
-                sequence: self.sequence,
-                stamp,
-                clock: Arc::clone(&self.clock),
-                trace: Some(trace),
-                type_name: Arc::clone(&self.type_name),
-                payload: payload.clone(),
-            });
+            inlet.push(envelope.clone());
+        }
+        if let Some(last) = &self.last {
+            *last.lock().unwrap_or_else(PoisonError::into_inner) = Last {
+                envelope: Some(envelope),
+                had: self.generation,
+            };
         }
         Ok(())
     }

@@ -13,6 +13,8 @@ pub struct Sending {
     pub assurance: Assurance,
     /// What becomes of them while the transport is away.
     pub outage: Outage,
+    /// Whether the last of them is kept for those who come late: see [`Bus::repeat`](crate::Bus::repeat).
+    pub init: bool,
 }
 
 /// How sure messages are to arrive.
@@ -53,6 +55,13 @@ impl Sending {
             outage: Outage::Queue(size),
             ..Self::default()
         }
+    }
+
+    /// The same, with the last message kept for those who come late, or not.
+    #[must_use]
+    pub fn init(mut self, init: bool) -> Self {
+        self.init = init;
+        self
     }
 
     /// The same, written by another codec.

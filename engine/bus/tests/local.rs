@@ -91,6 +91,10 @@ impl Bus for Forgetful {
         self.0.watch(bell);
     }
 
+    fn repeat(&self) {
+        self.0.repeat();
+    }
+
     fn drain(&self, at_most: Duration) -> bool {
         self.0.drain(at_most)
     }

@@ -134,6 +134,10 @@ impl Bus for Moody {
         *self.bell.lock().unwrap() = Some(Arc::clone(bell));
     }
 
+    fn repeat(&self) {
+        self.bus.repeat();
+    }
+
     fn drain(&self, at_most: Duration) -> bool {
         self.bus.drain(at_most)
     }

@@ -8,7 +8,7 @@ use datum::Codec;
 
 use super::{Part, policy};
 use crate::model;
-use crate::plan::{End, Plan, Terminal, Topic};
+use crate::plan::{Connection, End, Plan, Terminal, Topic};
 
 /// How each topic that this part writes to is sent.
 pub(super) fn of_topics<'p>(
@@ -26,8 +26,7 @@ pub(super) fn of_topics<'p>(
         };
         let connections = plan.connections.iter();
         let connections = connections.filter(|it| joins(&it.from) || joins(&it.to));
-        let kinds = connections.map(|connection| policy(&connection.policy).kind);
-        let sending = of(kinds).by(codec(plan));
+        let sending = of_connections(plan, connections);
         (topic.name.as_str(), as_written(topic, sending))
     })
 }
@@ -38,7 +37,17 @@ pub(super) fn of_port(plan: &Plan, port: &End) -> Sending {
         let to_port = matches!(connection.to, Terminal::Port(_));
         to_port && connection.from == Terminal::Port(port.clone())
     });
-    of(from.map(|connection| policy(&connection.policy).kind)).by(codec(plan))
+    of_connections(plan, from)
+}
+
+/// How to send what these connections carry.
+fn of_connections<'p>(
+    plan: &Plan,
+    connections: impl Iterator<Item = &'p Connection> + Clone,
+) -> Sending {
+    let init = (connections.clone()).any(|connection| connection.policy.init);
+    let kinds = connections.map(|connection| policy(&connection.policy).kind);
+    of(kinds).init(init).by(codec(plan))
 }
 
 /// How the broker wants payloads encoded.

@@ -213,6 +213,13 @@ impl Bus for AmqpBus {
         self.services.tell(address, request, bell)
     }
 
+    fn repeat(&self) {
+        let lanes = self.lanes.lock().unwrap_or_else(PoisonError::into_inner);
+        for lane in lanes.iter().filter_map(Weak::upgrade) {
+            lane.repeat(self.link.is_open());
+        }
+    }
+
     fn health(&self) -> Health {
         self.link.health()
     }

@@ -14,6 +14,7 @@ const WINDOW: usize = 512;
 const WINDOW_BYTES: usize = 2 << 20;
 
 /// A message of ours.
+#[derive(Clone)]
 pub(crate) struct Item {
     pub sequence: u64,
     pub stamp: i64,
@@ -47,6 +48,8 @@ pub(crate) struct Outbox {
     /// How many go one by one, to find out which of them the broker refuses.
     careful: usize,
     pub sent: Sent,
+    /// The last message that was put in, where it is kept.
+    last: Option<Item>,
 }
 
 /// The next thing to send.
@@ -67,6 +70,7 @@ impl Outbox {
             underway_bytes: 0,
             careful: 0,
             sent: Sent::default(),
+            last: None,
         }
     }
 
@@ -77,6 +81,9 @@ impl Outbox {
     /// Takes a message in, if the policy does. What is dropped is counted.
     pub(crate) fn put(&mut self, item: Item, open: bool) -> bool {
         self.sent.published += 1;
+        if self.sending.init {
+            self.last = Some(item.clone());
+        }
         let kept = match self.sending.outage {
             Outage::Drop | Outage::KeepLatest if open => BURST,
             Outage::Drop => 0,
@@ -96,6 +103,15 @@ impl Outbox {
                 true
             }
             Outage::Drop | Outage::Queue(_) => false,
+        }
+    }
+
+    /// Takes the last message in again, if it is kept and does not wait already. Says whether it has.
+    pub(crate) fn repeat(&mut self, open: bool) -> bool {
+        let waits = |last: &Item| (self.waiting.iter()).any(|one| one.sequence == last.sequence);
+        match self.last.clone().filter(|last| !waits(last)) {
+            Some(last) => self.put(last, open),
+            None => false,
         }
     }
 

@@ -50,6 +50,13 @@ impl Lane {
         self.outbox.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Sends the last message again, if it is kept.
+    pub(crate) fn repeat(&self, open: bool) {
+        if self.outbox().repeat(open) {
+            self.wake.notify_one();
+        }
+    }
+
     /// How many messages still wait or are under way.
     pub(crate) fn open(&self) -> u64 {
         self.outbox().sent.open()

@@ -27,6 +27,7 @@ pub(super) const CASES: &[(&str, Case)] = &[
     ("drops the oldest and counts", drops_oldest),
     ("drops the newest and counts", drops_newest),
     ("has no past", has_no_past),
+    ("repeats the last to those who came late", repeats_last),
     ("forgets who leaves", forgets),
     ("is not stalled by one who does not read", never_stalls),
     ("answers a request", answers),
@@ -277,6 +278,22 @@ fn has_no_past(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let subscription = subscribe(bus, name, EVERY)?;
     send(&mut *publisher, [2])?;
     expect(receive(&subscription, 1)?, vec![2])
+}
+
+fn repeats_last(bus: &dyn Bus, name: &str) -> Result<(), String> {
+    let early = subscribe(bus, name, EVERY)?;
+    let mut state = publisher_of(bus, name, Sending::state().init(true))?;
+    let mut event = publisher(bus, name)?;
+    send(&mut *state, 1..=2)?;
+    expect(receive(&early, 2)?, vec![1, 2])?;
+    send(&mut *event, 3..=3)?;
+    expect(receive(&early, 1)?, vec![3])?;
+    let late = subscribe(bus, name, EVERY)?;
+    bus.repeat();
+    expect(receive(&late, 1)?, vec![2])?;
+    bus.repeat();
+    silent(&late)?;
+    silent(&early)
 }
 
 fn forgets(bus: &dyn Bus, name: &str) -> Result<(), String> {
