@@ -211,7 +211,8 @@ impl Mission {
         if let Some(contact) = &mut contact {
             contact.leave();
         }
-        drop((run, contact, bus));
+        drop((run, contact));
+        drop(bus);
         Ok(Ended {
             outcome,
             summary,

@@ -5,8 +5,8 @@
 
 use std::fmt::{self, Write};
 
-use component::{CallError, Event, Time};
-use coordinator::{STEP_REPORT, StepRecord, UNSENT_REPORT, UpdateRecord};
+use component::{CallError, Event, Losses, Time};
+use coordinator::{LOSSES_REPORT, STEP_REPORT, StepRecord, UNSENT_REPORT, UpdateRecord};
 use datum::{Datum, Sample};
 use messages::{Bool, OccupancyGrid, Odometry, Path, Point, PoseStamped};
 
@@ -103,6 +103,16 @@ impl Story {
                 let missing = what.as_text().unwrap_or_default();
                 Some(format!(
                     "{NOTE}unsent{NOTE:#} {component} has no `{missing}` yet"
+                ))
+            }
+            Event::Report {
+                component,
+                kind,
+                what,
+            } if *kind == LOSSES_REPORT => {
+                let Losses { dropped, misfits } = what.to().ok()?;
+                Some(format!(
+                    "{NOTE}lost{NOTE:#} {component}: {dropped} events dropped, {misfits} messages did not fit, so far"
                 ))
             }
             Event::Fault { component, fault } => {

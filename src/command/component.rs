@@ -178,6 +178,12 @@ fn show(found: &Found, terminal: &mut Terminal) {
         "  cycles      {}, {:.1} a second, {} periods missed",
         component.cycles, component.rate_hz, component.overruns
     ));
+    if component.dropped + component.misfits > 0 {
+        terminal.result(format_args!(
+            "  lost        {} messages dropped, {} did not fit",
+            component.dropped, component.misfits
+        ));
+    }
     let mut typed = |what: &str, all: &[Typed]| {
         for Typed { name, kind } in all {
             terminal.result(format_args!("  {what:<10}  {name}: {kind}"));

@@ -56,8 +56,7 @@ impl<'p> Herald<'p> {
         }
         let presence = Presence::of(self.plan, &self.part, &self.process, run);
         let before = before.map(|(_, before)| before);
-        let presence =
-            presence.with_rates(before.as_ref(), since.unwrap_or_default().as_secs_f64());
+        let presence = presence.after(before.as_ref(), since.unwrap_or_default().as_secs_f64());
         self.publish(&presence);
         self.last = Some((now, presence));
     }

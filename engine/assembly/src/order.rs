@@ -1,6 +1,6 @@
 //! Orders: what others on the bus may have done to the components of a process. `docs/wire.md` describes them.
 
-use component::{Run, Transition};
+use component::{Asked, Run, RunError, Transition};
 use datum::Datum;
 use serde::{Deserialize, Serialize};
 
@@ -31,21 +31,15 @@ pub enum Wish {
 }
 
 impl Order {
-    /// Carries it out.
+    /// Has it carried out; a component does so when its present cycle has ended.
     ///
     /// # Errors
-    /// Why not, in words.
-    pub fn carry_out(&self, run: &mut dyn Run) -> Result<(), String> {
-        let mut go = |transition| {
-            let gone = run.transition(&self.component, transition);
-            gone.map_err(|error| error.to_string())
-        };
+    /// There is no such component.
+    pub fn begin(&self, run: &mut dyn Run) -> Result<Asked, RunError> {
         match &self.wish {
-            Wish::Start => go(Transition::Start),
-            Wish::Stop => go(Transition::Stop),
-            Wish::Set(values) => run
-                .set_properties(&self.component, values)
-                .map_err(|error| error.to_string()),
+            Wish::Start => run.begin_transition(&self.component, Transition::Start),
+            Wish::Stop => run.begin_transition(&self.component, Transition::Stop),
+            Wish::Set(values) => run.begin_set_properties(&self.component, values),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Presence: what a process says of itself, for tools and for strangers. `docs/wire.md` describes it.
 
-use component::{Run, State};
+use component::{Losses, Run, State};
 use datum::Datum;
 use serde::{Deserialize, Serialize};
 
@@ -45,6 +45,10 @@ pub struct Present {
     pub rate_hz: f64,
     /// How many periods it has missed.
     pub overruns: u64,
+    /// How many messages it has dropped, because too many waited.
+    pub dropped: u64,
+    /// How many it has left out, because they did not fit.
+    pub misfits: u64,
     /// Input ports.
     pub inputs: Vec<Typed>,
     /// Output ports.
@@ -120,15 +124,18 @@ impl Presence {
         }
     }
 
-    /// Fills in the rates, from what was said so many seconds before.
+    /// Fills in the rates, from what was said so many seconds before; and the properties of those that were too busy to
+    /// say them, as they were.
     #[must_use]
-    pub fn with_rates(mut self, before: Option<&Self>, seconds: f64) -> Self {
+    pub fn after(mut self, before: Option<&Self>, seconds: f64) -> Self {
         for component in &mut self.components {
             let known = before.iter().flat_map(|before| &before.components);
             let known = known.into_iter().find(|known| known.name == component.name);
-            if let Some(known) = known
-                && seconds > 0.0
-            {
+            let Some(known) = known else { continue };
+            if component.properties.is_empty() {
+                component.properties.clone_from(&known.properties);
+            }
+            if seconds > 0.0 {
                 let cycles = component.cycles.saturating_sub(known.cycles);
                 #[allow(clippy::cast_precision_loss, reason = "a rate is no exact number")]
                 let rate = cycles as f64 / seconds;
@@ -166,6 +173,7 @@ impl Present {
             });
             typed.collect()
         };
+        let Losses { dropped, misfits } = run.losses(name);
         Self {
             name: name.to_owned(),
             state: run
@@ -176,6 +184,8 @@ impl Present {
             cycles: run.cycles(name),
             rate_hz: 0.0,
             overruns: run.overruns(name),
+            dropped,
+            misfits,
             inputs: typed(&declared.inputs),
             outputs: typed(&declared.outputs),
             services: declared.services.iter().map(PresentService::of).collect(),

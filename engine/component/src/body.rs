@@ -52,6 +52,8 @@ pub(crate) enum Action {
     },
     Report(&'static str, Datum),
     SetPeriod(Duration),
+    /// Another cycle, if news bring them about.
+    Again,
 }
 
 impl Body {
@@ -135,6 +137,7 @@ impl Body {
                     what: &what,
                 }),
                 Action::SetPeriod(period) => set_period(period),
+                Action::Again => leaving.outside.trigger(leaving.me),
             }
         }
         // The journal's memory serves the next cycle.

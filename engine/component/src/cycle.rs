@@ -3,7 +3,7 @@
 use std::any::Any;
 use std::cell::Cell;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use datum::{Datum, DatumError, Message, Sample};
@@ -13,7 +13,8 @@ use crate::handle::{In, Out, Property, Provided, Required};
 use crate::port::{Flow, Input, Output};
 use crate::property::PropertyValue;
 use crate::service::{CallError, CallId, Operation, Reply, Request, RequestId, ServiceFault, Slot};
-use crate::{Fault, Time};
+use crate::unit::Status;
+use crate::{Fault, Losses, Time};
 
 /// What a handle that was not the component's stands for.
 type Foreign = &'static str;
@@ -25,24 +26,19 @@ pub struct Cycle<'a> {
     body: &'a mut Body,
     now: Time,
     number: u64,
-    interrupt: &'a AtomicBool,
+    status: &'a Status,
     /// The first handle that was not this component's.
     foreign: Cell<Option<Foreign>>,
     error: Option<Fault>,
 }
 
 impl<'a> Cycle<'a> {
-    pub(crate) fn new(
-        body: &'a mut Body,
-        now: Time,
-        number: u64,
-        interrupt: &'a AtomicBool,
-    ) -> Self {
+    pub(crate) fn new(body: &'a mut Body, now: Time, number: u64, status: &'a Status) -> Self {
         Self {
             body,
             now,
             number,
-            interrupt,
+            status,
             foreign: Cell::new(None),
             error: None,
         }
@@ -185,6 +181,16 @@ impl<'a> Cycle<'a> {
         self.body.journal.push(Action::Report(kind, what));
     }
 
+    /// Says how many messages the component has lost so far, all in all.
+    pub fn set_losses(&mut self, losses: Losses) {
+        self.status.set_losses(losses);
+    }
+
+    /// Asks for another cycle at once, if the component is event-driven: not all that came could be done in this one.
+    pub fn again(&mut self) {
+        self.body.journal.push(Action::Again);
+    }
+
     /// Puts the component in [`State::RunTimeError`](crate::State::RunTimeError) after this cycle, which otherwise
     /// counts (RTT `error`).
     pub fn error(&mut self, why: Fault) {
@@ -199,7 +205,7 @@ impl<'a> Cycle<'a> {
     /// Whether somebody wants the component to stop, and its activity allows to interrupt it: a long cycle asks now
     /// and then, and returns (TCA `mayInterruptIfRunning`). What it wrote until then counts.
     pub fn interrupted(&self) -> bool {
-        self.interrupt.load(Ordering::Relaxed)
+        self.status.interrupt.load(Ordering::Relaxed)
     }
 
     /// How the cycle ended, beside what it returned.

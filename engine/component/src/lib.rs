@@ -47,7 +47,7 @@ pub use live::Live;
 pub use log::Log;
 pub use port::Flow;
 pub use property::{PropertyError, PropertyProblem, PropertyValue, Setting};
-pub use run::{Run, RunError};
+pub use run::{Asked, Losses, Run, RunError};
 pub use service::{
     CallError, CallId, Dynamic, Operation, Reply, Request, RequestId, ServiceFault, Wire,
 };

@@ -25,7 +25,7 @@ use crate::declaration::Declaration;
 use crate::door::{Doors, Place};
 use crate::health;
 use crate::property::suggestion_among;
-use crate::run::{Run, RunError, Watch};
+use crate::run::{Asked, Run, RunError, Watch};
 use crate::unit::{Status, Unit};
 use crate::{LifeCycleError, Observer, State, System, Time, Transition};
 
@@ -129,16 +129,23 @@ impl Live {
         patience: Duration,
     ) -> Result<(), LifeCycleError> {
         let host = &self.hosts[index];
-        if transition == Transition::Stop && host.may_interrupt {
-            host.status.interrupt.store(true, Ordering::Relaxed);
+        host.allow_interrupt(transition);
+        let busy = || LifeCycleError::Busy {
+            component: host.name.to_string(),
+            transition,
+        };
+        match host.ask(patience, |answer| Command::Transition(transition, answer)) {
+            Some(Err(RunError::LifeCycle(error))) => Err(error),
+            Some(Ok(())) => Ok(()),
+            // a transition ends in no other way
+            Some(Err(
+                RunError::Unknown { .. }
+                | RunError::Mismatch { .. }
+                | RunError::Property(_)
+                | RunError::Busy { .. },
+            ))
+            | None => Err(busy()),
         }
-        let answer = host.ask(patience, |answer| Command::Transition(transition, answer));
-        answer.unwrap_or_else(|| {
-            Err(LifeCycleError::Busy {
-                component: host.name.to_string(),
-                transition,
-            })
-        })
     }
 
     fn find(&self, component: &str) -> Result<usize, RunError> {
@@ -216,6 +223,22 @@ impl Host {
             commands,
             thread,
         }
+    }
+
+    /// Lets a long cycle know that the component shall stop.
+    fn allow_interrupt(&self, transition: Transition) {
+        if transition == Transition::Stop && self.may_interrupt {
+            self.status.interrupt.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Asks the component's thread, and waits for nothing.
+    fn begin(&self, command: impl FnOnce(mpsc::Sender<Result<(), RunError>>) -> Command) -> Asked {
+        let (answer, answered) = mpsc::channel();
+        // A thread that is gone answers nothing, which is an answer.
+        let _ = self.commands.send(command(answer));
+        self.wake.unpark();
+        Asked::of(&self.name, answered)
     }
 
     /// Asks the component's thread, and waits for the answer; `None` if none comes in time.

@@ -1,9 +1,10 @@
 //! A running system, whichever executor drives it.
 
-use std::sync::Arc;
+use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
 use datum::{Datum, DatumError, Message, Sample};
+use serde::{Deserialize, Serialize};
 
 use crate::declaration::Declaration;
 use crate::property::{PropertyError, suggestion};
@@ -61,6 +62,20 @@ pub trait Run {
         values: &[(String, Datum)],
     ) -> Result<(), RunError>;
 
+    /// Asks for a transition, and does not wait for it: a component takes it when its present cycle has ended.
+    fn begin_transition(
+        &mut self,
+        component: &str,
+        transition: Transition,
+    ) -> Result<Asked, RunError>;
+
+    /// Asks to set properties, all or none, and does not wait for it.
+    fn begin_set_properties(
+        &mut self,
+        component: &str,
+        values: &[(String, Datum)],
+    ) -> Result<Asked, RunError>;
+
     /// The components' names, in order of addition.
     fn components(&self) -> Vec<String>;
 
@@ -72,6 +87,9 @@ pub trait Run {
 
     /// How many periods a component has missed.
     fn overruns(&self, component: &str) -> u64;
+
+    /// What a component says that it has lost.
+    fn losses(&self, component: &str) -> Losses;
 
     /// A component's last fault.
     fn fault(&self, component: &str) -> Option<Fault>;
@@ -113,6 +131,49 @@ pub trait Run {
     }
 }
 
+/// Messages that came to a component, and not to its work.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Losses {
+    /// Dropped, because too many waited.
+    pub dropped: u64,
+    /// Left out, because they did not fit what they were for.
+    pub misfits: u64,
+}
+
+/// Something that a component was asked to do.
+#[derive(Debug)]
+pub struct Asked {
+    component: String,
+    answer: mpsc::Receiver<Result<(), RunError>>,
+}
+
+impl Asked {
+    /// What the component's thread will answer.
+    pub(crate) fn of(component: &str, answer: mpsc::Receiver<Result<(), RunError>>) -> Self {
+        let component = component.to_owned();
+        Self { component, answer }
+    }
+
+    /// What is done already.
+    pub(crate) fn done(component: &str, result: Result<(), RunError>) -> Self {
+        let (answer, answered) = mpsc::channel();
+        // The other end is here.
+        let _ = answer.send(result);
+        Self::of(component, answered)
+    }
+
+    /// How it went, once it is over.
+    pub fn try_take(&self) -> Option<Result<(), RunError>> {
+        match self.answer.try_recv() {
+            Ok(result) => Some(result),
+            Err(mpsc::TryRecvError::Empty) => None,
+            Err(mpsc::TryRecvError::Disconnected) => Some(Err(RunError::Busy {
+                component: self.component.clone(),
+            })),
+        }
+    }
+}
+
 /// What cannot be done to a running system.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RunError {
@@ -139,6 +200,9 @@ pub enum RunError {
     /// A property cannot have its value.
     #[error(transparent)]
     Property(#[from] PropertyError),
+    /// The component's life does not allow it.
+    #[error(transparent)]
+    LifeCycle(#[from] LifeCycleError),
     /// The component did not answer in time: its cycle is still under way.
     #[error("`{component}` is busy")]
     Busy {

@@ -11,7 +11,8 @@ use crate::body::Body;
 use crate::outside::{Leaving, Outside};
 use crate::property::PropertyError;
 use crate::{
-    Activity, Component, Cycle, Event, Fault, LifeCycleError, Setup, State, Time, Transition,
+    Activity, Component, Cycle, Event, Fault, LifeCycleError, Losses, Setup, State, Time,
+    Transition,
 };
 
 /// A component that an executor drives.
@@ -36,11 +37,25 @@ pub(crate) struct Status {
     pub overruns: AtomicU64,
     /// Somebody wants the present cycle to end.
     pub interrupt: AtomicBool,
+    dropped: AtomicU64,
+    misfits: AtomicU64,
 }
 
 impl Status {
     pub(crate) fn state(&self) -> State {
         State::from_number(self.state.load(Ordering::Acquire))
+    }
+
+    pub(crate) fn losses(&self) -> Losses {
+        Losses {
+            dropped: self.dropped.load(Ordering::Relaxed),
+            misfits: self.misfits.load(Ordering::Relaxed),
+        }
+    }
+
+    pub(crate) fn set_losses(&self, losses: Losses) {
+        self.dropped.store(losses.dropped, Ordering::Relaxed);
+        self.misfits.store(losses.misfits, Ordering::Relaxed);
     }
 }
 
@@ -65,6 +80,8 @@ impl Unit {
                 cycles: AtomicU64::new(0),
                 overruns: AtomicU64::new(0),
                 interrupt: AtomicBool::new(false),
+                dropped: AtomicU64::new(0),
+                misfits: AtomicU64::new(0),
             }),
         }
     }
@@ -102,7 +119,7 @@ impl Unit {
             ..
         } = self;
         guarded(|| {
-            let mut cycle = Cycle::new(body, now, number, &status.interrupt);
+            let mut cycle = Cycle::new(body, now, number, status);
             if *state == State::RunTimeError {
                 component.recover(&mut cycle)?;
             } else {

@@ -234,6 +234,33 @@ fn t4_stopping_is_bounded_whatever_a_component_does() {
 }
 
 #[test]
+fn t4_who_asks_does_not_wait_for_a_long_cycle() {
+    let mut system = System::new();
+    let busy = sleeping(1, Duration::from_millis(600));
+    (system.add("Busy", Activity::periodic(10.ms()), busy)).unwrap();
+    let mut run = system.live();
+    while run.cycles("Busy") == 0 {
+        std::thread::yield_now();
+    }
+    let at = Instant::now();
+    let asked = run.begin_transition("Busy", Transition::Stop).unwrap();
+    assert_eq!(asked.try_take(), None);
+    assert!(run.properties("Busy").is_err());
+    assert!(at.elapsed() < Duration::from_millis(300));
+    let end = loop {
+        if let Some(end) = asked.try_take() {
+            break end;
+        }
+        run.run_for(10.ms());
+    };
+    assert_eq!((end, run.state("Busy")), (Ok(()), Some(State::Stopped)));
+    let again = run.begin_transition("Busy", Transition::Stop).unwrap();
+    run.run_for(50.ms());
+    let refused = again.try_take().unwrap().unwrap_err();
+    assert!(refused.to_string().contains("cannot stop"), "{refused}");
+}
+
+#[test]
 fn o4_an_event_driven_component_wakes_for_data_and_sleeps_otherwise() {
     let mut system = System::new();
     system.add("Burst", Activity::manual(), burst(1)).unwrap();

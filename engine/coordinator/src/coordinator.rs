@@ -6,10 +6,10 @@ use crate::inbox::Inbox;
 use crate::outbox::{Handles, Outbox};
 use crate::partners::Partners;
 use crate::step::{STEP_REPORT, StepRecord};
-use asm_lang::machine::Machine;
+use asm_lang::machine::{BackEnd, Machine};
 use asm_lang::simulate::Seeded;
 use asm_lang::{Specification, Style};
-use component::{BusHealth, Component, Cycle, Fault, Flow, In, Interface};
+use component::{BusHealth, Component, Cycle, Fault, Flow, In, Interface, Losses, Setup};
 use datum::{Datum, Message};
 use std::sync::Arc;
 
@@ -60,7 +60,12 @@ pub struct Coordinator {
     /// Where the system tells how its bus is, if the component listens.
     health: Option<In<Datum>>,
     frame: Frame,
+    /// What was lost, as far as it was told.
+    told: Losses,
 }
+
+/// The kind under which it is reported how many messages were lost so far: a [`Losses`].
+pub const LOSSES_REPORT: &str = "asm/Losses";
 
 impl Coordinator {
     /// Declares the ports and references, and builds the machine. Choices follow the seed.
@@ -102,16 +107,25 @@ impl Coordinator {
             partners,
             health,
             frame: Frame::default(),
+            told: Losses::default(),
         })
     }
 }
 
 impl Component for Coordinator {
+    /// Native code is made before the first step: no step takes longer because of it.
+    fn configure(&mut self, _: &mut Setup<'_>) -> Result<(), Fault> {
+        self.machine.set_back_end(BackEnd::Native);
+        // asking makes it
+        self.machine.back_end();
+        Ok(())
+    }
+
     /// Freeze, step, send: what the step asks for leaves with the cycle, or not at all.
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         self.inbox.receive(cycle, self.machine.program());
         self.outbox.receive(cycle, &mut self.inbox);
-        self.inbox.misfits += self.partners.receive(cycle, &mut self.machine);
+        self.inbox.losses.misfits += self.partners.receive(cycle, &mut self.machine);
         self.follow_health(cycle);
         self.inbox.freeze(cycle.now(), &mut self.frame);
         let stepped = self
@@ -134,11 +148,32 @@ impl Component for Coordinator {
         self.outbox
             .send(&self.machine, &step, cycle, &mut self.inbox);
         self.partners.send(&self.machine, cycle);
+        self.tell_losses(cycle)?;
+        if self.inbox.has_more() {
+            cycle.again();
+        }
         Ok(())
+    }
+
+    /// Calls do not outlive it: for the specification they have failed.
+    fn stop(&mut self) {
+        self.outbox.stop(&mut self.inbox);
+        self.partners.stop(&mut self.machine);
     }
 }
 
 impl Coordinator {
+    /// Says what was lost, when it has become more.
+    fn tell_losses(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        let losses = self.inbox.losses;
+        if losses != self.told {
+            self.told = losses;
+            cycle.set_losses(losses);
+            cycle.report(LOSSES_REPORT, Datum::of(&losses)?);
+        }
+        Ok(())
+    }
+
     /// Messages do not go out while the bus is not up.
     fn follow_health(&mut self, cycle: &Cycle<'_>) {
         let Some(port) = self.health else { return };

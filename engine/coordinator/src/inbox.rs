@@ -11,7 +11,7 @@ use crate::frame::Frame;
 use asm_lang::Specification;
 use asm_lang::ir::{FunctionId, Program, Shape};
 use asm_lang::value::Value;
-use component::{Cycle, Flow, In, Time};
+use component::{Cycle, Flow, In, Losses, Time};
 use datum::Datum;
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -22,10 +22,8 @@ const MAX_WAITING: usize = 256;
 /// The bound inputs of a specification.
 pub(crate) struct Inbox {
     inputs: Vec<Input>,
-    /// How many events were dropped because too many waited.
-    pub dropped: u64,
-    /// How many messages did not fit the codomain.
-    pub misfits: u64,
+    /// Events dropped because too many waited, and messages that did not fit the codomain.
+    pub losses: Losses,
 }
 
 struct Input {
@@ -54,8 +52,7 @@ impl Inbox {
         }
         Ok(Self {
             inputs,
-            dropped: 0,
-            misfits: 0,
+            losses: Losses::default(),
         })
     }
 
@@ -95,7 +92,7 @@ impl Inbox {
     /// Adds the outcome of a call that an update of the out function made.
     pub fn push(&mut self, input: usize, value: Value, answers: FunctionId) {
         if let Some(input) = self.inputs.get_mut(input) {
-            self.dropped += input.wait(Some(answers), value);
+            self.losses.dropped += input.wait(Some(answers), value);
         }
     }
 
@@ -104,6 +101,11 @@ impl Inbox {
         for input in &mut self.inputs {
             input.waiting.retain(|(to, _)| *to != Some(answers));
         }
+    }
+
+    /// Whether an event waits for a following step.
+    pub fn has_more(&self) -> bool {
+        self.inputs.iter().any(|input| !input.waiting.is_empty())
     }
 
     /// Takes in the messages of the cycle.
@@ -123,15 +125,15 @@ impl Inbox {
                                 input.newest = Some(cycle.now());
                                 input.last = Some(value);
                             }
-                            None => self.misfits += 1,
+                            None => self.losses.misfits += 1,
                         }
                     }
                 }
                 Receive::All => {
                     for message in cycle.all(port) {
                         match input.value(message, program) {
-                            Some(value) => self.dropped += input.wait(None, value),
-                            None => self.misfits += 1,
+                            Some(value) => self.losses.dropped += input.wait(None, value),
+                            None => self.losses.misfits += 1,
                         }
                     }
                 }

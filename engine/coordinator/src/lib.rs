@@ -17,6 +17,6 @@ mod step;
 pub use binding::{
     Action, Argument, Binding, Call, Case, Effect, Interfaces, Monitored, Out, PublishWhen, Receive,
 };
-pub use coordinator::{BindError, Coordinator};
+pub use coordinator::{BindError, Coordinator, LOSSES_REPORT};
 pub use outbox::UNSENT_REPORT;
 pub use step::{STEP_REPORT, StepRecord, UpdateRecord};

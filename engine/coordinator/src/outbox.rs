@@ -71,6 +71,14 @@ struct Outcome {
     timeout: Option<Value>,
 }
 
+impl Outcome {
+    fn fail(&self, inbox: &mut Inbox) {
+        if let (Some(input), Some(event)) = (self.event, self.failed.clone()) {
+            inbox.push(input, event, self.function);
+        }
+    }
+}
+
 impl Outbox {
     pub fn new(
         binding: &Binding,
@@ -151,6 +159,13 @@ impl Outbox {
         }
     }
 
+    /// The component stops, and its calls with it: they end as failed.
+    pub fn stop(&mut self, inbox: &mut Inbox) {
+        for (_, outcome) in std::mem::take(&mut self.pending) {
+            outcome.fail(inbox);
+        }
+    }
+
     /// Does what the updates of a step ask for. What would need a message that has not come yet is
     /// not sent, and reported; a call then ends as failed.
     pub fn send(
@@ -211,11 +226,7 @@ impl Outbox {
                                 }
                                 Err(missing) => {
                                     unsent(&missing, cycle);
-                                    if let (Some(input), Some(event)) =
-                                        (outcome.event, outcome.failed.clone())
-                                    {
-                                        inbox.push(input, event, outcome.function);
-                                    }
+                                    outcome.fail(inbox);
                                 }
                             },
                         }

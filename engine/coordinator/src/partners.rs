@@ -221,6 +221,15 @@ impl Partners {
         fits
     }
 
+    /// The component stops, and its calls with it.
+    pub fn stop(&mut self, machine: &mut Machine) {
+        for (_, call) in std::mem::take(&mut self.calls) {
+            self.end(&call, Err(CallError::Cancelled), machine);
+        }
+        // whoever made them has been told
+        self.requests.clear();
+    }
+
     /// Sends what the last step sent to partners.
     pub fn send(&mut self, machine: &Machine, cycle: &mut Cycle<'_>) {
         for sent in machine.last_step().sent().iter().filter(|sent| sent.leaves) {

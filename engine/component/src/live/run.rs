@@ -6,10 +6,10 @@ use std::time::Duration;
 
 use datum::{Datum, Sample};
 
-use super::Live;
 use super::worker::Command;
+use super::{Live, NAP};
 use crate::declaration::Declaration;
-use crate::run::{Run, RunError};
+use crate::run::{Asked, Losses, Run, RunError};
 use crate::{Event, Fault, LifeCycleError, State, Time, Transition};
 
 impl Run for Live {
@@ -86,9 +86,31 @@ impl Run for Live {
         let host = &self.hosts[self.find(component)?];
         let values = values.to_vec();
         let answer = host.ask(self.grace, |answer| Command::SetProperties(values, answer));
-        Ok(answer.ok_or_else(|| RunError::Busy {
-            component: component.to_owned(),
-        })??)
+        answer.unwrap_or_else(|| {
+            Err(RunError::Busy {
+                component: component.to_owned(),
+            })
+        })
+    }
+
+    fn begin_transition(
+        &mut self,
+        component: &str,
+        transition: Transition,
+    ) -> Result<Asked, RunError> {
+        let host = &self.hosts[self.find(component)?];
+        host.allow_interrupt(transition);
+        Ok(host.begin(|answer| Command::Transition(transition, answer)))
+    }
+
+    fn begin_set_properties(
+        &mut self,
+        component: &str,
+        values: &[(String, Datum)],
+    ) -> Result<Asked, RunError> {
+        let host = &self.hosts[self.find(component)?];
+        let values = values.to_vec();
+        Ok(host.begin(|answer| Command::SetProperties(values, answer)))
     }
 
     fn components(&self) -> Vec<String> {
@@ -112,6 +134,11 @@ impl Run for Live {
         host.map_or(0, |host| host.status.overruns.load(Ordering::Relaxed))
     }
 
+    fn losses(&self, component: &str) -> Losses {
+        let host = self.host(component);
+        host.map(|host| host.status.losses()).unwrap_or_default()
+    }
+
     fn fault(&self, component: &str) -> Option<Fault> {
         let host = self.host(component)?;
         host.ask(self.grace, Command::Fault)?
@@ -123,7 +150,8 @@ impl Run for Live {
 
     fn properties(&mut self, component: &str) -> Result<Vec<(String, Datum)>, RunError> {
         let host = &self.hosts[self.find(component)?];
-        let answer = host.ask(self.grace, Command::Properties);
+        // whoever looks on does not wait for a long cycle
+        let answer = host.ask(NAP, Command::Properties);
         answer.ok_or_else(|| RunError::Busy {
             component: component.to_owned(),
         })

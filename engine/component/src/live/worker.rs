@@ -7,17 +7,14 @@ use datum::Datum;
 
 use super::wake::{Wake, World};
 use crate::activity::{Drive, Overrun};
-use crate::property::PropertyError;
+use crate::run::RunError;
 use crate::unit::Unit;
 use crate::{Fault, LifeCycleError, Time, Transition};
 
 /// What the run's owner wants of a component.
 pub(crate) enum Command {
-    Transition(Transition, mpsc::Sender<Result<(), LifeCycleError>>),
-    SetProperties(
-        Vec<(String, Datum)>,
-        mpsc::Sender<Result<(), PropertyError>>,
-    ),
+    Transition(Transition, mpsc::Sender<Result<(), RunError>>),
+    SetProperties(Vec<(String, Datum)>, mpsc::Sender<Result<(), RunError>>),
     SetPeriod(Duration, mpsc::Sender<()>),
     Properties(mpsc::Sender<Vec<(String, Datum)>>),
     Fault(mpsc::Sender<Option<Fault>>),
@@ -79,12 +76,13 @@ impl Worker {
                 Err(mpsc::TryRecvError::Empty) => return true,
                 Err(mpsc::TryRecvError::Disconnected) | Ok(Command::End) => return false,
                 Ok(Command::Transition(transition, answer)) => {
-                    let _ = answer.send(self.take_through(transition));
+                    let taken = self.take_through(transition);
+                    let _ = answer.send(taken.map_err(RunError::from));
                 }
                 Ok(Command::SetProperties(values, answer)) => {
                     let now = self.world.now();
                     let set = (self.unit).set_properties(&values, now, &mut self.world);
-                    let _ = answer.send(set);
+                    let _ = answer.send(set.map_err(RunError::from));
                 }
                 Ok(Command::SetPeriod(period, answer)) => {
                     self.set_drive(Drive::of_period(period));

@@ -9,7 +9,7 @@ use datum::{Datum, Sample};
 use super::Simulation;
 use crate::activity::Drive;
 use crate::declaration::Declaration;
-use crate::run::{Run, RunError};
+use crate::run::{Asked, Losses, Run, RunError};
 use crate::unit::Unit;
 use crate::{Event, Fault, LifeCycleError, State, Time, Transition};
 
@@ -89,6 +89,24 @@ impl Run for Simulation {
         Ok(())
     }
 
+    fn begin_transition(
+        &mut self,
+        component: &str,
+        transition: Transition,
+    ) -> Result<Asked, RunError> {
+        let done = self.transition(component, transition);
+        Ok(Asked::done(component, done.map_err(RunError::from)))
+    }
+
+    fn begin_set_properties(
+        &mut self,
+        component: &str,
+        values: &[(String, Datum)],
+    ) -> Result<Asked, RunError> {
+        let done = self.set_properties(component, values);
+        Ok(Asked::done(component, done))
+    }
+
     fn components(&self) -> Vec<String> {
         self.units
             .iter()
@@ -108,6 +126,11 @@ impl Run for Simulation {
     fn overruns(&self, component: &str) -> u64 {
         let unit = self.unit(component);
         unit.map_or(0, |unit| unit.status.overruns.load(Ordering::Relaxed))
+    }
+
+    fn losses(&self, component: &str) -> Losses {
+        let unit = self.unit(component);
+        unit.map(|unit| unit.status.losses()).unwrap_or_default()
     }
 
     fn fault(&self, component: &str) -> Option<Fault> {

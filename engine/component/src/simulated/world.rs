@@ -7,8 +7,9 @@ use crate::run::Watch;
 use crate::unit::Unit;
 use crate::{Event, Fault, Observer, Time};
 
-/// Cycles of one component at one instant before that counts as a loop.
-const CYCLES_AN_INSTANT: u32 = 100;
+/// Cycles of one component at one instant before that counts as a loop: more than any inbox holds events, of which a
+/// coordinator takes one a cycle.
+const CYCLES_AN_INSTANT: u32 = 1000;
 
 /// Everything around the units.
 pub(super) struct World {

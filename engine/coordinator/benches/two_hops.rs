@@ -1,0 +1,227 @@
+//! Event in, command out: a message over the broker into a coordinator, a step of its machine, a message over the broker
+//! out of it; beside one hop of the bare client, in one process, on one broker, in turns. Prints both and their ratio.
+#![allow(clippy::unwrap_used, reason = "a benchmark")]
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use amqp::{AmqpBus, Settings};
+use amqprs::BasicProperties;
+use amqprs::channel::{
+    BasicAckArguments, BasicConsumeArguments, BasicPublishArguments, Channel, ConsumerMessage,
+    QueueBindArguments, QueueDeclareArguments,
+};
+use amqprs::connection::{Connection, OpenConnectionArguments};
+use asm_lang::Files;
+use bus::{Bell, Bus, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription};
+use component::{Activity, Live, Policy, System};
+use datum::{Datum, Message};
+use engine_coordinator::{
+    Binding, Coordinator, Effect, Interfaces, Monitored, Out, PublishWhen, Receive,
+};
+use tokio::runtime::Runtime;
+use tokio::sync::mpsc::UnboundedReceiver;
+
+const ROUNDS: usize = 9;
+const PINGS: usize = 300;
+const SIZE: usize = 256;
+
+/// A command for every event.
+const ECHO: &str = "
+asm echo
+import StandardLibrary
+signature:
+	monitored event: Integer
+	controlled count: Integer
+	out command: Integer
+definitions:
+	main rule r_Main =
+		if isDef(event) then par count := count + 1 command := event endpar endif
+default init s0:
+	function count = 0
+";
+
+/// A coordinator on the bus, and somebody else on it who sends events and reads commands; as the bare client is both
+/// ends of its hop.
+struct Ours {
+    _live: Live,
+    _bus: Arc<AmqpBus>,
+    publisher: Box<dyn Publisher>,
+    subscription: Subscription,
+    number: i64,
+}
+
+impl Ours {
+    fn new(url: &str) -> Self {
+        let settings = Settings::parse(url).unwrap();
+        let bus = Arc::new(AmqpBus::connect(settings, Duration::from_secs(10)).unwrap());
+        let queue = Queue::All {
+            size: 16,
+            overflow: Overflow::DropNewest,
+        };
+        let commands = Pattern::new("command");
+        let subscription = bus
+            .subscribe("Bench", &commands, queue, Arc::new(Bell::new()))
+            .unwrap();
+        let origin = Origin::new("Bench", 1);
+        let publisher = bus
+            .publisher("event", &origin, Datum::schema(), Sending::default())
+            .unwrap();
+        let mut system = coordinator();
+        system.attach(bus.clone(), 2).unwrap();
+        Self {
+            _live: system.live(),
+            _bus: bus,
+            publisher,
+            subscription,
+            number: 0,
+        }
+    }
+
+    fn latency(&mut self) -> Duration {
+        let mut times: Vec<_> = (0..PINGS).map(|_| self.ping()).collect();
+        median(&mut times)
+    }
+
+    fn ping(&mut self) -> Duration {
+        self.number += 1;
+        let at = Instant::now();
+        let event = Payload::of(Datum::Int(self.number));
+        self.publisher.publish(0, event).unwrap();
+        let came = self.subscription.next_within(Duration::from_secs(10));
+        let took = at.elapsed();
+        let command = came.unwrap().payload.to_datum().unwrap();
+        assert_eq!(command, Datum::Int(self.number));
+        took
+    }
+}
+
+fn coordinator() -> System {
+    let mut files = Files::new();
+    files.add("echo.asm", ECHO);
+    let specification = Arc::new(asm_lang::open("echo.asm", &files).unwrap());
+    let binding = Binding {
+        monitored: vec![Monitored {
+            function: "event".to_owned(),
+            port: "event".to_owned(),
+            receive: Receive::All,
+            field: None,
+            none: None,
+            stale_ms: None,
+            on_stale: None,
+        }],
+        out: vec![Out {
+            function: "command".to_owned(),
+            effect: Effect::Publish {
+                port: "command".to_owned(),
+                field: None,
+                when: PublishWhen::OnUpdate,
+            },
+        }],
+    };
+    let typed = |name: &str| vec![(name.to_owned(), "test/Number".to_owned())];
+    let interfaces = Interfaces {
+        inputs: typed("event"),
+        outputs: typed("command"),
+        ..Interfaces::default()
+    };
+    let mut system = System::new();
+    let made = system.add("Echo", Activity::event(), |interface| {
+        let made = Coordinator::new(specification, &binding, &interfaces, 1, interface);
+        Box::new(made.unwrap())
+    });
+    made.unwrap();
+    system
+        .subscribe("event", "Echo.event", Policy::buffer(16))
+        .unwrap();
+    system.publish("Echo.command", "command").unwrap();
+    system
+}
+
+/// One hop of the bare client: published and read in one task, each message acknowledged.
+struct Bare {
+    runtime: Runtime,
+    connection: Connection,
+    channel: Channel,
+    messages: UnboundedReceiver<ConsumerMessage>,
+}
+
+impl Bare {
+    fn new(broker: &broker::Broker, vhost: &str) -> Self {
+        let runtime = Runtime::new().unwrap();
+        let (connection, channel, messages) = runtime.block_on(async {
+            let port = broker.address().port();
+            let (user, password) = (broker.user(), broker.password());
+            let mut arguments = OpenConnectionArguments::new("127.0.0.1", port, user, password);
+            arguments.virtual_host(vhost);
+            let connection = Connection::open(&arguments).await.unwrap();
+            let channel = connection.open_channel(None).await.unwrap();
+            let mut queue = QueueDeclareArguments::new("bare");
+            queue.auto_delete(true);
+            channel.queue_declare(queue).await.unwrap();
+            let bind = QueueBindArguments::new("bare", "robots", "bare");
+            channel.queue_bind(bind).await.unwrap();
+            let consume = BasicConsumeArguments::new("bare", "");
+            let (_, messages) = channel.basic_consume_rx(consume).await.unwrap();
+            (connection, channel, messages)
+        });
+        Self {
+            runtime,
+            connection,
+            channel,
+            messages,
+        }
+    }
+
+    fn latency(&mut self) -> Duration {
+        let (channel, messages) = (&self.channel, &mut self.messages);
+        self.runtime.block_on(async {
+            let mut times = Vec::new();
+            for _ in 0..PINGS {
+                let at = Instant::now();
+                let arguments = BasicPublishArguments::new("robots", "bare");
+                let properties = BasicProperties::default();
+                (channel
+                    .basic_publish(properties, vec![7; SIZE], arguments)
+                    .await)
+                    .unwrap();
+                let message = messages.recv().await.unwrap();
+                times.push(at.elapsed());
+                let tag = message.deliver.unwrap().delivery_tag();
+                let acknowledgement = BasicAckArguments::new(tag, false);
+                channel.basic_ack(acknowledgement).await.unwrap();
+            }
+            median(&mut times)
+        })
+    }
+
+    /// The client's parts must end inside its runtime.
+    fn close(self) {
+        let (channel, connection) = (self.channel, self.connection);
+        self.runtime.block_on(async move {
+            drop(channel);
+            connection.close().await.unwrap();
+        });
+    }
+}
+
+fn median<T: PartialOrd + Copy>(values: &mut [T]) -> T {
+    values.sort_by(|a, b| a.partial_cmp(b).unwrap());
+    values[values.len() / 2]
+}
+
+fn main() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let mut ours = Ours::new(&vhost.url());
+    let mut bare = Bare::new(&broker, vhost.name());
+    let mut ratios = Vec::new();
+    for _ in 0..ROUNDS {
+        let (bare, ours) = (bare.latency(), ours.latency());
+        ratios.push(ours.as_secs_f64() / bare.as_secs_f64());
+        println!("one hop, bare {bare:>10.1?}   event to command over two hops {ours:>10.1?}");
+    }
+    let ratio = median(&mut ratios);
+    println!("event to command: {ratio:.2} of one bare hop (aim: at most 2.5)");
+    bare.close();
+}
