@@ -8,9 +8,11 @@
     reason = "a test fails by panicking"
 )]
 
+mod access;
 mod cli;
 mod composites;
 mod describe;
+mod faults;
 mod health;
 mod house;
 mod language;

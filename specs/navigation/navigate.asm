@@ -21,6 +21,8 @@ signature:
 
 	// what the composite turns into service calls and messages
 	out command: Command
+	// whether the rover may move, published in every step: who hears it no more, stops
+	out permit: Boolean
 
 	controlled mode: Mode
 	controlled moving: Boolean
@@ -37,10 +39,16 @@ definitions:
 			mode := $next
 		endpar
 
+	macro rule r_move($now in Boolean) =
+		par
+			moving := $now
+			permit := $now
+		endpar
+
 	macro rule r_halt($next in Mode) =
 		par
 			r_enter[$next, HALT]
-			moving := false
+			r_move[false]
 		endpar
 
 	// asks for a path once more, unless that was tried often enough
@@ -48,7 +56,7 @@ definitions:
 		if tries < maxTries then
 			par
 				tries := tries + 1
-				moving := false
+				r_move[false]
 				r_enter[WAIT_PATH, PLAN]
 			endpar
 		else
@@ -78,7 +86,7 @@ definitions:
 					case PATH_OK:
 						par
 							r_enter[FOLLOWING, FOLLOW]
-							moving := true
+							r_move[true]
 						endpar
 					case NO_PATH: r_halt[FAILED]
 					case TIMED_OUT: r_planAgain[]
@@ -122,3 +130,4 @@ default init s0:
 	function moving = false
 	function tries = 0
 	function command = NONE
+	function permit = false

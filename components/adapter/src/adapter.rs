@@ -2,7 +2,7 @@
 
 use component::{Component, Cycle, Fault, Flow, In, Interface, Out, Property};
 use geometry::{Distances, Point, heading, message};
-use messages::{Disc, Event, LaserScan, Obstacles, OccupancyGrid, Odometry, Path, Time};
+use messages::{Bool, Disc, Event, LaserScan, Obstacles, OccupancyGrid, Odometry, Path, Time};
 
 use crate::advice::{Advice, Adviser, Cause, Patience};
 use crate::bend::Limits;
@@ -16,6 +16,7 @@ pub struct TrajectoryAdapter {
     scan: In<LaserScan>,
     odom: In<Odometry>,
     map: In<OccupancyGrid>,
+    permit: In<Bool>,
     adapted: Out<Path>,
     event: Out<Event>,
     obstacles: Out<Obstacles>,
@@ -63,6 +64,10 @@ impl TrajectoryAdapter {
             map: interface.input(
                 "map",
                 "optional: what it shows is no news, and detours keep clear of it",
+            ),
+            permit: interface.input(
+                "permit",
+                "optional: whether the robot may drive; one that may not is not stuck",
             ),
             adapted: interface.output(
                 "adapted",
@@ -127,6 +132,9 @@ impl TrajectoryAdapter {
                     self.properties.limits(cycle),
                     self.properties.patience(cycle),
                 );
+                if (cycle.read(self.permit).any()).is_some_and(|permit| !permit.data) {
+                    self.adviser.wait();
+                }
                 let points = self.memory.points();
                 self.adviser
                     .look(now, robot, points, self.known.as_ref(), &limits, &patience)

@@ -128,6 +128,11 @@ impl Adviser {
         }
     }
 
+    /// The robot is held by others: that it gets no farther means nothing.
+    pub fn wait(&mut self) {
+        self.milestone = None;
+    }
+
     /// Looks at the way ahead of the robot, at `now` ns.
     pub fn look(
         &mut self,

@@ -2,7 +2,7 @@
 
 use component::{Component, Cycle, Fault, Flow, In, Interface, Out, Property};
 use geometry::message;
-use messages::{Event, Odometry, Path, Twist};
+use messages::{Bool, Event, Odometry, Path, Twist};
 
 use crate::pursuit::Settings;
 use crate::task::{Motion, News, Task, Tolerance};
@@ -11,6 +11,7 @@ use crate::task::{Motion, News, Task, Tolerance};
 pub struct TrajectoryFollower {
     path: In<Path>,
     odom: In<Odometry>,
+    permit: In<Bool>,
     twist: Out<Twist>,
     event: Out<Event>,
     properties: Properties,
@@ -54,6 +55,7 @@ impl TrajectoryFollower {
         Self {
             path: interface.input("path", "the path to follow; without poses: stop"),
             odom: interface.input("odom", "where the robot is, in the frame of the path"),
+            permit: interface.input("permit", "optional: whether it may drive"),
             twist: interface.output(
                 "twist",
                 "the velocity to drive: linear.x m/s, angular.z rad/s, base frame",
@@ -77,12 +79,21 @@ impl TrajectoryFollower {
         match odometry {
             None => Some("no odometry"),
             Some(odometry) if !motion(odometry).is_finite() => Some("odometry without numbers"),
+            Some(_) if !self.is_permitted(cycle) => Some("no permission to drive"),
             Some(_) if !fresh || cycle.is_stale(self.odom) => Some("stale odometry"),
             Some(odometry) if !self.frame.is_empty() && !frame(odometry) => {
                 Some("odometry in another frame")
             }
             Some(_) => None,
         }
+    }
+}
+
+impl TrajectoryFollower {
+    /// Whether a path may be driven: nobody has said no. A stop may always be finished.
+    fn is_permitted(&self, cycle: &Cycle<'_>) -> bool {
+        let permit = cycle.read(self.permit).any();
+        !self.task.is_following() || permit.is_none_or(|permit| permit.data)
     }
 }
 

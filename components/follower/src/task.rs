@@ -155,6 +155,14 @@ impl Task {
         }
     }
 
+    /// Whether a path is driven.
+    pub fn is_following(&self) -> bool {
+        match self {
+            Self::Follow(_) => true,
+            Self::Idle | Self::Stop | Self::Arrived(_) => false,
+        }
+    }
+
     /// Whether there is something to drive or to say.
     pub fn is_busy(&self) -> bool {
         match self {

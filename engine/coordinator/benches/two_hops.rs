@@ -15,7 +15,7 @@ use amqprs::connection::{Connection, OpenConnectionArguments};
 use asm_lang::Files;
 use bus::{Bell, Bus, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription};
 use component::{Activity, Live, Policy, System};
-use datum::{Datum, Message};
+use datum::{Datum, Message, Schema};
 use engine_coordinator::{
     Binding, Coordinator, Effect, Interfaces, Monitored, Out, PublishWhen, Receive,
 };
@@ -119,7 +119,7 @@ fn coordinator() -> System {
             },
         }],
     };
-    let typed = |name: &str| vec![(name.to_owned(), "test/Number".to_owned())];
+    let typed = |name: &str| vec![(name.to_owned(), Schema::opaque("test/Number"))];
     let interfaces = Interfaces {
         inputs: typed("event"),
         outputs: typed("command"),

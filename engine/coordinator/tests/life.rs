@@ -8,7 +8,7 @@ use component::{
     Activity, Component, Cycle, Event, Fault, Interface, Losses, Operation, Policy, Provided, Run,
     Simulation, Span, System, Time, Transition, Wire,
 };
-use datum::Datum;
+use datum::{Datum, Schema};
 use engine_coordinator::{
     Action, Argument, Binding, Call, Case, Coordinator, Effect, Interfaces, LOSSES_REPORT,
     Monitored, Out, Receive, STEP_REPORT, StepRecord,
@@ -97,10 +97,9 @@ fn system(activity: Activity) -> System {
             }]),
         }],
     };
-    let typed = |name: &str, kind: &str| vec![(name.to_owned(), kind.to_owned())];
     let interfaces = Interfaces {
-        inputs: typed("event", "test/Text"),
-        references: typed("works", "test/Works"),
+        inputs: vec![("event".to_owned(), Schema::opaque("test/Text"))],
+        references: vec![("works".to_owned(), "test/Works".to_owned())],
         ..Interfaces::default()
     };
     let mut system = System::new();
