@@ -87,6 +87,11 @@ impl Terminal {
         self.say(format_args!("{BAD}error{BAD:#}: {what}"));
     }
 
+    /// Something that stops nothing.
+    pub fn warn(&mut self, what: impl Display) {
+        self.say(format_args!("{NOTE}warning{NOTE:#}: {what}"));
+    }
+
     /// All findings of a report.
     pub fn report(&mut self, report: &Report, sources: &Sources) {
         for finding in &report.diagnostics {

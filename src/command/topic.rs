@@ -46,7 +46,7 @@ impl Topic {
             What::List(list) => list.run(&bus, terminal),
             What::Echo(echo) => echo.run(&bus, terminal),
             What::Hz(hz) => hz.run(&bus, terminal),
-            What::Pub(publish) => publish.run(&bus),
+            What::Pub(publish) => publish.run(&bus, terminal),
         };
         match end {
             Ok(exit) => exit,

@@ -1,6 +1,7 @@
 //! `asmotion topic pub`: publishes a message.
 
 use crate::exit::Exit;
+use crate::terminal::Terminal;
 use amqp::AmqpBus;
 use bus::{Bus, Origin, Payload, Sending};
 use clap::Args;
@@ -31,8 +32,8 @@ pub struct Pub {
 }
 
 impl Pub {
-    /// Publishes. That nobody reads it is a finding.
-    pub fn run(self, bus: &AmqpBus) -> Result<Exit, String> {
+    /// Publishes. That nobody reads it is worth a word, and no failure.
+    pub fn run(self, bus: &AmqpBus, terminal: &mut Terminal) -> Result<Exit, String> {
         let message: Datum = datum::json::decode(&self.message)
             .map_err(|error| format!("`{}` is no JSON: {error}", self.message))?;
         let pause = Duration::try_from_secs_f64(1.0 / self.rate)
@@ -57,7 +58,7 @@ impl Pub {
             return Err(format!("{} refused, {} lost", sent.refused, sent.lost));
         }
         if sent.unheard > 0 {
-            return Err(format!("nobody reads `{}`", self.topic));
+            terminal.warn(format_args!("nobody reads `{}`", self.topic));
         }
         Ok(Exit::Ok)
     }

@@ -1,0 +1,140 @@
+//! How a broker lets us in: passwords from the environment and from a file, certificates on both sides; and that
+//! nothing of it is told.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use broker::{Broker, Vhost};
+
+/// An `asmotion` that finds no password by itself.
+fn asmotion(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    command.args(arguments).env_remove("ASMOTION_PASSWORD");
+    command.env_remove("ASMOTION_BUS");
+    command
+}
+
+/// A short mission that is written down.
+fn mission(bus: &str, trace: &Path) -> Command {
+    let composite =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/navigation/navigation.composite.toml");
+    let mut command = asmotion(&["run", "--goal", "3.4,4.7", "--for", "120", "--bus", bus]);
+    command.arg(composite).arg("--trace").arg(trace);
+    command
+}
+
+/// A user with a password of its own, who may do everything.
+fn user(broker: &Broker, vhost: &Vhost<'_>) -> (String, &'static str) {
+    let (user, password) = (format!("{}-ann", vhost.name()), "correct-horse-battery");
+    broker.add_user(&user, password).unwrap();
+    vhost.permit(&user, ".*", ".*", ".*").unwrap();
+    (user, password)
+}
+
+fn text(output: &Output) -> String {
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    text(&output.stdout) + &text(&output.stderr)
+}
+
+fn credentials(folder: &Path, text: &str) -> PathBuf {
+    let file = folder.join("credentials");
+    std::fs::write(&file, text).unwrap();
+    file
+}
+
+#[test]
+fn a_password_from_the_environment_or_a_file_lets_in_and_is_told_nowhere() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let (user, password) = user(&broker, &vhost);
+    let folder = tempfile::tempdir().unwrap();
+    let trace = folder.path().join("trace");
+    let bus = format!("amqp://{user}@{}/{}", broker.address(), vhost.name());
+
+    let from_environment = mission(&bus, &trace)
+        .env("ASMOTION_PASSWORD", password)
+        .output();
+    let file = credentials(folder.path(), &format!("{user}\n{password}\n"));
+    let mut list = asmotion(&["topic", "list", "--bus", &bus, "--credentials"]);
+    let from_file = list.arg(&file).output();
+    let mut told = String::new();
+    for output in [from_environment.unwrap(), from_file.unwrap()] {
+        told += &text(&output);
+        assert!(output.status.success(), "{told}");
+    }
+
+    let without = asmotion(&["topic", "list", "--bus", &bus])
+        .output()
+        .unwrap();
+    assert_eq!(without.status.code(), Some(2));
+    let asked = text(&without);
+    assert!(
+        asked.contains("set ASMOTION_PASSWORD, or name a file with `--credentials`"),
+        "{asked}"
+    );
+    let wrong_password = "wrong-horse-battery";
+    let mut wrong = mission(&bus, &trace);
+    let wrong = wrong
+        .env("ASMOTION_PASSWORD", wrong_password)
+        .output()
+        .unwrap();
+    assert_eq!(wrong.status.code(), Some(2));
+    told += &text(&wrong);
+    let half = credentials(folder.path(), wrong_password);
+    let mut list = asmotion(&["topic", "list", "--bus", &bus, "--credentials"]);
+    let half = list.arg(&half).output().unwrap();
+    assert_eq!(half.status.code(), Some(2), "{}", text(&half));
+    told += &text(&half);
+
+    let recorded = std::fs::read_to_string(&trace).unwrap();
+    assert!(recorded.contains("publish RoverDriver.odom"));
+    for secret in [password, wrong_password] {
+        assert!(!told.contains(secret), "{told}");
+        assert!(!recorded.contains(secret));
+    }
+}
+
+#[test]
+fn certificates_on_both_sides_let_in_where_they_fit() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let trace = folder.path().join("trace");
+    let (port, user) = (broker.encrypted_port(), broker.user());
+    let bus = format!("amqps://{user}@localhost:{port}/{}", vhost.name());
+    let (certificate, key) = broker.client_identity();
+    let known = |mut command: Command, ours: bool| {
+        command.env("ASMOTION_PASSWORD", broker.password());
+        command.arg("--ca").arg(broker.authority());
+        if ours {
+            command.arg("--certificate").arg(&certificate);
+            command.arg("--key").arg(&key);
+        }
+        command.output().unwrap()
+    };
+    let list = || asmotion(&["topic", "list", "--bus", &bus]);
+    for output in [known(mission(&bus, &trace), true), known(list(), true)] {
+        assert!(output.status.success(), "{}", text(&output));
+    }
+    let nobody = known(list(), false);
+    assert_eq!(nobody.status.code(), Some(2), "{}", text(&nobody));
+    let mut stranger = list();
+    let stranger = stranger
+        .env("ASMOTION_PASSWORD", broker.password())
+        .output();
+    let stranger = stranger.unwrap();
+    assert_eq!(stranger.status.code(), Some(2));
+    assert!(
+        text(&stranger).contains("UnknownIssuer"),
+        "{}",
+        text(&stranger)
+    );
+    let mut half = list();
+    let half = half
+        .arg("--certificate")
+        .arg(&certificate)
+        .output()
+        .unwrap();
+    assert_eq!(half.status.code(), Some(2));
+    assert!(text(&half).contains("--key <FILE>"), "{}", text(&half));
+}
