@@ -1,6 +1,7 @@
 //! What this build offers to composites, and the variables of the process.
 
 use asm_lang::Loader;
+use assembly::model::Builtin;
 use assembly::{AsmFiles, Context, Environment, Tables};
 
 /// The components, messages and interfaces of this build.
@@ -8,7 +9,7 @@ pub const BUILD: Tables = Tables {
     components: components::COMPONENTS,
     messages: components::MESSAGES,
     interfaces: components::INTERFACES,
-    builtins: &[],
+    builtins: &[Builtin::PortProxy],
 };
 
 /// Opens a composite, with the properties that are set from outside: name and text.

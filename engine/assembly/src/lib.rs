@@ -10,6 +10,7 @@ mod context;
 mod environment;
 mod family;
 mod finding;
+mod map;
 pub mod model;
 mod nearest;
 mod opened;

@@ -70,6 +70,12 @@ impl<'a> Cycle<'a> {
         input.is_some_and(|input| input.is_stale())
     }
 
+    /// When the newest sample of an input was written: the time of its writer's cycle.
+    pub fn written_at<T: Message>(&self, port: In<T>) -> Option<Time> {
+        let input = self.body.inputs.get(port.position(self.body.owner));
+        input.and_then(|input| input.written_at())
+    }
+
     /// Writes a sample; it leaves when the cycle has succeeded (TCA `send`).
     pub fn write<T: Message>(&mut self, port: Out<T>, sample: T) {
         let output = self.body.outputs.get_mut(port.position(self.body.owner));

@@ -123,6 +123,10 @@ choice! {
     pub enum ProxyMode {
         /// Writes it.
         Oneway = "oneway",
+        /// Writes it; a reply means that the target has read it.
+        Taken = "taken",
+        /// Writes it; a reply means that the motion has ended.
+        Done = "done",
         /// Reads its last value.
         Last = "last",
         /// Reads everything since the last call.
@@ -181,7 +185,7 @@ pub struct Notify {
     /// The reference it tells them through.
     pub reference: At<String>,
     /// When the event `busy` is told.
-    pub busy: Option<At<String>>,
+    pub busy: Option<At<Busy>>,
     /// When the event `idle` is told.
     pub idle: Option<Idle>,
     /// When the event `refresh` is told.
@@ -190,6 +194,14 @@ pub struct Notify {
     pub fault: Option<Condition>,
     /// After how long without data the event `stale` is told.
     pub stale_ms: Option<At<i64>>,
+}
+
+choice! {
+    /// When the event `busy` is told.
+    pub enum Busy {
+        /// When a command has been accepted and written.
+        CommandWritten = "command_written",
+    }
 }
 
 /// When an event is told: `jointStatus.new`, `jointStatus.error_flags != 0`.

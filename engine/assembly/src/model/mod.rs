@@ -13,7 +13,7 @@ mod topic;
 mod wiring;
 
 pub use component::{
-    Component, Condition, Direction, Idle, Listed, MapEntry, Notify, Path, Plot, ProxyEntry,
+    Busy, Component, Condition, Direction, Idle, Listed, MapEntry, Notify, Path, Plot, ProxyEntry,
     ProxyMode, Rename, RosEntry, Verify, Wanted,
 };
 pub use composite::Composite;

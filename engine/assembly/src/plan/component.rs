@@ -43,6 +43,9 @@ pub struct Component {
     pub proxy: Vec<ProxyEntry>,
     /// `notify` of a port-proxy.
     pub notify: Option<Notify>,
+    /// Both as the bridge executes them.
+    #[serde(skip)]
+    pub bridge: Option<bridge::Settings>,
     /// `map` of a ros-bridge.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub ros: Vec<RosEntry>,

@@ -5,8 +5,8 @@ use source::{Diagnostic, Span};
 
 use super::fill::{amount, given, number};
 use super::{
-    Asm, BuiltinSettings, Component, Idle, Implementation, Lifecycle, Notify, Pace, Plot, Port,
-    ProxyEntry, RosEntry, Service, Settings, Verify,
+    Asm, BuiltinSettings, Component, Implementation, Lifecycle, Pace, Plot, Port, RosEntry,
+    Service, Settings, Verify, proxy,
 };
 use crate::binding::{Action, Argument, Binding, Call, Case, Effect, Monitored, Out};
 use crate::catalogue::Catalogue;
@@ -79,8 +79,9 @@ pub(super) fn component(source: &Source<'_>, set: Set, notes: &mut Notes) -> Com
         properties: properties(source, set, notes),
         binding: binding(source, notes),
         verify: component.verify.as_ref().map(verify),
-        proxy: component.map.iter().filter_map(proxy).collect(),
-        notify: component.notify.as_ref().map(notify),
+        proxy: component.map.iter().filter_map(proxy::entry).collect(),
+        notify: component.notify.as_ref().map(proxy::notify),
+        bridge: proxy::settings(source),
         ros: component.map.iter().filter_map(ros).collect(),
         plots: component.plots.iter().map(plot).collect(),
     }
@@ -209,19 +210,6 @@ fn verify(written: &model::Verify) -> Verify {
     }
 }
 
-fn proxy(entry: &MapEntry) -> Option<ProxyEntry> {
-    match entry {
-        MapEntry::Proxy(entry) => Some(ProxyEntry {
-            service: entry.operation.component.value.clone(),
-            operation: entry.operation.name.value.clone(),
-            port: entry.port.name.value.clone(),
-            mode: entry.mode.value,
-            field: entry.field.as_ref().map(ToString::to_string),
-        }),
-        MapEntry::Ros(_) => None,
-    }
-}
-
 fn ros(entry: &MapEntry) -> Option<RosEntry> {
     match entry {
         MapEntry::Ros(entry) => Some(RosEntry {
@@ -232,23 +220,6 @@ fn ros(entry: &MapEntry) -> Option<RosEntry> {
             convert: entry.convert.as_ref().map(|convert| convert.value.clone()),
         }),
         MapEntry::Proxy(_) => None,
-    }
-}
-
-fn notify(written: &model::Notify) -> Notify {
-    let text = |text: &Option<crate::At<String>>| text.as_ref().map(|text| text.value.clone());
-    Notify {
-        reference: written.reference.value.clone(),
-        busy: text(&written.busy),
-        idle: written.idle.as_ref().map(|idle| Idle {
-            within: idle.within.value,
-            of: idle.of.to_string(),
-            on: idle.on.to_string(),
-            for_ms: number(&idle.for_ms).unwrap_or(0),
-        }),
-        refresh: written.refresh.as_ref().map(|it| it.text.value.clone()),
-        fault: written.fault.as_ref().map(|it| it.text.value.clone()),
-        stale_ms: number(&written.stale_ms),
     }
 }
 

@@ -220,7 +220,7 @@ fn notify(keys: &mut Keys<'_, '_, '_>, implementation: Option<&Implementation>) 
     keys.table("notify", "`notify`", example, |mut keys| {
         let span = keys.span;
         let reference = keys.needed_text("reference", "\"notifying\"");
-        let busy = keys.text("busy", "\"command_written\"");
+        let busy = keys.word("busy");
         let near = "{ within = 0.01, of = \"commands.position\", on = \"jointStatus.position\" }";
         let idle = keys.table("idle", "`idle`", near, idle).flatten();
         let refresh = condition(&mut keys, "refresh", "\"jointStatus.new\"");

@@ -1,5 +1,6 @@
 //! Where components come from.
 
+use bridge::PortProxy;
 use component::{Component, Interface};
 use source::Loader;
 
@@ -20,7 +21,7 @@ pub trait Workshop {
 }
 
 /// The usual workshop: components of the build from the catalogue, specifications run by the
-/// coordinator, built-ins by whoever knows them.
+/// coordinator, the port-proxy by the bridge, other built-ins by whoever knows them.
 pub struct Standard<'a> {
     /// The components of the build.
     pub catalogue: &'a dyn Catalogue,
@@ -28,7 +29,7 @@ pub struct Standard<'a> {
     pub loader: &'a dyn Loader,
     /// The seed of all choices; two coordinators choose differently all the same.
     pub seed: u64,
-    /// Makes the built-ins.
+    /// Makes the built-ins that this crate does not know.
     pub builtins: &'a mut dyn FnMut(&plan::Component, &Plan) -> Option<Make>,
 }
 
@@ -48,6 +49,12 @@ impl Workshop for Standard<'_> {
                     .position(|it| it.name == component.name);
                 let seed = self.seed.wrapping_add(position.unwrap_or(0) as u64);
                 coordinator::make(component, asm, &plan.types, self.loader, seed)
+            }
+            Implementation::Builtin(_) if let Some(settings) = &component.bridge => {
+                let settings = settings.clone();
+                Ok(Box::new(move |interface: &mut Interface| {
+                    Ok(Box::new(PortProxy::new(&settings, interface)) as Box<dyn Component>)
+                }))
             }
             Implementation::Builtin(settings) => (self.builtins)(component, plan).ok_or(format!(
                 "the built-in `{}` is not in this build",

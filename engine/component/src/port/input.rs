@@ -126,6 +126,9 @@ pub(crate) trait AnyInput: Any + Send {
     /// Whether the newest sample is older than its connection promises.
     fn is_stale(&self) -> bool;
 
+    /// When the newest sample was written.
+    fn written_at(&self) -> Option<Time>;
+
     /// Opens another way in.
     fn open(&mut self, policy: &Policy) -> Result<Box<dyn AnySender>, DatumError>;
 }
@@ -146,6 +149,10 @@ impl<T: Message> AnyInput for Input<T> {
 
     fn is_stale(&self) -> bool {
         self.stale
+    }
+
+    fn written_at(&self) -> Option<Time> {
+        self.newest.map(|newest| newest.at)
     }
 
     fn open(&mut self, policy: &Policy) -> Result<Box<dyn AnySender>, DatumError> {

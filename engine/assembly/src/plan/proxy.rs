@@ -1,0 +1,158 @@
+//! The port-proxy in a plan: as it was written, for people, and as the bridge executes it.
+
+use std::time::Duration;
+
+use bridge::{Conversion, Mapped, Mode, ProxyPort};
+use component::declaration::OperationDeclaration;
+use datum::Schema;
+
+use super::fill::number;
+use super::part::Source;
+use super::{Idle, Notify, ProxyEntry};
+use crate::check::face::{Port, find};
+use crate::map;
+use crate::model::{self, Builtin, Implementation, MapEntry, ProxyMode};
+
+pub(super) fn entry(entry: &MapEntry) -> Option<ProxyEntry> {
+    match entry {
+        MapEntry::Proxy(entry) => Some(ProxyEntry {
+            service: entry.operation.component.value.clone(),
+            operation: entry.operation.name.value.clone(),
+            port: entry.port.name.value.clone(),
+            mode: entry.mode.value,
+            field: entry.field.as_ref().map(ToString::to_string),
+        }),
+        MapEntry::Ros(_) => None,
+    }
+}
+
+pub(super) fn notify(written: &model::Notify) -> Notify {
+    let text = |told: &Option<model::Condition>| told.as_ref().map(|told| told.text.value.clone());
+    Notify {
+        reference: written.reference.value.clone(),
+        busy: written.busy.as_ref().map(|busy| busy.word().to_owned()),
+        idle: written.idle.as_ref().map(|idle| Idle {
+            within: idle.within.value,
+            of: idle.of.to_string(),
+            on: idle.on.to_string(),
+            for_ms: number(&idle.for_ms).unwrap_or(0),
+        }),
+        refresh: text(&written.refresh),
+        fault: text(&written.fault),
+        stale_ms: number(&written.stale_ms),
+    }
+}
+
+/// What the bridge does, with every conversion decided; `None` for what is no port-proxy.
+pub(super) fn settings(source: &Source<'_>) -> Option<bridge::Settings> {
+    let component = source.component;
+    let Some(Implementation::Builtin {
+        kind: Some(Builtin::PortProxy),
+        ..
+    }) = &component.implementation
+    else {
+        return None;
+    };
+    let ports = |ports: &[Port]| ports.iter().map(|it| port(source, it)).collect();
+    Some(bridge::Settings {
+        inputs: ports(&source.face.inputs),
+        outputs: ports(&source.face.outputs),
+        operations: (component.map.iter())
+            .filter_map(|entry| match entry {
+                MapEntry::Proxy(entry) => mapped(source, entry),
+                MapEntry::Ros(_) => None,
+            })
+            .collect(),
+        notify: component
+            .notify
+            .as_ref()
+            .and_then(|told| listener(source, told)),
+    })
+}
+
+/// A port as the target declares it.
+fn port(source: &Source<'_>, port: &Port) -> ProxyPort {
+    let kind = port.kind.as_ref().map_or("", |kind| &kind.text);
+    ProxyPort {
+        name: port.name.text.clone(),
+        message: schema(source, kind),
+    }
+}
+
+fn schema(source: &Source<'_>, kind: &str) -> Schema {
+    let known = source.types.schema(kind);
+    known.unwrap_or_else(|| Schema::opaque(kind.to_owned()))
+}
+
+fn mapped(source: &Source<'_>, entry: &model::ProxyEntry) -> Option<Mapped> {
+    let (service, operation) = (&entry.operation.component, &entry.operation.name);
+    let interface = &find(&source.face.services, service)?.interface.text;
+    let way = match entry.mode.value {
+        ProxyMode::Oneway | ProxyMode::Taken | ProxyMode::Done => &source.face.outputs,
+        ProxyMode::Last | ProxyMode::All => &source.face.inputs,
+    };
+    let port = way
+        .iter()
+        .find(|port| port.name.text == entry.port.name.value)?;
+    let message = schema(source, port.kind.as_ref().map_or("", |kind| &kind.text));
+    let operations = source.catalogue.operations(interface).unwrap_or_default();
+    let declared = operations
+        .into_iter()
+        .find(|known| known.name == operation.value);
+    // of an interface that nobody knows, the data decides
+    let declared = declared.unwrap_or_else(|| OperationDeclaration {
+        name: operation.value.clone(),
+        request: Schema::opaque(""),
+        response: Schema::opaque(""),
+    });
+    Some(Mapped {
+        service: service.value.clone(),
+        interface: interface.clone(),
+        operation: operation.value.clone(),
+        port: port.name.text.clone(),
+        mode: match entry.mode.value {
+            ProxyMode::Oneway => Mode::OneWay,
+            ProxyMode::Taken => Mode::Taken,
+            ProxyMode::Done => Mode::Done,
+            ProxyMode::Last => Mode::Last,
+            ProxyMode::All => Mode::All,
+        },
+        conversion: map::conversion(entry, &declared, &message)?,
+    })
+}
+
+fn listener(source: &Source<'_>, told: &model::Notify) -> Option<bridge::Notify> {
+    let interface = &find(&source.face.references, &told.reference)?
+        .interface
+        .text;
+    let (operation, conversion) = match source.catalogue.operations(interface) {
+        Some(operations) => map::listener(&operations)?,
+        None => ("notify".to_owned(), Conversion::Same),
+    };
+    let condition = |told: &Option<model::Condition>| told.as_ref()?.text.parse().ok();
+    Some(bridge::Notify {
+        reference: told.reference.value.clone(),
+        interface: interface.clone(),
+        operation,
+        conversion,
+        busy: told.busy.is_some(),
+        idle: told.idle.as_ref().and_then(idle),
+        refresh: condition(&told.refresh),
+        fault: condition(&told.fault),
+        stale: number(&told.stale_ms).map(Duration::from_millis),
+    })
+}
+
+fn idle(idle: &model::Idle) -> Option<bridge::Idle> {
+    let split = |path: &model::Path| {
+        let text = path.to_string();
+        let (port, field) = text.split_once('.').unwrap_or((&text, ""));
+        (port.to_owned(), field.to_owned())
+    };
+    Some(bridge::Idle {
+        within: idle.within.value,
+        commanded: split(&idle.of),
+        measured: split(&idle.on),
+        held: Duration::from_millis(number(&idle.for_ms).unwrap_or(0)),
+    })
+}

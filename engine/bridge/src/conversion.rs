@@ -1,0 +1,315 @@
+//! How data of one shape becomes data of another: by name, and where there are no names to go by, by shape.
+
+use std::borrow::Cow;
+
+use datum::{Datum, Field, Schema, Shape};
+
+/// How data of one shape becomes data of another; decided once, from the shapes.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Conversion {
+    /// It stays as it is.
+    Same,
+    /// The fields of these names.
+    Fields(Vec<(String, Conversion)>),
+    /// It becomes this field of a record; the others have their initial value.
+    Into(String, Box<Conversion>),
+    /// Only this field of it is meant.
+    OutOf(String, Box<Conversion>),
+    /// Every element of a run.
+    Each(Box<Conversion>),
+    /// One after the other.
+    Then(Box<Conversion>, Box<Conversion>),
+}
+
+/// What must not get lost on the way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Use {
+    /// Every field of the source is used: an argument becomes a message.
+    All,
+    /// Every field of the target is filled: a message becomes a result.
+    Fill,
+}
+
+impl Conversion {
+    /// How data of the one shape becomes data of the other; `None` if it does not, or not in one way only.
+    pub fn between(from: &Schema, to: &Schema, how: Use) -> Option<Self> {
+        match (&from.shape, &to.shape) {
+            (Shape::Any, _) | (_, Shape::Any) => Some(Self::Same),
+            (Shape::Record(source), Shape::Record(target)) => by_name(source, target, how)
+                .or_else(|| out_of(source, to, how))
+                .or_else(|| into(from, target, how)),
+            (Shape::Record(source), _) => out_of(source, to, how),
+            (_, Shape::Record(target)) => into(from, target, how),
+            (
+                Shape::List(source) | Shape::Array(source, _),
+                Shape::List(target) | Shape::Array(target, _),
+            ) => {
+                let counts = (count(&from.shape), count(&to.shape));
+                if matches!(counts, (Some(here), Some(there)) if here != there) {
+                    return None;
+                }
+                Self::between(source, target, how).map(Self::each)
+            }
+            (Shape::Option(source), Shape::Option(target)) => {
+                Self::between(source, target, how).filter(|inner| *inner == Self::Same)
+            }
+            (source, target) => widens(source, target).then_some(Self::Same),
+        }
+    }
+
+    /// The same for every element of a run.
+    pub fn each(self) -> Self {
+        match self {
+            Self::Same => Self::Same,
+            each => Self::Each(Box::new(each)),
+        }
+    }
+
+    /// One after the other.
+    pub fn then(self, next: Self) -> Self {
+        match (self, next) {
+            (Self::Same, only) | (only, Self::Same) => only,
+            (first, next) => Self::Then(Box::new(first), Box::new(next)),
+        }
+    }
+
+    /// Of a message only this part counts; or the data becomes this part of one.
+    pub fn at(path: Option<&str>, conversion: Self, way: Use) -> Self {
+        let steps = path.into_iter().flat_map(|path| path.rsplit('.'));
+        steps.fold(conversion, |inner, step| match way {
+            Use::Fill => Self::OutOf(step.to_owned(), Box::new(inner)),
+            Use::All => Self::Into(step.to_owned(), Box::new(inner)),
+        })
+    }
+
+    /// Converts. What is not there becomes nothing, which no type takes for data.
+    pub fn apply(&self, data: &Datum) -> Datum {
+        match self {
+            Self::Same => data.clone(),
+            Self::Fields(fields) => {
+                let part = |name: &str| data.get(name).unwrap_or(Cow::Owned(Datum::Null));
+                let fields = fields.iter();
+                Datum::record(fields.map(|(name, inner)| (name.clone(), inner.apply(&part(name)))))
+            }
+            Self::Into(field, inner) => Datum::record([(field.clone(), inner.apply(data))]),
+            // what is no record is the field already: a caller who left the braces out
+            Self::OutOf(field, inner) => match data {
+                Datum::Record(_) => {
+                    let part = data.get(field).unwrap_or(Cow::Owned(Datum::Null));
+                    inner.apply(&part)
+                }
+                _ => inner.apply(data),
+            },
+            Self::Each(inner) => {
+                let elements = (0..data.count().unwrap_or(0)).filter_map(|at| data.element(at));
+                Datum::List(elements.map(|element| inner.apply(&element)).collect())
+            }
+            Self::Then(first, next) => next.apply(&first.apply(data)),
+        }
+    }
+}
+
+/// The shape of the part of a message; `None` where it has no such part.
+pub fn inside(schema: &Schema, path: &str) -> Option<Schema> {
+    let mut here = schema;
+    for step in path.split('.').filter(|step| !step.is_empty()) {
+        here = match &here.shape {
+            Shape::Record(fields) => &fields.iter().find(|field| field.name == step)?.schema,
+            Shape::List(element) | Shape::Array(element, _) => {
+                step.parse::<usize>().ok()?;
+                element
+            }
+            Shape::Option(some) => some,
+            Shape::Any => return Some(here.clone()),
+            _ => return None,
+        };
+    }
+    Some(here.clone())
+}
+
+fn by_name(source: &[Field], target: &[Field], how: Use) -> Option<Conversion> {
+    let wanted = match how {
+        Use::All => source,
+        Use::Fill => target,
+    };
+    let find = |fields: &[Field], name: &str| {
+        let field = fields.iter().find(|field| field.name == name)?;
+        Some(field.schema.clone())
+    };
+    let fields = wanted.iter().map(|field| {
+        let name = &*field.name;
+        let inner = Conversion::between(&find(source, name)?, &find(target, name)?, how)?;
+        Some((name.to_owned(), inner))
+    });
+    fields.collect::<Option<_>>().map(Conversion::Fields)
+}
+
+/// A record with one field stands for that field.
+fn out_of(source: &[Field], to: &Schema, how: Use) -> Option<Conversion> {
+    let [only] = source else { return None };
+    let inner = Conversion::between(&only.schema, to, how)?;
+    Some(Conversion::OutOf(only.name.to_string(), Box::new(inner)))
+}
+
+/// The one field of a record that takes the data.
+fn into(from: &Schema, target: &[Field], how: Use) -> Option<Conversion> {
+    if how == Use::Fill && target.len() > 1 {
+        return None;
+    }
+    let taken = target.iter().filter_map(|field| {
+        let inner = Conversion::between(from, &field.schema, how)?;
+        // a field in a field is nobody's intention
+        (!matches!(inner, Conversion::Into(..))).then_some((field, inner))
+    });
+    let mut taken = taken.collect::<Vec<_>>().into_iter();
+    let (Some((field, inner)), None) = (taken.next(), taken.next()) else {
+        return None;
+    };
+    Some(Conversion::Into(field.name.to_string(), Box::new(inner)))
+}
+
+fn count(shape: &Shape) -> Option<usize> {
+    match shape {
+        Shape::Array(_, count) => Some(*count),
+        _ => None,
+    }
+}
+
+/// Whether a number of the one kind can be one of the other. Whether this one is, its value says.
+fn widens(from: &Shape, to: &Shape) -> bool {
+    let whole = |shape: &Shape| {
+        matches!(
+            shape,
+            Shape::I8
+                | Shape::I16
+                | Shape::I32
+                | Shape::I64
+                | Shape::U8
+                | Shape::U16
+                | Shape::U32
+                | Shape::U64
+        )
+    };
+    let real = |shape: &Shape| matches!(shape, Shape::F32 | Shape::F64);
+    from == to || (whole(from) && (whole(to) || real(to))) || (real(from) && real(to))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(fields: &[(&'static str, Schema)]) -> Schema {
+        let fields = fields.iter().map(|(name, schema)| Field {
+            name: (*name).into(),
+            doc: "".into(),
+            schema: schema.clone(),
+        });
+        Schema::record("", fields.collect())
+    }
+
+    fn plain(shape: Shape) -> Schema {
+        Schema::plain(shape)
+    }
+
+    fn floats(count: Option<usize>) -> Schema {
+        Schema::many(plain(Shape::F64), count)
+    }
+
+    fn stamped(goal: Schema) -> Schema {
+        let time = record(&[("sec", plain(Shape::I32)), ("nanosec", plain(Shape::U32))]);
+        record(&[("stamp", time), ("position", goal)])
+    }
+
+    fn list(values: &[f64]) -> Datum {
+        Datum::List(values.iter().copied().map(Datum::Float).collect())
+    }
+
+    /// What becomes of data, if anything.
+    fn convert(from: &Schema, to: &Schema, how: Use, data: &Datum) -> Option<Datum> {
+        Conversion::between(from, to, how).map(|conversion| conversion.apply(data))
+    }
+
+    #[test]
+    fn an_argument_goes_into_the_field_of_its_name_or_else_of_its_shape() {
+        let command = stamped(floats(Some(2)));
+        let expected = Some(Datum::record([("position", list(&[1.0, 2.0]))]));
+        for name in ["position", "values"] {
+            let argument = record(&[(name, floats(None))]);
+            let data = Datum::record([(name, list(&[1.0, 2.0]))]);
+            assert_eq!(
+                convert(&argument, &command, Use::All, &data),
+                expected,
+                "{name}"
+            );
+        }
+        let bare = list(&[1.0, 2.0]);
+        assert_eq!(convert(&floats(None), &command, Use::All, &bare), expected);
+    }
+
+    #[test]
+    fn an_argument_of_one_field_is_a_plain_message() {
+        let argument = record(&[("period", plain(Shape::F64))]);
+        let data = Datum::record([("period", Datum::Float(0.05))]);
+        let message = convert(&argument, &plain(Shape::F64), Use::All, &data);
+        assert_eq!(message, Some(Datum::Float(0.05)));
+    }
+
+    #[test]
+    fn a_result_takes_the_fields_it_has() {
+        let data = Datum::record([
+            ("stamp", Datum::Null),
+            ("position", list(&[0.5])),
+            ("velocity", list(&[0.1])),
+        ]);
+        let status = record(&[
+            ("stamp", plain(Shape::I64)),
+            ("position", floats(Some(5))),
+            ("velocity", floats(Some(5))),
+        ]);
+        let result = record(&[("position", floats(None))]);
+        let expected = Some(Datum::record([("position", list(&[0.5]))]));
+        assert_eq!(convert(&status, &result, Use::Fill, &data), expected);
+    }
+
+    #[test]
+    fn nothing_gets_lost_and_nothing_is_made_up() {
+        let argument = record(&[("position", floats(None)), ("speed", plain(Shape::F64))]);
+        let command = stamped(floats(None));
+        assert_eq!(Conversion::between(&argument, &command, Use::All), None);
+        let result = record(&[("position", floats(None)), ("load", plain(Shape::F64))]);
+        assert_eq!(Conversion::between(&command, &result, Use::Fill), None);
+        // two fields would do: neither is meant
+        let two = record(&[("a", floats(None)), ("b", floats(None))]);
+        assert_eq!(Conversion::between(&floats(None), &two, Use::All), None);
+        assert_eq!(
+            Conversion::between(&floats(Some(5)), &floats(Some(6)), Use::All),
+            None
+        );
+    }
+
+    #[test]
+    fn a_run_is_converted_element_by_element() {
+        let status = record(&[("position", plain(Shape::F64)), ("load", plain(Shape::F64))]);
+        let wanted = record(&[("all", floats(None))]);
+        let part = Conversion::at(Some("position"), Conversion::Same, Use::Fill);
+        let all = Conversion::between(&floats(None), &wanted, Use::Fill);
+        let data = |position| Datum::record([("position", Datum::Float(position))]);
+        let data = Datum::List(vec![data(1.0), data(2.0)]);
+        let expected = Datum::record([("all", list(&[1.0, 2.0]))]);
+        let conversion = all.map(|all| part.each().then(all));
+        assert_eq!(conversion.map(|it| it.apply(&data)), Some(expected));
+        let records = Schema::many(status, None);
+        let names = Schema::many(record(&[("load", plain(Shape::F64))]), None);
+        let picked = convert(&records, &names, Use::Fill, &Datum::List(Vec::new()));
+        assert_eq!(picked, Some(Datum::List(Vec::new())));
+    }
+
+    #[test]
+    fn a_path_leads_into_a_message_and_out_of_it() {
+        let out = Conversion::at(Some("pose.x"), Conversion::Same, Use::Fill);
+        let data = Datum::record([("pose", Datum::record([("x", Datum::Int(3))]))]);
+        assert_eq!(out.apply(&data), Datum::Int(3));
+        let into = Conversion::at(Some("pose.x"), Conversion::Same, Use::All);
+        assert_eq!(into.apply(&Datum::Int(3)), data);
+    }
+}

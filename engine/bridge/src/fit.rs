@@ -1,0 +1,171 @@
+//! Whether data is of a shape, and where it is not.
+
+use datum::{Datum, Schema, Shape};
+
+/// The first place where data is not of its shape.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}{wanted} is wanted, not {found}", place(.path))]
+pub struct Misfit {
+    path: String,
+    wanted: String,
+    found: String,
+}
+
+fn place(path: &str) -> String {
+    if path.is_empty() {
+        return String::new();
+    }
+    format!("`{path}`: ")
+}
+
+/// Whether data is of a shape. Fields of a record that are left out have their initial value.
+///
+/// # Errors
+/// Where it is not.
+pub fn fit(data: &Datum, schema: &Schema) -> Result<(), Misfit> {
+    let fits = match &schema.shape {
+        Shape::Any => true,
+        Shape::Bool => data.as_bool().is_some(),
+        Shape::Text => data.as_text().is_some(),
+        Shape::F32 | Shape::F64 => data.as_float().is_some(),
+        Shape::I8 => whole::<i8>(data),
+        Shape::I16 => whole::<i16>(data),
+        Shape::I32 => whole::<i32>(data),
+        Shape::I64 => whole::<i64>(data),
+        Shape::U8 => whole::<u8>(data),
+        Shape::U16 => whole::<u16>(data),
+        Shape::U32 => whole::<u32>(data),
+        Shape::U64 => whole::<u64>(data),
+        Shape::Option(_) if *data == Datum::Null => true,
+        Shape::Option(some) => return fit(data, some),
+        Shape::List(element) => return elements(data, element, None, schema),
+        Shape::Array(element, count) => return elements(data, element, Some(*count), schema),
+        Shape::Record(fields) => return record(data, fields, schema),
+    };
+    if fits {
+        return Ok(());
+    }
+    Err(misfit(schema, data))
+}
+
+fn whole<T: TryFrom<i64>>(data: &Datum) -> bool {
+    data.as_int()
+        .is_some_and(|value| T::try_from(value).is_ok())
+}
+
+fn elements(
+    data: &Datum,
+    element: &Schema,
+    count: Option<usize>,
+    schema: &Schema,
+) -> Result<(), Misfit> {
+    let found = match data {
+        Datum::List(_) | Datum::Numbers(_) | Datum::Bytes(_) => data.count().unwrap_or(0),
+        Datum::Null
+        | Datum::Bool(_)
+        | Datum::Int(_)
+        | Datum::Float(_)
+        | Datum::Text(_)
+        | Datum::Record(_) => return Err(misfit(schema, data)),
+    };
+    if let Some(wanted) = count.filter(|wanted| *wanted != found) {
+        return Err(wrong_count(wanted, found));
+    }
+    for index in 0..found {
+        if let Some(item) = data.element(index) {
+            fit(&item, element).map_err(|misfit| misfit.within(&index.to_string()))?;
+        }
+    }
+    Ok(())
+}
+
+/// So many elements are wanted, and so many there are.
+pub(crate) fn wrong_count(wanted: usize, found: usize) -> Misfit {
+    Misfit {
+        path: String::new(),
+        wanted: format!("a run of {wanted}"),
+        found: format!("one of {found}"),
+    }
+}
+
+fn record(data: &Datum, fields: &[datum::Field], schema: &Schema) -> Result<(), Misfit> {
+    let Datum::Record(entries) = data else {
+        return Err(misfit(schema, data));
+    };
+    for (name, value) in entries {
+        match fields.iter().find(|field| field.name == *name) {
+            Some(field) => {
+                fit(value, &field.schema).map_err(|misfit| misfit.within(name))?;
+            }
+            None => {
+                return Err(Misfit {
+                    path: String::new(),
+                    wanted: format!("`{schema}`"),
+                    found: format!("a record with `{name}`"),
+                });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn misfit(schema: &Schema, data: &Datum) -> Misfit {
+    Misfit {
+        path: String::new(),
+        wanted: format!("`{schema}`"),
+        found: data.kind().to_owned(),
+    }
+}
+
+impl Misfit {
+    pub(crate) fn within(mut self, step: &str) -> Self {
+        self.path = match self.path.as_str() {
+            "" => step.to_owned(),
+            inner => format!("{step}.{inner}"),
+        };
+        self
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    use super::*;
+    use datum::Field;
+
+    fn said(data: &Datum, schema: &Schema) -> String {
+        fit(data, schema).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn it_says_where_data_does_not_fit() {
+        let floats = Schema::many(Schema::plain(Shape::F64), Some(2));
+        let field = |name: &'static str, schema| Field {
+            name: name.into(),
+            doc: "".into(),
+            schema,
+        };
+        let byte = Schema::plain(Shape::U8);
+        let command = Schema::record("arm/Command", vec![field("goal", floats), field("n", byte)]);
+        let goal = |goal| Datum::record([("goal", goal)]);
+        let pair = |second| goal(Datum::List(vec![Datum::Float(0.5), second]));
+        assert_eq!(fit(&pair(Datum::Int(1)), &command), Ok(()));
+        assert_eq!(fit(&Datum::record::<String>([]), &command), Ok(()));
+        assert_eq!(
+            said(&pair(Datum::text("far")), &command),
+            "`goal.1`: `float64` is wanted, not text"
+        );
+        assert_eq!(
+            said(&goal(Datum::List(Vec::new())), &command),
+            "`goal`: a run of 2 is wanted, not one of 0"
+        );
+        assert_eq!(
+            said(&Datum::record([("n", Datum::Int(256))]), &command),
+            "`n`: `uint8` is wanted, not a whole number"
+        );
+        assert_eq!(
+            said(&Datum::record([("speed", Datum::Int(1))]), &command),
+            "`arm/Command` is wanted, not a record with `speed`"
+        );
+    }
+}

@@ -1,0 +1,212 @@
+//! The port-proxy: operations that write and read the ports of a component, and events that tell what it does.
+//!
+//! An invocation becomes a sample: called while the target is in cycle k, it is consumed in cycle k + 1. The proxy
+//! waits for nothing; who calls chooses, operation by operation, what a reply means: that the sample was written
+//! ([`Mode::OneWay`]), that the target has taken it ([`Mode::Taken`]) or that the motion has ended ([`Mode::Done`]).
+
+mod events;
+mod motion;
+mod operation;
+mod settings;
+
+use std::sync::Arc;
+
+use component::{Component, Cycle, Fault, In, Interface, Out, ServiceFault, Time};
+use datum::{Datum, Schema};
+
+use events::Events;
+use motion::Motion;
+use operation::{Served, TAKEN_BACK, refusal};
+
+pub use settings::{Idle, Mapped, Mode, Notify, ProxyPort, Settings};
+
+/// A component that offers the ports of another one, its target, as services.
+pub struct PortProxy {
+    /// The outputs of the target.
+    inputs: Vec<Input>,
+    /// The inputs of the target.
+    outputs: Vec<Output>,
+    operations: Vec<Served>,
+    motion: Option<Motion>,
+    events: Option<Events>,
+    /// When the newest sample came; before the first one, when the proxy began to listen.
+    heard: Option<Time>,
+}
+
+#[derive(Clone)]
+struct Input {
+    name: Arc<str>,
+    port: In<Datum>,
+}
+
+struct Output {
+    name: String,
+    port: Out<Datum>,
+    message: Schema,
+}
+
+impl PortProxy {
+    /// Declares the ports, services and the reference, as the target and the map have them.
+    pub fn new(settings: &Settings, interface: &mut Interface) -> Self {
+        let inputs = settings.inputs.iter().map(|of| Input {
+            name: of.name.as_str().into(),
+            port: interface.input_of(&of.name, of.message.clone(), "an output of the target"),
+        });
+        let inputs = inputs.collect();
+        let outputs = settings.outputs.iter().map(|of| Output {
+            name: of.name.clone(),
+            port: interface.output_of(&of.name, of.message.clone(), "an input of the target"),
+            message: of.message.clone(),
+        });
+        let outputs = outputs.collect();
+        let operations = settings.operations.iter();
+        let notify = settings.notify.as_ref();
+        Self {
+            inputs,
+            outputs,
+            operations: operations
+                .map(|mapped| Served::declare(mapped, interface))
+                .collect(),
+            motion: notify
+                .and_then(|notify| notify.idle.clone())
+                .map(Motion::new),
+            events: notify.map(|notify| Events::declare(notify, interface)),
+            heard: None,
+        }
+    }
+}
+
+impl Component for PortProxy {
+    /// First what came from the target, then what is asked of it: a sample never answers a later command.
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        for operation in &mut self.operations {
+            operation.settle(cycle);
+        }
+        self.listen(cycle);
+        self.watch(cycle);
+        for index in 0..self.operations.len() {
+            self.serve(index, cycle);
+        }
+        Ok(())
+    }
+}
+
+impl PortProxy {
+    /// What came from the target.
+    fn listen(&mut self, cycle: &mut Cycle<'_>) {
+        for Input { name, port } in self.inputs.clone() {
+            let samples = cycle.all(port).to_vec();
+            let Some(written) = cycle.written_at(port).filter(|_| !samples.is_empty()) else {
+                continue;
+            };
+            self.heard = Some(cycle.now());
+            for operation in &mut self.operations {
+                operation.taken(written, cycle);
+            }
+            for sample in samples {
+                self.sample(&name, &sample, cycle);
+            }
+        }
+    }
+
+    fn sample(&mut self, port: &str, sample: &Datum, cycle: &mut Cycle<'_>) {
+        for operation in &mut self.operations {
+            operation.keep(port, sample);
+        }
+        let arrived =
+            (self.motion.as_mut()).and_then(|motion| motion.measure(port, sample, cycle.now()));
+        let faulty = (self.events.as_mut()).is_some_and(|events| {
+            let faulty = events.sample(port, sample, cycle);
+            if let Some(error) = arrived {
+                events.idle(error, cycle);
+            }
+            faulty
+        });
+        for operation in &mut self.operations {
+            if faulty {
+                operation.refuse_waiting("FAULT", "the target reports a fault", cycle);
+            }
+            if arrived.is_some() {
+                operation.done(cycle);
+            }
+        }
+    }
+
+    /// Tells once that nothing comes any more; whoever waits for the end of a motion waits no longer.
+    fn watch(&mut self, cycle: &mut Cycle<'_>) {
+        let heard = *self.heard.get_or_insert(cycle.now());
+        let Some(events) = &mut self.events else {
+            return;
+        };
+        if let Some(age) = events.watch(cycle.now().since(heard), cycle) {
+            for operation in &mut self.operations {
+                operation.refuse_waiting("STALE", &format!("no data for {age:?}"), cycle);
+            }
+        }
+    }
+
+    /// What is asked of the target.
+    fn serve(&mut self, index: usize, cycle: &mut Cycle<'_>) {
+        let Some(served) = self.operations.get(index).map(Served::handle) else {
+            return;
+        };
+        for request in cycle.requests(served) {
+            let wants_reply = request.deadline.is_some();
+            let Some(operation) = self.operations.get_mut(index) else {
+                return;
+            };
+            if operation.reads() {
+                let stale = self.events.as_ref().is_some_and(Events::is_stale);
+                let port = (self.inputs.iter()).find(|input| *input.name == operation.port);
+                let result = match port {
+                    _ if stale => Err(refusal("STALE", "the target is silent")),
+                    Some(input) => operation.read(input.port, cycle),
+                    None => Err(refusal("NO_DATA", "the target has no such port")),
+                };
+                cycle.reply(served, request.id, result);
+                continue;
+            }
+            match self.command(index, &request.argument, cycle) {
+                Ok(()) => {
+                    if let Some(operation) = self.operations.get_mut(index)
+                        && wants_reply
+                    {
+                        operation.accepted(request.id, cycle);
+                    }
+                }
+                Err(fault) => cycle.reply(served, request.id, Err(fault)),
+            }
+        }
+    }
+
+    /// Writes a sample to the target, if it is one that the target takes.
+    fn command(
+        &mut self,
+        index: usize,
+        argument: &Datum,
+        cycle: &mut Cycle<'_>,
+    ) -> Result<(), ServiceFault> {
+        let missing = || refusal("BAD_ARGUMENT", "the target has no such port");
+        let operation = self.operations.get(index).ok_or_else(missing)?;
+        let mut outputs = self.outputs.iter();
+        let output = outputs.find(|output| output.name == operation.port);
+        let output = output.ok_or_else(missing)?;
+        let message = operation.conversion.apply(argument);
+        let unfit = |misfit: crate::Misfit| refusal("BAD_ARGUMENT", &misfit.to_string());
+        crate::fit(&message, &output.message).map_err(unfit)?;
+        if let Some(motion) = self.motion.as_mut().filter(|it| it.obeys(&output.name)) {
+            motion.command(&message).map_err(unfit)?;
+            for operation in &mut self.operations {
+                operation.refuse_waiting("SUPERSEDED", TAKEN_BACK, cycle);
+            }
+        }
+        if let Some(events) = &mut self.events {
+            let moves = (self.motion.as_ref()).is_none_or(|motion| motion.obeys(&output.name));
+            if moves {
+                events.busy(cycle);
+            }
+        }
+        cycle.write(output.port, message);
+        Ok(())
+    }
+}

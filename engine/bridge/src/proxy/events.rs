@@ -1,0 +1,84 @@
+//! Events: what the proxy tells its listener of the target.
+
+use std::time::Duration;
+
+use component::{Cycle, Dynamic, Interface, Required};
+use datum::Datum;
+
+use super::Notify;
+
+/// What is told, to whom.
+pub(super) struct Events {
+    listener: Required<Dynamic>,
+    notify: Notify,
+    /// That nothing comes has been told, and nothing has come since.
+    is_stale: bool,
+}
+
+impl Events {
+    pub(super) fn declare(notify: &Notify, interface: &mut Interface) -> Self {
+        let (reference, service) = (&notify.reference, &notify.interface);
+        let doc = "hears of the target";
+        Self {
+            listener: interface.require_of(reference, service, &notify.operation, doc),
+            notify: notify.clone(),
+            is_stale: false,
+        }
+    }
+
+    /// A command was accepted.
+    pub(super) fn busy(&self, cycle: &mut Cycle<'_>) {
+        if self.notify.busy {
+            self.tell("busy", String::new(), cycle);
+        }
+    }
+
+    /// The motion has ended.
+    pub(super) fn idle(&self, error: f64, cycle: &mut Cycle<'_>) {
+        self.tell("idle", format!("{error:.4} from the goal"), cycle);
+    }
+
+    /// A sample came. Whether it is faulty.
+    pub(super) fn sample(&mut self, port: &str, sample: &Datum, cycle: &mut Cycle<'_>) -> bool {
+        self.is_stale = false;
+        let is = |condition: &Option<crate::Condition>| {
+            (condition.as_ref())
+                .filter(|condition| condition.port == port)
+                .filter(|condition| condition.holds(sample))
+                .map(|condition| sample.get(&condition.path).map(|part| part.to_string()))
+        };
+        if is(&self.notify.refresh).is_some() {
+            self.tell("refresh", String::new(), cycle);
+        }
+        let fault = is(&self.notify.fault);
+        let faulty = fault.is_some();
+        if let Some(part) = fault {
+            self.tell("fault", part.unwrap_or_default(), cycle);
+        }
+        faulty
+    }
+
+    /// How long nothing has come, where that is to be told now.
+    pub(super) fn watch(&mut self, age: Duration, cycle: &mut Cycle<'_>) -> Option<Duration> {
+        let limit = self.notify.stale?;
+        if age < limit || self.is_stale {
+            return None;
+        }
+        self.is_stale = true;
+        self.tell("stale", format!("no data for {age:?}"), cycle);
+        Some(age)
+    }
+
+    /// Whether the last sample is too old to be shown as the present.
+    pub(super) fn is_stale(&self) -> bool {
+        self.is_stale
+    }
+
+    fn tell(&self, event: &str, detail: String, cycle: &mut Cycle<'_>) {
+        let notice = Datum::record([
+            ("event", Datum::text(event)),
+            ("detail", Datum::Text(detail)),
+        ]);
+        cycle.call_one_way(self.listener, self.notify.conversion.apply(&notice));
+    }
+}

@@ -1,0 +1,162 @@
+//! Motions: begun by a command, ended when what is measured stays near what was commanded. (The paper's listing says
+//! `idle` when the command has been written.)
+
+use component::Time;
+use datum::Datum;
+
+use super::Idle;
+use crate::fit::{Misfit, wrong_count};
+
+/// The motion under way, if one is.
+pub(super) struct Motion {
+    idle: Idle,
+    goal: Option<Vec<f64>>,
+    near_since: Option<Time>,
+    /// How many numbers the target measures, learnt from its samples: its joints.
+    count: Option<usize>,
+}
+
+impl Motion {
+    pub(super) fn new(idle: Idle) -> Self {
+        Self {
+            idle,
+            goal: None,
+            near_since: None,
+            count: None,
+        }
+    }
+
+    /// Whether commands go through this port.
+    pub(super) fn obeys(&self, port: &str) -> bool {
+        self.idle.commanded.0 == port
+    }
+
+    /// A command begins a motion, and ends the one before.
+    pub(super) fn command(&mut self, message: &Datum) -> Result<(), Misfit> {
+        let path = &self.idle.commanded.1;
+        let goal = message.get(path).map(|goal| numbers(&goal));
+        let goal = goal.unwrap_or_default();
+        if let Some(wanted) = self.count.filter(|wanted| *wanted != goal.len()) {
+            return Err(wrong_count(wanted, goal.len()).within(path));
+        }
+        self.goal = Some(goal);
+        self.near_since = None;
+        Ok(())
+    }
+
+    /// A sample may end the motion: then, how far from the goal it did.
+    pub(super) fn measure(&mut self, port: &str, sample: &Datum, now: Time) -> Option<f64> {
+        if self.idle.measured.0 != port {
+            return None;
+        }
+        let measured = numbers(&*sample.get(&self.idle.measured.1)?);
+        self.count = Some(measured.len());
+        let error = distance(&measured, self.goal.as_ref()?);
+        if error > self.idle.within || error.is_nan() {
+            self.near_since = None;
+            return None;
+        }
+        let since = *self.near_since.get_or_insert(now);
+        if now.since(since) < self.idle.held {
+            return None;
+        }
+        self.goal = None;
+        Some(error)
+    }
+}
+
+/// The greatest difference; infinite between different counts.
+fn distance(measured: &[f64], goal: &[f64]) -> f64 {
+    if measured.len() != goal.len() {
+        return f64::INFINITY;
+    }
+    let differences = measured
+        .iter()
+        .zip(goal)
+        .map(|(is, shall)| (is - shall).abs());
+    // not `f64::max`, which forgets a NaN
+    differences.fold(0.0, |greatest, next| {
+        match next > greatest || next.is_nan() {
+            true => next,
+            false => greatest,
+        }
+    })
+}
+
+/// A number, or the numbers of a run.
+fn numbers(value: &Datum) -> Vec<f64> {
+    match value.as_float() {
+        Some(number) => vec![number],
+        None => (0..value.count().unwrap_or(0))
+            .filter_map(|index| value.element(index)?.as_float())
+            .collect(),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    fn at(ms: u64) -> Time {
+        Time::ZERO + Duration::from_millis(ms)
+    }
+
+    fn positions(values: &[f64]) -> Datum {
+        let values = values.iter().copied().map(Datum::Float).collect();
+        Datum::record([("position", Datum::List(values))])
+    }
+
+    fn motion() -> Motion {
+        Motion::new(Idle {
+            within: 0.01,
+            commanded: ("commands".to_owned(), "position".to_owned()),
+            measured: ("status".to_owned(), "position".to_owned()),
+            held: Duration::from_millis(200),
+        })
+    }
+
+    #[test]
+    fn it_ends_when_the_goal_has_been_near_for_long_enough() {
+        let mut motion = motion();
+        motion.command(&positions(&[1.0, 2.0])).unwrap();
+        for (ms, measured, ended) in [
+            (100, [0.5, 2.0], false),
+            (200, [1.0, 2.005], false),
+            (300, [1.02, 2.0], false),
+            (400, [1.0, 2.0], false),
+            (599, [1.0, 2.0], false),
+            (600, [1.0, 2.0], true),
+            (700, [1.0, 2.0], false),
+        ] {
+            let end = motion.measure("status", &positions(&measured), at(ms));
+            assert_eq!(end.is_some(), ended, "at {ms} ms");
+        }
+    }
+
+    #[test]
+    fn it_never_ends_at_what_is_no_number() {
+        let mut motion = motion();
+        motion.command(&positions(&[f64::NAN, 0.0])).unwrap();
+        for ms in [0, 500] {
+            assert_eq!(
+                motion.measure("status", &positions(&[0.0, 0.0]), at(ms)),
+                None
+            );
+        }
+    }
+
+    #[test]
+    fn it_learns_from_the_target_how_many_joints_there_are() {
+        let mut motion = motion();
+        motion.command(&positions(&[0.0; 5])).unwrap();
+        motion.measure("status", &positions(&[0.0; 6]), at(0));
+        let refused = motion.command(&positions(&[0.0; 5])).unwrap_err();
+        assert_eq!(
+            refused.to_string(),
+            "`position`: a run of 6 is wanted, not one of 5"
+        );
+        assert_eq!(motion.command(&positions(&[0.0; 6])), Ok(()));
+    }
+}

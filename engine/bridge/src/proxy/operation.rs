@@ -1,0 +1,155 @@
+//! An operation that is a port.
+
+use std::collections::VecDeque;
+
+use component::{Cycle, Dynamic, Flow, In, Interface, Provided, RequestId, ServiceFault, Time};
+use datum::Datum;
+
+use super::{Mapped, Mode};
+use crate::Conversion;
+
+/// What a caller hears whose command another one has replaced.
+pub(super) const TAKEN_BACK: &str = "another command came before the motion had ended";
+
+/// More samples than this are not kept for a reader of all of them: the oldest goes.
+const MAX_KEPT: usize = 1024;
+
+/// An operation, with those who wait for its reply.
+pub(super) struct Served {
+    pub port: String,
+    pub conversion: Conversion,
+    handle: Provided<Dynamic>,
+    mode: Mode,
+    /// The samples since the last call, for [`Mode::All`].
+    kept: VecDeque<Datum>,
+    waiting: Vec<Waiting>,
+}
+
+/// Somebody who waits for more than that a sample was written.
+struct Waiting {
+    request: RequestId,
+    /// When the sample had certainly left: the time of the cycle after the one that wrote it.
+    left: Option<Time>,
+}
+
+impl Served {
+    pub(super) fn declare(mapped: &Mapped, interface: &mut Interface) -> Self {
+        let doc = match mapped.mode {
+            Mode::OneWay => "writes a port of the target",
+            Mode::Taken => "writes a port of the target; replies when it was read",
+            Mode::Done => "writes a port of the target; replies when the motion has ended",
+            Mode::Last => "reads the last sample of a port of the target",
+            Mode::All => "reads the samples of a port of the target since the last call",
+        };
+        let handle = interface.serve_of(&mapped.service, &mapped.interface, &mapped.operation, doc);
+        Self {
+            port: mapped.port.clone(),
+            conversion: mapped.conversion.clone(),
+            handle,
+            mode: mapped.mode,
+            kept: VecDeque::new(),
+            waiting: Vec::new(),
+        }
+    }
+
+    pub(super) fn handle(&self) -> Provided<Dynamic> {
+        self.handle
+    }
+
+    /// Whether it reads a port; it writes one otherwise.
+    pub(super) fn reads(&self) -> bool {
+        match self.mode {
+            Mode::Last | Mode::All => true,
+            Mode::OneWay | Mode::Taken | Mode::Done => false,
+        }
+    }
+
+    /// Nobody waits any longer who gave up; what the last cycle wrote has left.
+    pub(super) fn settle(&mut self, cycle: &Cycle<'_>) {
+        let gone = cycle.cancelled(self.handle);
+        self.waiting
+            .retain(|waiting| !gone.contains(&waiting.request));
+        for waiting in &mut self.waiting {
+            waiting.left.get_or_insert(cycle.now());
+        }
+    }
+
+    /// A command was written: who asked for it hears so now, or later.
+    pub(super) fn accepted(&mut self, request: RequestId, cycle: &mut Cycle<'_>) {
+        match self.mode {
+            Mode::Taken | Mode::Done => self.waiting.push(Waiting {
+                request,
+                left: None,
+            }),
+            Mode::OneWay | Mode::Last | Mode::All => self.reply(request, cycle),
+        }
+    }
+
+    /// The target has written a sample in a cycle that began then: what had left before, it has taken.
+    pub(super) fn taken(&mut self, began: Time, cycle: &mut Cycle<'_>) {
+        if self.mode != Mode::Taken {
+            return;
+        }
+        let is_taken = |waiting: &mut Waiting| waiting.left.is_some_and(|left| left <= began);
+        let taken: Vec<Waiting> = self.waiting.extract_if(.., is_taken).collect();
+        for waiting in taken {
+            self.reply(waiting.request, cycle);
+        }
+    }
+
+    /// The motion has ended.
+    pub(super) fn done(&mut self, cycle: &mut Cycle<'_>) {
+        if self.mode != Mode::Done {
+            return;
+        }
+        for waiting in std::mem::take(&mut self.waiting) {
+            self.reply(waiting.request, cycle);
+        }
+    }
+
+    /// The motion will not end.
+    pub(super) fn refuse_waiting(&mut self, code: &str, detail: &str, cycle: &mut Cycle<'_>) {
+        if self.mode != Mode::Done {
+            return;
+        }
+        for waiting in self.waiting.drain(..) {
+            cycle.reply(self.handle, waiting.request, Err(refusal(code, detail)));
+        }
+    }
+
+    /// Keeps a sample for whoever reads all of them.
+    pub(super) fn keep(&mut self, port: &str, sample: &Datum) {
+        if self.mode != Mode::All || self.port != port {
+            return;
+        }
+        if self.kept.len() == MAX_KEPT {
+            self.kept.pop_front();
+        }
+        self.kept.push_back(sample.clone());
+    }
+
+    /// The result of reading.
+    pub(super) fn read(
+        &mut self,
+        port: In<Datum>,
+        cycle: &Cycle<'_>,
+    ) -> Result<Datum, ServiceFault> {
+        if self.mode == Mode::All {
+            let kept = Datum::List(self.kept.drain(..).collect());
+            return Ok(self.conversion.apply(&kept));
+        }
+        match cycle.read(port) {
+            Flow::NewData(sample) | Flow::OldData(sample) => Ok(self.conversion.apply(sample)),
+            Flow::NoData => Err(refusal("NO_DATA", "the target has written nothing yet")),
+        }
+    }
+
+    fn reply(&self, request: RequestId, cycle: &mut Cycle<'_>) {
+        cycle.reply(self.handle, request, Ok(Datum::Record(Vec::new())));
+    }
+}
+
+/// A fault that the caller is answered with.
+pub(super) fn refusal(code: &str, detail: &str) -> ServiceFault {
+    ServiceFault::new(code, detail)
+}
