@@ -30,6 +30,7 @@ const FLOORS: &[&[&str]] = &[
         "robot-adapter",
         "robot-rover",
         "robot-laser",
+        "robot-youbot",
     ],
     &["robot-world", "robot-operator"],
     &["robot-components"],

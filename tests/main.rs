@@ -22,3 +22,4 @@ mod processes;
 mod repl;
 mod scenario;
 mod stranger;
+mod youbot;

@@ -13,7 +13,10 @@
 use component::declaration::OperationDeclaration;
 use component::{Component, Interface, Operation};
 use datum::{Message, Schema};
-use messages::{GetMap, Plan};
+use messages::{
+    DriverSetPeriod, DriverState, GetJointsPositions, GetMap, MoveTo, Notify, Plan,
+    SetJointsPositions, SetPeriod, Solve,
+};
 
 pub use messages::MESSAGES;
 
@@ -46,6 +49,12 @@ pub const COMPONENTS: &[(&str, Make)] = &[
     ("nav::sim::World", |interface| {
         Box::new(world::World::new(interface))
     }),
+    ("youbot::DummyDriver", |interface| {
+        Box::new(youbot::DummyDriver::new(interface))
+    }),
+    ("youbot::Kinematics", |interface| {
+        Box::new(youbot::Kinematics::new(interface))
+    }),
 ];
 
 /// The operations of an interface.
@@ -55,6 +64,19 @@ pub type Operations = fn() -> Vec<OperationDeclaration>;
 pub const INTERFACES: &[(&str, Operations)] = &[
     (GetMap::INTERFACE, || vec![operation::<GetMap>()]),
     (Plan::INTERFACE, || vec![operation::<Plan>()]),
+    (DriverState::INTERFACE, || {
+        vec![operation::<DriverSetPeriod>(), operation::<DriverState>()]
+    }),
+    (Solve::INTERFACE, || vec![operation::<Solve>()]),
+    (MoveTo::INTERFACE, || vec![operation::<MoveTo>()]),
+    (Notify::INTERFACE, || vec![operation::<Notify>()]),
+    (GetJointsPositions::INTERFACE, || {
+        vec![operation::<GetJointsPositions>()]
+    }),
+    (SetJointsPositions::INTERFACE, || {
+        vec![operation::<SetJointsPositions>()]
+    }),
+    (SetPeriod::INTERFACE, || vec![operation::<SetPeriod>()]),
 ];
 
 /// The constructor of a component.

@@ -13,6 +13,7 @@ mod sensor_msgs;
 mod std_msgs;
 mod table;
 mod world;
+mod youbot;
 
 pub use builtin_interfaces::*;
 pub use geometry_msgs::*;
@@ -24,3 +25,4 @@ pub use sensor_msgs::*;
 pub use std_msgs::*;
 pub use table::{Describe, MESSAGES};
 pub use world::*;
+pub use youbot::*;

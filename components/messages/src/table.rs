@@ -42,6 +42,12 @@ pub const MESSAGES: &[(&str, Describe)] = &[
     row::<Scene>(),
     row::<Segment>(),
     row::<Vertex>(),
+    row::<Goal>(),
+    row::<JointCommand>(),
+    row::<JointPositions>(),
+    row::<JointStatus>(),
+    row::<Notice>(),
+    row::<Period>(),
 ];
 
 const fn row<T: Message>() -> (&'static str, Describe) {

@@ -131,7 +131,7 @@ impl Finding for MapError {
                     None => diagnostic,
                 }
             }
-            Self::NoPace { at, declared, .. } => Diagnostic::error("C127", self)
+            Self::NoPace { at, declared, .. } => Diagnostic::warning("C127", self)
                 .label(*at, "nobody looks at the clock")
                 .label(*declared, "cycles when something comes")
                 .help("write `activity = { period_ms = 20 }`"),

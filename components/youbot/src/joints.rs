@@ -1,0 +1,157 @@
+//! Joints that are not there: they turn towards their goals, or are somewhere by chance.
+
+use messages::{JointStatus, Time};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Joints, and what they did last.
+pub(crate) struct Joints {
+    chance: ChaCha8Rng,
+    goal: Vec<f64>,
+    pub last: JointStatus,
+}
+
+/// How they do what they do.
+pub(crate) struct Manner {
+    /// Values by chance, instead of motion.
+    pub random: bool,
+    /// How fast a joint turns, rad/s.
+    pub speed: f64,
+    /// Error bits to report, joint by joint.
+    pub faults: Vec<u16>,
+}
+
+/// A joint has ten error bits.
+const ERROR_BITS: u16 = 0x3ff;
+
+/// How far a joint is turned by chance, rad.
+const FAR: f64 = 2.9;
+
+impl Joints {
+    /// So many joints, all at zero.
+    pub(crate) fn new(count: usize, seed: u64) -> Self {
+        Self {
+            chance: ChaCha8Rng::seed_from_u64(seed),
+            goal: vec![0.0; count],
+            last: JointStatus {
+                position: vec![0.0; count],
+                ..JointStatus::default()
+            },
+        }
+    }
+
+    /// They shall turn there. A goal for another number of joints is none.
+    pub(crate) fn turn_to(&mut self, goal: &[f64]) {
+        if goal.len() == self.goal.len() {
+            self.goal.copy_from_slice(goal);
+        }
+    }
+
+    pub(crate) fn are_resting(&self) -> bool {
+        self.last.position == self.goal
+    }
+
+    /// What they do now. In either manner a joint takes the same numbers of chance.
+    pub(crate) fn measure(&mut self, stamp: Time, manner: &Manner) {
+        let passed = (stamp.as_nanos() - self.last.stamp.as_nanos()) as f64 * 1e-9;
+        let step = manner.speed * passed;
+        let next = JointStatus {
+            stamp,
+            ..JointStatus::default()
+        };
+        let before = std::mem::replace(&mut self.last, next);
+        for (joint, (&goal, &from)) in self.goal.iter().zip(&before.position).enumerate() {
+            let noise: f64 = self.chance.random_range(-1.0..1.0);
+            let bits = self.chance.random_range(0..=ERROR_BITS);
+            let (turn, flags) = match manner.random {
+                true => (FAR * noise - from, bits),
+                false => {
+                    let injected = manner.faults.get(joint).map_or(0, |bits| bits & ERROR_BITS);
+                    ((goal - from).clamp(-step, step), injected)
+                }
+            };
+            let velocity = turn / passed.max(1e-3);
+            let effort = velocity.abs().min(2.0);
+            self.last.position.push(from + turn);
+            self.last.velocity.push(velocity);
+            self.last.current.push(0.2 + 0.8 * effort + 0.05 * noise);
+            self.last.temperature.push(35.0 + 5.0 * effort + noise);
+            self.last.error_flags.push(flags);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn manner(random: bool) -> Manner {
+        Manner {
+            random,
+            speed: 0.5,
+            faults: vec![0, 0xffff],
+        }
+    }
+
+    /// What they did in each of some cycles of 100 ms.
+    fn stream(seed: u64, random: bool) -> Vec<JointStatus> {
+        let mut joints = Joints::new(2, seed);
+        joints.turn_to(&[0.12, -1.0]);
+        let mut stream = Vec::new();
+        for cycle in 1..=20 {
+            joints.measure(Time::from_nanos(cycle * 100_000_000), &manner(random));
+            stream.push(joints.last.clone());
+        }
+        stream
+    }
+
+    #[test]
+    fn it_turns_no_faster_than_it_can_and_stops_at_the_goal() {
+        let stream = stream(1, false);
+        let first: Vec<f64> = stream.iter().map(|status| status.position[0]).collect();
+        assert!((first[0] - 0.05).abs() < 1e-12);
+        assert_eq!((first[2], first[19]), (0.12, 0.12));
+        assert!((stream[19].position[1] + 1.0).abs() < 1e-9);
+        assert_eq!(stream[19].velocity[0], 0.0);
+    }
+
+    #[test]
+    fn it_reports_the_faults_it_is_given_ten_bits_each() {
+        for status in stream(1, false) {
+            assert_eq!(status.error_flags, [0, ERROR_BITS]);
+        }
+    }
+
+    #[test]
+    fn its_values_are_plausible_and_its_seeds_decide() {
+        for random in [false, true] {
+            let one = stream(7, random);
+            assert_eq!(one, stream(7, random));
+            assert_ne!(one, stream(8, random));
+            for status in one {
+                assert!(status.position.iter().all(|rad| rad.abs() <= FAR));
+                assert!(
+                    status
+                        .current
+                        .iter()
+                        .all(|ampere| (0.1..2.0).contains(ampere))
+                );
+                assert!(
+                    status
+                        .temperature
+                        .iter()
+                        .all(|celsius| (30.0..50.0).contains(celsius))
+                );
+                assert!(status.error_flags.iter().all(|bits| *bits <= ERROR_BITS));
+            }
+        }
+    }
+
+    #[test]
+    fn a_goal_for_another_number_of_joints_is_none() {
+        let mut joints = Joints::new(2, 1);
+        joints.turn_to(&[1.0; 5]);
+        joints.measure(Time::from_nanos(100_000_000), &manner(false));
+        assert!(joints.are_resting());
+    }
+}

@@ -1,0 +1,55 @@
+//! The service: a pose of the hand in, positions of the joints out.
+
+use component::{Component, Cycle, Fault, Interface, Provided, ServiceFault};
+use messages::{Goal, JointPositions, Solve};
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+
+use crate::{Arm, Joints, Unreachable};
+
+/// `youbot::Kinematics`: answers where the joints must be for the hand to be there, or why it cannot be there.
+pub struct Kinematics {
+    solve: Provided<Solve>,
+    arm: Arm,
+}
+
+impl Kinematics {
+    /// Declares the service.
+    pub fn new(interface: &mut Interface) -> Self {
+        Self {
+            solve: interface.serve(
+                "kinematics",
+                "from a pose of the hand to positions of the joints",
+            ),
+            arm: Arm::default(),
+        }
+    }
+}
+
+impl Component for Kinematics {
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        for request in cycle.requests(self.solve) {
+            let solved = solve(&self.arm, &request.argument);
+            let refused = |why: Unreachable| ServiceFault::new(why.code(), why.to_string());
+            cycle.reply(self.solve, request.id, solved.map_err(refused));
+        }
+        Ok(())
+    }
+}
+
+fn solve(arm: &Arm, goal: &Goal) -> Result<JointPositions, Unreachable> {
+    let near = Joints::try_from(goal.near.as_slice()).unwrap_or_default();
+    let position = arm.inverse(&isometry(goal)?, &near)?;
+    Ok(JointPositions {
+        position: position.to_vec(),
+    })
+}
+
+fn isometry(goal: &Goal) -> Result<Isometry3<f64>, Unreachable> {
+    let (place, turn) = (&goal.pose.position, &goal.pose.orientation);
+    let turn = Quaternion::new(turn.w, turn.x, turn.y, turn.z);
+    let turn = UnitQuaternion::try_new(turn, 1e-6).ok_or(Unreachable::BadPose)?;
+    Ok(Isometry3::from_parts(
+        Translation3::new(place.x, place.y, place.z),
+        turn,
+    ))
+}

@@ -1,0 +1,272 @@
+//! A bench: the driver's composite, a client that calls what its script says, and a log of all that happens.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use asm_lang::Files;
+use assembly::model::Builtin;
+use assembly::{AsmFiles, Constructor, Context, EmptyEnvironment, Opened, Standard, Tables};
+use component::{
+    Component, Cycle, Event, Fault, Interface, Operation, Property, Provided, Required, Run,
+    Simulation, Time,
+};
+use datum::{Datum, Sample};
+use messages::{
+    Empty, GetJointsPositions, JointPositions, JointStatus, Notify, Period, SetJointsPositions,
+    SetPeriod,
+};
+
+/// Calls what its script says: `"1.0 move 0.5 0.2"` (s, rad), `"2 period 0.05"`, `"3 read"`.
+struct Client {
+    script: Property<Vec<String>>,
+    send: Required<SetJointsPositions>,
+    period: Required<SetPeriod>,
+    status: Required<GetJointsPositions>,
+    notifying: Provided<Notify>,
+    done: usize,
+}
+
+impl Client {
+    fn new(interface: &mut Interface) -> Self {
+        let send = interface.require("send", "moves");
+        let period = interface.require("period", "sets the period");
+        let status = interface.require("status", "reads");
+        Self {
+            script: interface.property("script", Vec::new(), "what to do, and when"),
+            send: interface.optional(send),
+            period: interface.optional(period),
+            status: interface.optional(status),
+            notifying: interface.serve("notifying", "hears"),
+            done: 0,
+        }
+    }
+
+    fn act(&self, deed: &str, numbers: Vec<f64>, cycle: &mut Cycle<'_>) {
+        match deed {
+            "move" => drop(cycle.call(self.send, JointPositions { position: numbers })),
+            "period" => drop(cycle.call(self.period, Period { period: numbers[0] })),
+            "read" => drop(cycle.call(self.status, Empty {})),
+            other => panic!("nobody can {other}"),
+        }
+    }
+}
+
+impl Component for Client {
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        let script = cycle.property(self.script);
+        while let Some(line) = script.get(self.done) {
+            let mut words = line.split(' ');
+            let at: f64 = words.next().unwrap().parse().unwrap();
+            if cycle.now().seconds() < at {
+                break;
+            }
+            let deed = words.next().unwrap();
+            let numbers = words.map(|word| word.parse().unwrap()).collect();
+            self.act(deed, numbers, cycle);
+            self.done += 1;
+        }
+        cycle.requests(self.notifying);
+        cycle.replies(self.send);
+        cycle.replies(self.period);
+        cycle.replies(self.status);
+        Ok(())
+    }
+}
+
+const COMPONENTS: &[(&str, Constructor)] = &[
+    ("youbot::DummyDriver", |interface| {
+        components::component("youbot::DummyDriver").unwrap()(interface)
+    }),
+    ("test::Client", |interface| Box::new(Client::new(interface))),
+];
+
+const BUILD: Tables = Tables {
+    components: COMPONENTS,
+    messages: components::MESSAGES,
+    interfaces: components::INTERFACES,
+    builtins: &[Builtin::PortProxy],
+};
+
+/// The client around the driver's composite. `driver` is added to its properties, `wire` to the wire of its commands.
+const APPLICATION: &str = r#"
+schema = "composite/1"
+wires = [
+  { reference = "Client.send", service = "Driver.sendingCommand", timeout_ms = 20000WIRE },
+  { reference = "Client.period", service = "Driver.settingPeriod" },
+  { reference = "Client.status", service = "Driver.retrievingStatus" },
+  { reference = "Driver.notifying", service = "Client.notifying", oneway = true },
+]
+[composite]
+name = "bench"
+[components.Driver]
+implementation = { composite = "driver.composite.toml" }
+properties = { DRIVER }
+[components.Client]
+implementation = { rust = "test::Client" }
+activity = { period_ms = 10 }
+references = { send = "youbot/SendingCommands", period = "youbot/SettingPeriod", status = "youbot/RetrievingStatus" }
+properties = { script = SCRIPT }
+"#;
+
+/// What is put on the bench.
+pub(super) struct Bench {
+    /// The driver's composite.
+    pub driver: String,
+    /// Properties of it: `joints = 6`.
+    pub properties: &'static str,
+    /// What is said of the wire of the commands: `, oneway = true`.
+    pub wire: &'static str,
+    pub script: &'static [&'static str],
+}
+
+impl Default for Bench {
+    fn default() -> Self {
+        Self {
+            driver: include_str!("../../specs/youbot/youbot_driver.composite.toml").to_owned(),
+            properties: "",
+            wire: "",
+            script: &[],
+        }
+    }
+}
+
+/// What happened.
+#[derive(Default)]
+pub(super) struct Log {
+    /// Every status that left the driver, and when.
+    pub statuses: Vec<(Time, JointStatus)>,
+    /// Every notice that left the proxy, and when.
+    pub notices: Vec<(Time, String)>,
+    /// The end of every call of the client: operation, when, how.
+    pub replies: Vec<(String, Time, Result<Datum, String>)>,
+    /// The number of each component's present cycle.
+    cycles: BTreeMap<String, u64>,
+    /// Cycles of the driver in which the client called, and in which it first read what was commanded.
+    pub called_in: Vec<u64>,
+    pub turned_in: Vec<u64>,
+}
+
+impl Log {
+    fn note(&mut self, at: Time, event: &Event<'_>) {
+        match event {
+            Event::Cycle { component, number } => {
+                self.cycles.insert((*component).to_owned(), *number);
+            }
+            Event::Published {
+                component: "Driver/youBotDriver",
+                sample,
+                ..
+            } => {
+                let status: JointStatus = datum_of(*sample).to().unwrap();
+                let before = self.statuses.last().map(|(_, status)| &status.position);
+                if before.is_some_and(|before| *before != status.position) {
+                    self.turned_in.push(self.cycles["Driver/youBotDriver"]);
+                }
+                self.statuses.push((at, status));
+            }
+            Event::Called {
+                component,
+                operation,
+                argument,
+                ..
+            } => match *operation {
+                "notify" => {
+                    let notice = datum_of(*argument);
+                    let event = notice.get("event").unwrap();
+                    self.notices.push((at, event.as_text().unwrap().to_owned()));
+                }
+                _ if *component == "Client" => {
+                    self.called_in.push(self.cycles["Driver/youBotDriver"]);
+                }
+                _ => {}
+            },
+            Event::Replied {
+                operation, result, ..
+            } => {
+                let result = match result {
+                    Ok(sample) => Ok(datum_of(*sample)),
+                    Err(error) => Err(error.to_string()),
+                };
+                self.replies.push(((*operation).to_owned(), at, result));
+            }
+            _ => {}
+        }
+    }
+
+    /// When an event was told first.
+    pub(super) fn first(&self, event: &str) -> Option<Time> {
+        let mut notices = self.notices.iter();
+        notices.find(|(_, told)| told == event).map(|(at, _)| *at)
+    }
+
+    /// The events in order, without `refresh`.
+    pub(super) fn events(&self) -> Vec<&str> {
+        let told = self.notices.iter().map(|(_, event)| event.as_str());
+        told.filter(|event| *event != "refresh").collect()
+    }
+}
+
+fn datum_of(sample: &dyn Sample) -> Datum {
+    sample.to_datum().unwrap()
+}
+
+impl Bench {
+    fn opened(&self) -> (Opened, Files) {
+        let script = format!("{:?}", self.script);
+        let application = APPLICATION.replace("WIRE", self.wire);
+        let application = application.replace("DRIVER", self.properties);
+        let mut files = Files::new();
+        files.add(
+            "bench.composite.toml",
+            application.replace("SCRIPT", &script),
+        );
+        files.add("driver.composite.toml", self.driver.as_str());
+        let context = Context {
+            loader: &files,
+            environment: &EmptyEnvironment,
+            catalogue: &BUILD,
+            specifications: &AsmFiles::new(&files),
+            settings: &[],
+        };
+        (assembly::open("bench.composite.toml", &context), files)
+    }
+
+    /// The codes of what the checker finds.
+    pub(super) fn findings(&self) -> Vec<&'static str> {
+        let (opened, _) = self.opened();
+        opened.report.diagnostics.iter().map(|it| it.code).collect()
+    }
+
+    /// Everything in virtual time, with a log.
+    pub(super) fn simulate(&self) -> (Simulation, Arc<Mutex<Log>>) {
+        let (opened, files) = self.opened();
+        let found: Vec<_> = opened
+            .report
+            .diagnostics
+            .iter()
+            .map(|it| &it.message)
+            .collect();
+        assert!(!opened.report.has_errors(), "{found:?}");
+        let plan = opened.plan(None).unwrap();
+        let mut workshop = Standard {
+            catalogue: &BUILD,
+            loader: &files,
+            seed: 1,
+            builtins: &mut |_, _| None,
+        };
+        let mut system = assembly::start(plan, &mut workshop).unwrap();
+        let log = Arc::new(Mutex::new(Log::default()));
+        let listener = log.clone();
+        system.observe(move |at: Time, event: &Event<'_>| listener.lock().unwrap().note(at, event));
+        (system.simulate(), log)
+    }
+
+    /// The log of so many seconds.
+    pub(super) fn run(&self, seconds: u64) -> Log {
+        let (mut simulation, log) = self.simulate();
+        simulation.run_for(Duration::from_secs(seconds));
+        drop(simulation);
+        Arc::into_inner(log).unwrap().into_inner().unwrap()
+    }
+}

@@ -1,0 +1,295 @@
+//! The driver and its proxy.
+
+use super::bench::Bench;
+use component::{Run, Time};
+use datum::Datum;
+use std::time::Duration;
+
+const POSTURE: &str = "1 move 0.5 0.2 -0.3 0.4 0.1";
+
+fn ms(time: Time) -> u128 {
+    time.since(Time::ZERO).as_millis()
+}
+
+#[test]
+fn j1_an_invocation_in_cycle_k_is_consumed_in_cycle_k_plus_1() {
+    for script in [
+        &["1.03 move 1 1 1 1 1"][..],
+        &["1.07 move 1 1 1 1 1"],
+        &[POSTURE],
+    ] {
+        let script: &'static [&'static str] = Box::leak(script.to_vec().into_boxed_slice());
+        let log = Bench {
+            script,
+            ..Bench::default()
+        }
+        .run(3);
+        assert_eq!(log.turned_in[0], log.called_in[0] + 1, "{script:?}");
+    }
+}
+
+#[test]
+fn j2_each_new_sample_triggers_once() {
+    let log = Bench::default().run(5);
+    let refreshes = log.notices.iter().filter(|(_, event)| event == "refresh");
+    let count = refreshes.count();
+    assert!(
+        log.statuses.len() - count <= 1,
+        "{count} of {}",
+        log.statuses.len()
+    );
+    assert!(log.statuses.len() > 45);
+}
+
+#[test]
+fn j3_one_proxy_is_called_synchronously_over_one_wire_and_one_way_over_another() {
+    let reply = |wire| {
+        let log = Bench {
+            wire,
+            script: &[POSTURE],
+            ..Bench::default()
+        }
+        .run(3);
+        assert_eq!(log.events(), ["busy", "idle"]);
+        log.replies.len()
+    };
+    assert_eq!((reply(""), reply(", oneway = true")), (1, 0));
+}
+
+/// When the reply to the first command came, in ms, with this mode in the map.
+fn replied(mode: &str, script: &'static [&'static str]) -> (u128, Result<Datum, String>) {
+    let oneway = "youBotDriver.commands\", mode = \"oneway\"";
+    let driver = Bench::default().driver;
+    let driver = driver.replace(oneway, &oneway.replace("oneway", mode));
+    let log = Bench {
+        driver,
+        script,
+        ..Bench::default()
+    }
+    .run(6);
+    let (operation, at, result) = log.replies[0].clone();
+    assert_eq!(operation, "setJointsPositions");
+    (ms(at), result)
+}
+
+#[test]
+fn j1_a_caller_waits_for_written_for_taken_or_for_done() {
+    let script: &[&str] = &["1.03 move 1 0 0 0 0"];
+    let (written, _) = replied("oneway", script);
+    let (taken, _) = replied("taken", script);
+    let (done, result) = replied("done", script);
+    assert!((1030..1100).contains(&written), "{written}");
+    assert!(
+        (1100..1200).contains(&taken),
+        "the driver cycles at 1.1 s: {taken}"
+    );
+    assert!((2100..2600).contains(&done), "1 rad takes 1 s: {done}");
+    assert!(result.is_ok());
+}
+
+#[test]
+fn j1_whom_another_command_overtakes_hears_of_it() {
+    let (at, result) = replied("done", &["1 move 1 0 0 0 0", "1.5 move 0 1 0 0 0"]);
+    assert_eq!(
+        at, 1530,
+        "in the proxy's cycle after 1.5 s, and the client's after that"
+    );
+    assert!(result.unwrap_err().starts_with("SUPERSEDED"));
+}
+
+#[test]
+fn j17_the_proxy_learns_from_an_arm_of_six_joints_how_many_there_are() {
+    let six = &[
+        "1 move 0.1 0.1 0.1 0.1 0.1 0.1",
+        "2 move 0.1 0.1 0.1 0.1 0.1",
+        "3 read",
+    ];
+    let arm = |properties| {
+        Bench {
+            properties,
+            script: six,
+            ..Bench::default()
+        }
+        .run(4)
+    };
+    let log = arm("joints = 6");
+    let read = log.replies[2].2.as_ref().unwrap();
+    assert_eq!(read.get("position").unwrap().count(), Some(6));
+    assert!(log.replies[0].2.is_ok());
+    let refused = log.replies[1].2.as_ref().unwrap_err();
+    assert_eq!(
+        refused,
+        "BAD_ARGUMENT: `position`: a run of 6 is wanted, not one of 5"
+    );
+    let log = arm("joints = 5");
+    assert!(log.replies[0].2.is_err() && log.replies[1].2.is_ok());
+}
+
+#[test]
+fn j22_the_map_is_checked_before_anything_starts() {
+    let shipped = Bench::default();
+    assert_eq!(shipped.findings(), [""; 0]);
+    let mistakes = [
+        (
+            "sendingCommand.setJointsPositions\"",
+            "settingPeriod.setPeriod\"",
+            "C124",
+        ),
+        ("error_flags != 0", "error_flags != \"none\"", "C125"),
+        (
+            "mode = \"oneway\" },\n  { operation = \"retr",
+            "mode = \"last\" },\n  { operation = \"retr",
+            "C120",
+        ),
+        ("activity   = { period_ms = 20 }\n", "", "C127"),
+    ];
+    for (right, wrong, code) in mistakes {
+        let driver = shipped.driver.replace(right, wrong);
+        assert_ne!(driver, shipped.driver, "{right}");
+        let found = Bench {
+            driver,
+            ..Bench::default()
+        }
+        .findings();
+        assert!(found.contains(&code), "{wrong}: {found:?}");
+    }
+}
+
+#[test]
+fn j10_who_polls_slower_than_twice_as_often_is_warned() {
+    let driver = Bench::default().driver;
+    let pushed = "type = \"buffer\", size = 32";
+    let polled = |poll_ms| {
+        let policy = format!("delivery = \"poll\", poll_ms = {poll_ms}");
+        let driver = driver.replace(pushed, &policy);
+        Bench {
+            driver,
+            ..Bench::default()
+        }
+        .findings()
+    };
+    assert_eq!(polled(500), ["C054"]);
+    assert_eq!(polled(50), [""; 0]);
+}
+
+#[test]
+fn y4_idle_is_told_when_the_motion_has_ended_and_not_when_the_write_returned() {
+    let log = Bench {
+        script: &["1 move 1 0 0 0 0"],
+        ..Bench::default()
+    }
+    .run(6);
+    assert_eq!(log.events(), ["busy", "idle"]);
+    let (busy, idle) = (log.first("busy").unwrap(), log.first("idle").unwrap());
+    // 1 rad at 1 rad/s, within 0.01 rad for 200 ms
+    let motion = idle.since(busy).as_millis();
+    assert!((1190..1500).contains(&motion), "{motion} ms");
+    let mut statuses = log.statuses.iter();
+    let (_, status) = statuses.rfind(|(at, _)| *at <= idle).unwrap();
+    assert!((status.position[0] - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn y4_a_fault_of_the_driver_is_told_and_ends_the_waiting() {
+    let (mut simulation, log) = Bench {
+        script: &[POSTURE],
+        ..Bench::default()
+    }
+    .simulate();
+    simulation.run_for(Duration::from_secs(2));
+    let faults = Datum::List(vec![Datum::Int(0), Datum::Int(4)]);
+    let faults = [("faults".to_owned(), faults)];
+    simulation
+        .set_properties("Driver/youBotDriver", &faults)
+        .unwrap();
+    simulation.run_for(Duration::from_secs(1));
+    let log = log.lock().unwrap();
+    let at = log.first("fault").unwrap();
+    assert!((2000..2150).contains(&ms(at)), "{at}");
+}
+
+#[test]
+fn y11_a_driver_that_falls_silent_is_told_and_shown_as_stale() {
+    let script = &["2.5 read", "4 read"];
+    let (mut simulation, log) = Bench {
+        script,
+        ..Bench::default()
+    }
+    .simulate();
+    simulation.run_for(Duration::from_secs(2));
+    let stop = component::Transition::Stop;
+    simulation.transition("Driver/youBotDriver", stop).unwrap();
+    simulation.run_for(Duration::from_secs(3));
+    let log = log.lock().unwrap();
+    let stale = ms(log.first("stale").unwrap());
+    assert!((2900..3150).contains(&stale), "{stale} ms");
+    assert_eq!(log.events(), ["stale"], "once");
+    assert!(
+        log.replies[0].2.is_ok(),
+        "the last value is half a second old"
+    );
+    let refused = log.replies[1].2.as_ref().unwrap_err();
+    assert!(
+        refused.starts_with("STALE"),
+        "never a frozen good value: {refused}"
+    );
+}
+
+#[test]
+fn y6_the_same_seed_gives_the_same_stream_byte_for_byte() {
+    let stream = |properties| {
+        let driver = Bench::default()
+            .driver
+            .replace("seed = \"${", "random = true, seed = \"${");
+        let log = Bench {
+            driver,
+            properties,
+            ..Bench::default()
+        }
+        .run(10);
+        let statuses = log.statuses.iter().map(|(_, status)| status);
+        statuses
+            .map(|status| datum::cbor::encode(status).unwrap())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(stream("seed = 3"), stream("seed = 3"));
+    assert_ne!(stream("seed = 3"), stream("seed = 4"));
+    assert!(stream("seed = 3").len() >= 99);
+}
+
+#[test]
+fn y7_y8_a_period_set_through_the_service_is_the_drivers_within_five_cycles() {
+    let log = Bench {
+        script: &["1.01 period 0.05"],
+        ..Bench::default()
+    }
+    .run(4);
+    let stamps: Vec<i64> = log
+        .statuses
+        .iter()
+        .map(|(_, it)| it.stamp.as_nanos())
+        .collect();
+    let after = stamps.partition_point(|stamp| *stamp < 1_010_000_000);
+    let measured: Vec<i64> = stamps[after..]
+        .windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .collect();
+    let settled = &measured[1..6];
+    let mean_ms = settled.iter().sum::<i64>() as f64 / 5e6;
+    assert!((mean_ms - 50.0).abs() <= 1.0, "{mean_ms} ms: {measured:?}");
+    // what is no period is left alone
+    let log = Bench {
+        script: &["1 period -1", "2 period 0"],
+        ..Bench::default()
+    }
+    .run(4);
+    assert!((39..=41).contains(&log.statuses.len()));
+}
+
+#[test]
+fn y12_the_driver_has_few_lines() {
+    let driver = include_str!("../../components/youbot/src/driver.rs");
+    let lines = driver.lines().map(str::trim);
+    let code = lines.filter(|line| !line.is_empty() && !line.starts_with("//"));
+    assert!(code.count() <= 80);
+}
