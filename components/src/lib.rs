@@ -55,6 +55,9 @@ pub const COMPONENTS: &[(&str, Make)] = &[
     ("youbot::Kinematics", |interface| {
         Box::new(youbot::Kinematics::new(interface))
     }),
+    ("youbot::Operator", |interface| {
+        Box::new(youbot::Operator::new(interface))
+    }),
 ];
 
 /// The operations of an interface.

@@ -6,37 +6,59 @@ import CTLLibrary
 signature:
 	enum domain Mode = {IDLE | BUSY | FAULT}
 	enum domain Note = {QUIET | NOTE_IDLE | NOTE_BUSY | NOTE_REFRESH | NOTE_FAULT}
+	// somebody wants the hand elsewhere
+	monitored goal: Boolean
+	// the joint positions of a goal are known
 	monitored moveRequest: Boolean
 	monitored newStatus: Boolean
 	monitored withinTolerance: Boolean
 	monitored errorFlags: Boolean
 	monitored stale: Boolean
+	out solve: Boolean
 	out notify: Note
 	controlled mode: Mode
+	// a request came while there was something else to do
+	controlled waiting: Boolean
 	out writeCommands: Boolean
+	derived blocked: Boolean
 
 definitions:
+	function blocked = mode = FAULT and errorFlags
+
 	CTLSPEC ag(notify = NOTE_IDLE implies mode = IDLE)
 	CTLSPEC ag(writeCommands implies mode = BUSY)
 	CTLSPEC ag(mode = BUSY implies ef(mode = IDLE))
 	CTLSPEC ag((mode = BUSY and errorFlags and newStatus) implies ax(mode = FAULT))
+	CTLSPEC ag((mode = BUSY and goal) implies ax(not solve))
+
+	rule r_remember =
+		if moveRequest and not blocked then waiting := true endif
+
+	rule r_begin =
+		par mode := BUSY  notify := NOTE_BUSY  writeCommands := true  waiting := false endpar
+
+	rule r_locomote =
+		if mode = BUSY and (stale or (newStatus and errorFlags)) then
+			par mode := FAULT  notify := NOTE_FAULT  writeCommands := false  waiting := false endpar
+		else if mode = BUSY and newStatus and withinTolerance then
+			par mode := IDLE  notify := NOTE_IDLE  writeCommands := false  r_remember[] endpar
+		else if newStatus then
+			par notify := NOTE_REFRESH  writeCommands := false  r_remember[] endpar
+		else if mode != BUSY and (moveRequest or waiting) and not blocked then
+			r_begin[]
+		else
+			par notify := QUIET  writeCommands := false  r_remember[] endpar
+		endif endif endif endif
 
 	main rule r_Main =
-		if mode = BUSY and (stale or (newStatus and errorFlags)) then
-			par mode := FAULT  notify := NOTE_FAULT  writeCommands := false endpar
-		else if mode = BUSY and newStatus and withinTolerance then
-			par mode := IDLE  notify := NOTE_IDLE  writeCommands := false endpar
-		else if newStatus then
-			par notify := NOTE_REFRESH  writeCommands := false endpar
-		else if mode = IDLE and moveRequest then
-			par mode := BUSY  notify := NOTE_BUSY  writeCommands := true endpar
-		else if mode = FAULT and moveRequest and not errorFlags then
-			par mode := BUSY  notify := NOTE_BUSY  writeCommands := true endpar
-		else
-			par notify := QUIET  writeCommands := false endpar
-		endif endif endif endif endif
+		par
+			solve := goal and mode != BUSY and not blocked
+			r_locomote[]
+		endpar
 
 default init s0:
 	function mode = IDLE
 	function notify = QUIET
 	function writeCommands = false
+	function solve = false
+	function waiting = false

@@ -1,11 +1,13 @@
 //! The KUKA youBot's arm: a driver that has no arm ([`DummyDriver`]), and the way from a pose of the hand to the
-//! positions of the joints ([`Arm`], served by [`Kinematics`]).
+//! positions of the joints ([`Arm`], served by [`Kinematics`]); and somebody who wants the hand elsewhere ([`Operator`]).
 
 mod arm;
 mod driver;
 mod joints;
 mod kinematics;
+mod operator;
 
 pub use arm::{Arm, Joints, Unreachable};
 pub use driver::DummyDriver;
 pub use kinematics::Kinematics;
+pub use operator::Operator;

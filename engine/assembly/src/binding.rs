@@ -17,13 +17,14 @@ pub struct Binding {
     pub out: Vec<Out>,
 }
 
-/// A monitored function and the port its value comes from.
+/// A monitored function and where its value comes from.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Monitored {
     /// The function.
     pub function: String,
-    /// The input port, which may be on a topic.
-    pub port: String,
+    /// Where its value comes from.
+    #[serde(flatten)]
+    pub from: Source,
     /// Which of the messages that came.
     pub receive: Receive,
     /// The part of the message that is the value, as in `pose.position.x`.
@@ -32,6 +33,9 @@ pub struct Monitored {
     /// The field whose text names an enum literal.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map: Option<String>,
+    /// The texts for which it is true.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub is: Vec<String>,
     /// The value in a step without a message; `undef` where not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub none: Option<Value>,
@@ -41,6 +45,21 @@ pub struct Monitored {
     /// The value when it is older, or when none came yet.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on_stale: Option<Value>,
+}
+
+/// Where the value of a monitored function comes from.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Source {
+    /// An input port, which may be on a topic.
+    Port(String),
+    /// Requests of an operation that the component serves.
+    Request {
+        /// The service.
+        service: String,
+        /// The operation of its interface.
+        operation: String,
+    },
 }
 
 choice! {
@@ -142,6 +161,9 @@ pub struct Call {
     /// The literal for a reply that did not come in time; `failed` where not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub timeout: Option<String>,
+    /// The service whose caller hears how the call has ended.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reply: Option<String>,
 }
 
 /// A message or an argument, put together.

@@ -3,7 +3,7 @@
 
 use bridge::{Conversion, Use, inside};
 use component::declaration::OperationDeclaration;
-use datum::{Field, Schema, Shape};
+use datum::{Datum, Field, Schema, Shape};
 
 use crate::model::{ProxyEntry, ProxyMode};
 
@@ -54,6 +54,7 @@ pub(crate) fn notice() -> Schema {
         name: name.into(),
         doc: "".into(),
         schema: Schema::plain(Shape::Text),
+        initial: Datum::Null,
     };
     Schema::record("", vec![text("event"), text("detail")])
 }

@@ -203,6 +203,7 @@ mod tests {
             name: (*name).into(),
             doc: "".into(),
             schema: schema.clone(),
+            initial: Datum::Null,
         });
         Schema::record("", fields.collect())
     }

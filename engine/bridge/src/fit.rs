@@ -144,6 +144,7 @@ mod tests {
             name: name.into(),
             doc: "".into(),
             schema,
+            initial: Datum::Null,
         };
         let byte = Schema::plain(Shape::U8);
         let command = Schema::record("arm/Command", vec![field("goal", floats), field("n", byte)]);

@@ -28,24 +28,40 @@ pub struct Interfaces {
     pub services: Vec<(String, String)>,
 }
 
-/// A monitored function and the port its value comes from.
+/// A monitored function and where its value comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Monitored {
     /// The function.
     pub function: String,
-    /// The input port.
-    pub port: String,
+    /// Where its value comes from.
+    pub from: Source,
     /// Which of the messages that came.
     pub receive: Receive,
     /// The part of the message that is the value, as in `pose.position.x`; the message itself, or its
     /// only field, where not given.
     pub field: Option<String>,
+    /// The texts for which it is true; the value is taken as it is where there are none.
+    pub is: Vec<String>,
     /// The value in a step without a message; undef where not given.
     pub none: Option<Datum>,
     /// How old the last message may be.
     pub stale_ms: Option<u64>,
     /// The value when it is older, or when none came yet.
     pub on_stale: Option<Datum>,
+}
+
+/// Where the value of a monitored function comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// An input port.
+    Port(String),
+    /// Requests of an operation that the component serves.
+    Request {
+        /// The service.
+        service: String,
+        /// The operation of its interface.
+        operation: String,
+    },
 }
 
 /// Which of the messages that came is the value in a step.
@@ -139,6 +155,8 @@ pub struct Call {
     pub failed: Option<String>,
     /// The literal for a reply that did not come in time; `failed` where not given.
     pub timeout: Option<String>,
+    /// The service whose caller hears how the call has ended.
+    pub reply: Option<String>,
 }
 
 /// A message or an argument, put together.
@@ -146,7 +164,7 @@ pub struct Call {
 pub enum Argument {
     /// The default of the type.
     Default,
-    /// A reply that was kept, or the last message of the input port of this name.
+    /// A reply that was kept, the last message of the input port of this name, or what this service was asked last.
     Kept {
         /// The name of the reply or port.
         name: String,

@@ -5,6 +5,7 @@ use crate::frame::Frame;
 use crate::inbox::Inbox;
 use crate::outbox::{Handles, Outbox};
 use crate::partners::Partners;
+use crate::requests::Requests;
 use crate::step::{STEP_REPORT, StepRecord};
 use asm_lang::machine::{BackEnd, Machine};
 use asm_lang::simulate::Seeded;
@@ -57,6 +58,7 @@ pub struct Coordinator {
     inbox: Inbox,
     outbox: Outbox,
     partners: Partners,
+    requests: Requests,
     /// Where the system tells how its bus is, if the component listens.
     health: Option<In<Datum>>,
     frame: Frame,
@@ -80,6 +82,7 @@ impl Coordinator {
         interface: &mut Interface,
     ) -> Result<Self, BindError> {
         let handles = declare(binding, interfaces, interface)?;
+        let requests = Requests::declare(binding, interfaces, interface)?;
         let partners = Partners::declare(
             &specification,
             &interfaces.references,
@@ -96,7 +99,7 @@ impl Coordinator {
         })?;
         machine.set_partners(partners.agents());
         let health = health(interfaces, &handles);
-        let mut inbox = Inbox::new(binding, &specification, &handles.inputs)?;
+        let mut inbox = Inbox::new(binding, &specification, &handles.inputs, &requests)?;
         let outbox = Outbox::new(binding, &specification, handles, &mut inbox)?;
         Ok(Self {
             specification,
@@ -105,6 +108,7 @@ impl Coordinator {
             inbox,
             outbox,
             partners,
+            requests,
             health,
             frame: Frame::default(),
             told: Losses::default(),
@@ -123,7 +127,8 @@ impl Component for Coordinator {
 
     /// Freeze, step, send: what the step asks for leaves with the cycle, or not at all.
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
-        self.inbox.receive(cycle, self.machine.program());
+        self.requests.receive(cycle);
+        (self.inbox).receive(cycle, &self.requests, self.machine.program());
         self.outbox.receive(cycle, &mut self.inbox);
         self.inbox.losses.misfits += self.partners.receive(cycle, &mut self.machine);
         self.follow_health(cycle);
@@ -145,8 +150,10 @@ impl Component for Coordinator {
             // the step is told before what it causes
             cycle.report(STEP_REPORT, Datum::of(&record)?);
         }
+        let (inbox, requests) = (&mut self.inbox, &mut self.requests);
         self.outbox
-            .send(&self.machine, &step, cycle, &mut self.inbox);
+            .send(&self.machine, &step, cycle, inbox, requests);
+        self.requests.settle(cycle);
         self.partners.send(&self.machine, cycle);
         self.tell_losses(cycle)?;
         if self.inbox.has_more() {
@@ -235,7 +242,7 @@ fn declare(
     Ok(handles)
 }
 
-fn calls(binding: &Binding) -> impl Iterator<Item = &crate::binding::Call> {
+pub(crate) fn calls(binding: &Binding) -> impl Iterator<Item = &crate::binding::Call> {
     let cases = binding.out.iter().flat_map(|out| match &out.effect {
         Effect::Literals(cases) => cases.as_slice(),
         Effect::Publish { .. } => &[],

@@ -4,15 +4,17 @@
 //! for the steps that follow. So no event hides another one (two in one frame would: a REACHED could
 //! cover a BLOCKED).
 
-use crate::binding::{Binding, Monitored, Receive};
+use crate::binding::{Binding, Monitored, Receive, Source};
 use crate::convert::{literal_of, value_of};
 use crate::coordinator::BindError;
 use crate::frame::Frame;
+use crate::requests::Requests;
 use asm_lang::Specification;
 use asm_lang::ir::{FunctionId, Program, Shape};
 use asm_lang::value::Value;
-use component::{Cycle, Flow, In, Losses, Time};
+use component::{Cycle, In, Losses, Time};
 use datum::Datum;
+use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -29,9 +31,10 @@ pub(crate) struct Inbox {
 struct Input {
     function: FunctionId,
     shape: Shape,
-    port: Option<In<Datum>>,
+    from: From,
     receive: Receive,
     field: Option<String>,
+    is: Vec<String>,
     none: Value,
     stale: Option<(Duration, Value)>,
     newest: Option<Time>,
@@ -40,15 +43,27 @@ struct Input {
     waiting: VecDeque<(Option<FunctionId>, Value)>,
 }
 
+/// Where messages come from.
+#[derive(Clone, Copy)]
+enum From {
+    /// Only from calls that have ended.
+    Calls,
+    Port(In<Datum>),
+    /// Requests of this operation.
+    Requests(usize),
+}
+
 impl Inbox {
     pub fn new(
         binding: &Binding,
         specification: &Specification,
         ports: &[(String, In<Datum>)],
+        requests: &Requests,
     ) -> Result<Self, BindError> {
         let mut inputs = Vec::new();
         for monitored in &binding.monitored {
-            inputs.push(Input::new(monitored, specification, ports)?);
+            let from = from(&monitored.from, ports, requests)?;
+            inputs.push(Input::new(monitored, from, specification)?);
         }
         Ok(Self {
             inputs,
@@ -66,13 +81,19 @@ impl Inbox {
         {
             return Ok(index);
         }
+        let shape = codomain(function, &specification.program);
         self.inputs.push(Input {
             function,
-            shape: codomain(function, &specification.program),
-            port: None,
+            from: From::Calls,
             receive: Receive::All,
             field: None,
-            none: Value::Undef,
+            is: Vec::new(),
+            // an event that is true or false has not happened in the other steps
+            none: match shape {
+                Shape::Bool => Value::Bool(false),
+                _ => Value::Undef,
+            },
+            shape,
             stale: None,
             newest: None,
             last: None,
@@ -85,6 +106,7 @@ impl Inbox {
     pub fn literal(&self, input: usize, name: &str, program: &Program) -> Option<Value> {
         match self.inputs.get(input)?.shape {
             Shape::Domain(domain) => literal_of(name, domain, program),
+            Shape::Bool => name.parse().ok().map(Value::Bool),
             _ => None,
         }
     }
@@ -109,17 +131,31 @@ impl Inbox {
     }
 
     /// Takes in the messages of the cycle.
-    pub fn receive(&mut self, cycle: &Cycle<'_>, program: &Program) {
+    pub fn receive(&mut self, cycle: &Cycle<'_>, requests: &Requests, program: &Program) {
         for input in &mut self.inputs {
-            let Some(port) = input.port else { continue };
+            let (messages, newest) = match input.from {
+                From::Calls => continue,
+                From::Port(port) => (cycle.all(port), cycle.read(port).new()),
+                From::Requests(position) => {
+                    let came = requests.came(position);
+                    (came, came.last())
+                }
+            };
             match input.receive {
-                Receive::Edge => {
-                    if !cycle.all(port).is_empty() || matches!(cycle.read(port), Flow::NewData(_)) {
+                Receive::Edge if input.is.is_empty() => {
+                    if newest.is_some() {
                         input.last = Some(Value::Bool(true));
                     }
                 }
+                Receive::Edge => {
+                    let truth = Value::Bool(true);
+                    if (messages.iter()).any(|it| input.value(it, program).as_ref() == Some(&truth))
+                    {
+                        input.last = Some(truth);
+                    }
+                }
                 Receive::Last => {
-                    if let Flow::NewData(message) = cycle.read(port) {
+                    if let Some(message) = newest {
                         match input.value(message, program) {
                             Some(value) => {
                                 input.newest = Some(cycle.now());
@@ -130,7 +166,7 @@ impl Inbox {
                     }
                 }
                 Receive::All => {
-                    for message in cycle.all(port) {
+                    for message in messages {
                         match input.value(message, program) {
                             Some(value) => self.losses.dropped += input.wait(None, value),
                             None => self.losses.misfits += 1,
@@ -159,19 +195,12 @@ impl Inbox {
 impl Input {
     fn new(
         monitored: &Monitored,
+        from: From,
         specification: &Specification,
-        ports: &[(String, In<Datum>)],
     ) -> Result<Self, BindError> {
         let program = &specification.program;
         let function = function(&monitored.function, specification)?;
         let shape = codomain(function, program);
-        let port = ports
-            .iter()
-            .find(|(name, _)| *name == monitored.port)
-            .map(|(_, port)| *port);
-        let port = port.ok_or_else(|| BindError::UnknownPort {
-            port: monitored.port.clone(),
-        })?;
         let constant = |datum: &Option<Datum>| match datum {
             None => Ok(Value::Undef),
             Some(datum) => value_of(datum, &shape, program).ok_or_else(|| BindError::NotAValue {
@@ -186,9 +215,10 @@ impl Input {
         };
         Ok(Self {
             function,
-            port: Some(port),
+            from,
             receive: monitored.receive,
             field: monitored.field.clone(),
+            is: monitored.is.clone(),
             none,
             stale,
             newest: None,
@@ -199,10 +229,15 @@ impl Input {
     }
 
     fn value(&self, message: &Datum, program: &Program) -> Option<Value> {
-        match &self.field {
-            Some(field) => value_of(&*message.get(field)?, &self.shape, program),
-            None => value_of(message, &self.shape, program),
+        let part = match &self.field {
+            Some(field) => message.get(field)?,
+            None => Cow::Borrowed(message),
+        };
+        if self.is.is_empty() {
+            return value_of(&part, &self.shape, program);
         }
+        let text = part.as_text()?;
+        Some(Value::Bool(self.is.iter().any(|known| known == text)))
     }
 
     /// Adds an event; how many were dropped for it.
@@ -224,6 +259,29 @@ impl Input {
             return value.clone();
         }
         self.last.clone().unwrap_or_else(|| self.none.clone())
+    }
+}
+
+fn from(
+    source: &Source,
+    ports: &[(String, In<Datum>)],
+    requests: &Requests,
+) -> Result<From, BindError> {
+    match source {
+        Source::Port(name) => {
+            let port = ports.iter().find(|(known, _)| known == name);
+            let (_, port) = port.ok_or_else(|| BindError::UnknownPort { port: name.clone() })?;
+            Ok(From::Port(*port))
+        }
+        Source::Request { service, operation } => {
+            let position = requests.position(service, operation);
+            position
+                .map(From::Requests)
+                .ok_or_else(|| BindError::UnknownOperation {
+                    reference: service.clone(),
+                    operation: operation.clone(),
+                })
+        }
     }
 }
 

@@ -12,10 +12,12 @@ mod frame;
 mod inbox;
 mod outbox;
 mod partners;
+mod requests;
 mod step;
 
 pub use binding::{
-    Action, Argument, Binding, Call, Case, Effect, Interfaces, Monitored, Out, PublishWhen, Receive,
+    Action, Argument, Binding, Call, Case, Effect, Interfaces, Monitored, Out, PublishWhen,
+    Receive, Source,
 };
 pub use coordinator::{BindError, Coordinator, LOSSES_REPORT};
 pub use outbox::UNSENT_REPORT;

@@ -4,11 +4,12 @@ use crate::binding::{Action, Argument, Binding, Effect, PublishWhen};
 use crate::convert::{datum_of, literal_of};
 use crate::coordinator::BindError;
 use crate::inbox::Inbox;
+use crate::requests::{Caller, Requests, superseded};
 use asm_lang::Specification;
 use asm_lang::ir::{FunctionId, Shape};
 use asm_lang::machine::{Machine, Step};
 use asm_lang::value::Value;
-use component::{CallError, CallId, Cycle, Dynamic, Flow, In, Out, Reply, Required};
+use component::{CallError, CallId, Cycle, Dynamic, In, Out, Reply, Required, ServiceFault};
 use datum::Datum;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -27,7 +28,7 @@ pub(crate) struct Outbox {
     outs: Vec<Bound>,
     /// The replies that were kept.
     kept: BTreeMap<String, Datum>,
-    pending: Vec<(CallId, Outcome)>,
+    pending: Vec<Pending>,
     ports: Vec<(String, In<Datum>)>,
     operations: Vec<Required<Dynamic>>,
 }
@@ -58,6 +59,14 @@ enum BoundAction {
     },
 }
 
+/// A call under way.
+struct Pending {
+    call: CallId,
+    outcome: Outcome,
+    /// Whom it answers for.
+    caller: Option<Caller>,
+}
+
 /// What the end of a call does.
 #[derive(Clone)]
 struct Outcome {
@@ -69,6 +78,8 @@ struct Outcome {
     ok: Option<Value>,
     failed: Option<Value>,
     timeout: Option<Value>,
+    /// The service whose caller hears of it.
+    reply: Option<String>,
 }
 
 impl Outcome {
@@ -133,14 +144,16 @@ impl Outbox {
     pub fn receive(&mut self, cycle: &mut Cycle<'_>, inbox: &mut Inbox) {
         for operation in &self.operations {
             for Reply { call, result } in cycle.replies(*operation) {
-                let Some(index) = self
-                    .pending
-                    .iter()
-                    .position(|(pending, _)| *pending == call)
-                else {
+                let mut pending = self.pending.iter();
+                let Some(index) = pending.position(|pending| pending.call == call) else {
                     continue;
                 };
-                let (_, outcome) = self.pending.remove(index);
+                let Pending {
+                    outcome, caller, ..
+                } = self.pending.remove(index);
+                if let Some((served, request)) = caller {
+                    cycle.reply(served, request, forwarded(&result));
+                }
                 let event = match result {
                     Ok(reply) => {
                         if let Some(name) = outcome.keep {
@@ -161,8 +174,8 @@ impl Outbox {
 
     /// The component stops, and its calls with it: they end as failed.
     pub fn stop(&mut self, inbox: &mut Inbox) {
-        for (_, outcome) in std::mem::take(&mut self.pending) {
-            outcome.fail(inbox);
+        for pending in std::mem::take(&mut self.pending) {
+            pending.outcome.fail(inbox);
         }
     }
 
@@ -174,6 +187,7 @@ impl Outbox {
         step: &Step<'_>,
         cycle: &mut Cycle<'_>,
         inbox: &mut Inbox,
+        requests: &mut Requests,
     ) {
         for out in &self.outs {
             let slot = machine.state().slot(machine.program(), out.function, &[]);
@@ -200,17 +214,20 @@ impl Outbox {
                 }
                 BoundEffect::Literals(cases) => {
                     let Some((update, _)) = update else { continue };
-                    let superseded =
-                        |(_, outcome): &(CallId, Outcome)| outcome.function == out.function;
-                    for (call, _) in self.pending.extract_if(.., |pending| superseded(pending)) {
-                        cycle.cancel(call);
+                    let is_answered =
+                        |pending: &mut Pending| pending.outcome.function == out.function;
+                    for pending in self.pending.extract_if(.., is_answered) {
+                        cycle.cancel(pending.call);
+                        if let Some((served, request)) = pending.caller {
+                            cycle.reply(served, request, Err(superseded()));
+                        }
                     }
                     inbox.withdraw(out.function);
                     let case = cases.iter().find(|(literal, _)| *literal == update.value);
                     for action in case.into_iter().flat_map(|(_, actions)| actions) {
                         match action {
                             BoundAction::Publish { port, value } => {
-                                match compose(value, &self.kept, &self.ports, cycle) {
+                                match compose(value, &self.known(requests), cycle) {
                                     Ok(message) => cycle.write(*port, message),
                                     Err(missing) => unsent(&missing, cycle),
                                 }
@@ -219,10 +236,16 @@ impl Outbox {
                                 operation,
                                 with,
                                 outcome,
-                            } => match compose(with, &self.kept, &self.ports, cycle) {
+                            } => match compose(with, &self.known(requests), cycle) {
                                 Ok(argument) => {
-                                    let call = cycle.call(*operation, argument);
-                                    self.pending.push((call, outcome.clone()));
+                                    let service = outcome.reply.as_ref();
+                                    let caller =
+                                        service.and_then(|name| requests.claim(name, cycle));
+                                    self.pending.push(Pending {
+                                        call: cycle.call(*operation, argument),
+                                        outcome: outcome.clone(),
+                                        caller,
+                                    });
                                 }
                                 Err(missing) => {
                                     unsent(&missing, cycle);
@@ -233,6 +256,16 @@ impl Outbox {
                     }
                 }
             }
+        }
+    }
+}
+
+impl Outbox {
+    fn known<'k>(&'k self, requests: &'k Requests) -> Known<'k> {
+        Known {
+            kept: &self.kept,
+            ports: &self.ports,
+            requests,
         }
     }
 }
@@ -289,6 +322,7 @@ impl Handles {
                     ok: literal(&call.ok)?,
                     failed: literal(&call.failed)?,
                     timeout: literal(&call.timeout)?,
+                    reply: call.reply.clone(),
                 };
                 Ok(BoundAction::Call {
                     operation: *operation,
@@ -331,23 +365,50 @@ fn unsent(missing: &str, cycle: &mut Cycle<'_>) {
     cycle.report(UNSENT_REPORT, Datum::text(missing));
 }
 
+/// What a caller hears of the call that was made for it.
+fn forwarded(result: &Result<Datum, CallError>) -> Result<Datum, ServiceFault> {
+    let fault = match result {
+        Ok(_) => return Ok(Datum::Record(Vec::new())),
+        Err(CallError::Fault(fault)) => return Err(fault.clone()),
+        Err(CallError::Cancelled) => return Err(superseded()),
+        Err(error @ CallError::Timeout) => ("TIMEOUT", error),
+        Err(error @ CallError::Unavailable) => ("UNAVAILABLE", error),
+    };
+    Err(ServiceFault::new(fault.0, fault.1.to_string()))
+}
+
+/// What messages are put together from.
+struct Known<'k> {
+    /// The replies that were kept.
+    kept: &'k BTreeMap<String, Datum>,
+    ports: &'k [(String, In<Datum>)],
+    requests: &'k Requests,
+}
+
+impl Known<'_> {
+    /// The reply, message or request of this name.
+    fn get<'k>(&'k self, name: &str, cycle: &'k Cycle<'_>) -> Option<&'k Datum> {
+        let received = || {
+            let (_, port) = self.ports.iter().find(|(port, _)| port == name)?;
+            cycle.read(*port).any()
+        };
+        let kept = self.kept.get(name).or_else(received);
+        kept.or_else(|| self.requests.last(name))
+    }
+}
+
 /// Puts a message or argument together.
 ///
 /// # Errors
 /// The name of what it takes from a reply or port that nothing has come from yet: zeros in its place
 /// would be taken for real.
-fn compose(
-    argument: &Argument,
-    kept: &BTreeMap<String, Datum>,
-    ports: &[(String, In<Datum>)],
-    cycle: &Cycle<'_>,
-) -> Result<Datum, String> {
+fn compose(argument: &Argument, known: &Known<'_>, cycle: &Cycle<'_>) -> Result<Datum, String> {
     match argument {
         Argument::Default => Ok(Datum::Record(Vec::new())),
         Argument::Value(value) => Ok(value.clone()),
         Argument::Record(fields) => {
             let compose_field = |(name, field): &(String, Argument)| {
-                Ok((name.clone(), compose(field, kept, ports, cycle)?))
+                Ok((name.clone(), compose(field, known, cycle)?))
             };
             let fields = fields
                 .iter()
@@ -356,14 +417,7 @@ fn compose(
             Ok(Datum::record(fields))
         }
         Argument::Kept { name, path } => {
-            let received = || {
-                let (_, port) = ports.iter().find(|(port, _)| port == name)?;
-                match cycle.read(*port) {
-                    Flow::NewData(message) | Flow::OldData(message) => Some(message),
-                    Flow::NoData => None,
-                }
-            };
-            let whole = kept.get(name).or_else(received);
+            let whole = known.get(name, cycle);
             let part = match path {
                 Some(path) => whole.and_then(|whole| whole.get(path)),
                 None => whole.map(Cow::Borrowed),

@@ -16,25 +16,36 @@ pub struct Bind {
     pub out: Vec<Out>,
 }
 
-/// A monitored function and the topic its value comes from.
+/// A monitored function and where its value comes from.
 #[derive(Clone, Debug)]
 pub struct Monitored {
     /// The function.
     pub function: At<String>,
-    /// The name under `subscribe` or `ports.in`.
-    pub topic: At<String>,
+    /// Where its value comes from.
+    pub from: Source,
     /// Which of the messages that came.
     pub receive: At<Receive>,
     /// The part of the message that is the value.
     pub field: Option<Path>,
     /// The field whose text names an enum literal.
     pub map: Option<Path>,
+    /// The texts for which it is true.
+    pub is: Vec<At<String>>,
     /// The value in a step without a message.
     pub none: Option<Node>,
     /// How old the last message may be.
     pub stale_ms: Option<At<i64>>,
     /// The value when it is older, or when none came yet.
     pub on_stale: Option<Node>,
+}
+
+/// Where the value of a monitored function comes from.
+#[derive(Clone, Debug)]
+pub enum Source {
+    /// A name under `subscribe` or `ports.in`.
+    Topic(At<String>),
+    /// `service.operation`: requests; the `component` of the end is the service.
+    Request(End),
 }
 
 /// An out function and what its updates do.
@@ -93,6 +104,8 @@ pub struct Call {
     pub timeout: Option<At<String>>,
     /// The monitored function that takes these literals.
     pub event: Option<At<String>>,
+    /// The service whose caller hears how the call has ended.
+    pub reply: Option<At<String>>,
 }
 
 /// A message or an argument, put together.

@@ -8,7 +8,9 @@ use super::{
     Asm, BuiltinSettings, Component, Implementation, Lifecycle, Pace, Plot, Port, RosEntry,
     Service, Settings, Verify, proxy,
 };
-use crate::binding::{Action, Argument, Binding, Call, Case, Effect, Monitored, Out};
+use crate::binding::{
+    Action, Argument, Binding, Call, Case, Effect, Monitored, Out, Source as From,
+};
 use crate::catalogue::Catalogue;
 use crate::check::chosen_field;
 use crate::check::face::{self, Face};
@@ -382,19 +384,39 @@ fn monitored(source: &Source<'_>, written: &written::Monitored, notes: &mut Note
     };
     let (none, on_stale) = (value(&written.none), value(&written.on_stale));
     let mut field = written.field.as_ref().map(ToString::to_string);
-    if field.is_none() && written.map.is_none() && !edge {
-        field = chosen(source, &source.face.inputs, &written.topic);
+    let looks = !edge || !written.is.is_empty();
+    if field.is_none() && written.map.is_none() && looks {
+        field = match &written.from {
+            written::Source::Topic(topic) => chosen(source, &source.face.inputs, topic),
+            written::Source::Request(end) => chosen_of_request(source, end),
+        };
     }
     Monitored {
         function: written.function.value.clone(),
-        port: written.topic.value.clone(),
+        from: match &written.from {
+            written::Source::Topic(topic) => From::Port(topic.value.clone()),
+            written::Source::Request(end) => From::Request {
+                service: end.component.value.clone(),
+                operation: end.name.value.clone(),
+            },
+        },
         receive: written.receive.value,
         field,
         map: written.map.as_ref().map(ToString::to_string),
+        is: written.is.iter().map(|text| text.value.clone()).collect(),
         none,
         stale_ms: number(&written.stale_ms),
         on_stale,
     }
+}
+
+fn chosen_of_request(source: &Source<'_>, end: &model::End) -> Option<String> {
+    let service = face::find(&source.face.services, &end.component)?;
+    let operations = source.catalogue.operations(&service.interface.text)?;
+    let operation = operations
+        .iter()
+        .find(|known| known.name == end.name.value)?;
+    chosen_field(&operation.request)
 }
 
 /// The field that is meant where none is named.
@@ -448,6 +470,7 @@ fn action(source: &Source<'_>, written: &written::Action, notes: &mut Notes) -> 
             ok: text(&call.ok),
             failed: text(&call.failed),
             timeout: text(&call.timeout),
+            reply: text(&call.reply),
         }),
     }
 }

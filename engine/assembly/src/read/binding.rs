@@ -8,7 +8,7 @@ use crate::At;
 use crate::binding::Receive;
 use crate::finding::Findings;
 use crate::model::Path;
-use crate::model::binding::{Action, Argument, Bind, Call, Effect, Monitored, Out};
+use crate::model::binding::{Action, Argument, Bind, Call, Effect, Monitored, Out, Source};
 use crate::tree::{Branch, Node, Table};
 
 const MONITORED: &str = "{ topic = \"estop\", field = \"data\" }";
@@ -30,7 +30,7 @@ pub(crate) fn bind(keys: &mut Keys<'_, '_, '_>) -> Bind {
 
 fn monitored(reader: &mut Reader<'_>, function: &At<String>, node: &Node) -> Option<Monitored> {
     let mut keys = reader.keys_of(node, function, "a bound monitored function", MONITORED)?;
-    let topic = keys.needed_text("topic", "\"estop\"");
+    let from = source(&mut keys);
     let receive = receive(&mut keys, function);
     let (field, map) = (path(&mut keys, "field"), path(&mut keys, "map"));
     if let (Some((first_at, _)), Some((at, _))) = (keys.entry("field"), keys.entry("map")) {
@@ -41,6 +41,13 @@ fn monitored(reader: &mut Reader<'_>, function: &At<String>, node: &Node) -> Opt
             "one field is the value",
         );
     }
+    let is = match keys
+        .entry("is")
+        .map(|(_, node)| matches!(node.value, Branch::Text(_)))
+    {
+        Some(true) => keys.text("is", "\"idle\"").into_iter().collect(),
+        _ => keys.texts("is", "\"idle\""),
+    };
     let none = keys.node("none").cloned();
     let stale_ms = keys.whole("stale_ms", 1..=DAY_MS);
     let on_stale = keys.node("on_stale").cloned();
@@ -50,14 +57,31 @@ fn monitored(reader: &mut Reader<'_>, function: &At<String>, node: &Node) -> Opt
     let function = function.clone();
     Some(Monitored {
         function,
-        topic: topic?,
+        from: from?,
         receive,
         field,
         map,
+        is,
         none,
         stale_ms,
         on_stale,
     })
+}
+
+/// `topic = "estop"` or `service = "move.moveTo"`.
+fn source(keys: &mut Keys<'_, '_, '_>) -> Option<Source> {
+    match (keys.entry("topic"), keys.entry("service")) {
+        (Some((first_at, _)), Some((at, _))) => {
+            let (first, second) = (("topic", first_at), ("service", at));
+            excluded(keys, first, second, "a value comes from one place");
+            keys.text("topic", "\"estop\"").map(Source::Topic)
+        }
+        (None, Some(_)) => {
+            let operation = keys.text("service", "\"move.moveTo\"")?;
+            name::end(keys.reader, &operation).map(Source::Request)
+        }
+        (_, None) => keys.needed_text("topic", "\"estop\"").map(Source::Topic),
+    }
 }
 
 /// `edge = true` is a way to receive; together with `receive` it would say two things.
@@ -193,6 +217,7 @@ fn call(keys: &mut Keys<'_, '_, '_>) -> Option<Action> {
     let failed = keys.text("failed", "\"CALL_FAILED\"");
     let timeout = keys.text("timeout", "\"CALL_FAILED\"");
     let event = keys.text("event", "\"ev\"");
+    let reply = keys.text("reply", "\"move\"");
     if ok.is_some() || failed.is_some() || timeout.is_some() {
         keys.need("event", "\"ev\"");
     }
@@ -205,6 +230,7 @@ fn call(keys: &mut Keys<'_, '_, '_>) -> Option<Action> {
         failed,
         timeout,
         event,
+        reply,
     })))
 }
 

@@ -10,7 +10,7 @@ use source::Loader;
 
 use super::Make;
 use crate::Value;
-use crate::binding::{Action, Argument, Binding, Effect, Monitored, PublishWhen, Receive};
+use crate::binding::{Action, Argument, Binding, Effect, Monitored, PublishWhen, Receive, Source};
 use crate::plan::{self, Asm};
 
 /// Opens the specification, and makes the component that runs it.
@@ -75,13 +75,20 @@ fn binding(binding: &Binding) -> coordinator::Binding {
 fn monitored(monitored: &Monitored) -> coordinator::Monitored {
     coordinator::Monitored {
         function: monitored.function.clone(),
-        port: monitored.port.clone(),
+        from: match &monitored.from {
+            Source::Port(port) => coordinator::Source::Port(port.clone()),
+            Source::Request { service, operation } => coordinator::Source::Request {
+                service: service.clone(),
+                operation: operation.clone(),
+            },
+        },
         receive: match monitored.receive {
             Receive::Last => coordinator::Receive::Last,
             Receive::All => coordinator::Receive::All,
             Receive::Edge => coordinator::Receive::Edge,
         },
         field: monitored.field.clone().or_else(|| monitored.map.clone()),
+        is: monitored.is.clone(),
         none: monitored.none.as_ref().map(Value::datum),
         stale_ms: monitored.stale_ms,
         on_stale: monitored.on_stale.as_ref().map(Value::datum),
@@ -124,6 +131,7 @@ fn action(action: &Action) -> coordinator::Action {
             ok: call.ok.clone(),
             failed: call.failed.clone(),
             timeout: call.timeout.clone(),
+            reply: call.reply.clone(),
         }),
     }
 }

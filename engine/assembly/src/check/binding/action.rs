@@ -51,6 +51,16 @@ fn call(bound: &Bound<'_>, call: &Call, report: &mut Report) {
     if let Some(with) = &call.with {
         argument::check(bound, &call.operation.name, with, wanted.as_ref(), report);
     }
+    if let Some(service) = &call.reply {
+        let services = &bound.part.face.services;
+        if find(services, service).is_none() {
+            report.found(unknown(
+                "service",
+                service,
+                nearest_service(services, service),
+            ));
+        }
+    }
     let Some(event) = &call.event else {
         return;
     };

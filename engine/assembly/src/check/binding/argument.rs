@@ -4,10 +4,10 @@ use datum::{Schema, Shape};
 use source::Report;
 
 use super::error::BindingError;
-use super::{Bound, action};
+use super::{Bound, action, function};
 use crate::At;
 use crate::finding::Findings;
-use crate::model::binding::Argument;
+use crate::model::binding::{Argument, Source};
 use crate::tree::{Branch, Node};
 use crate::types::TypeError;
 
@@ -44,7 +44,7 @@ fn kept(
             .kind
             .as_ref()
             .and_then(|kind| bound.scene.types.schema(&kind.text)),
-        None => match action::kept(bound, name) {
+        None => match action::kept(bound, name).or_else(|| asked(bound, name)) {
             Some(response) => response,
             None => {
                 let kept = action::calls(&bound.part.component.bind);
@@ -78,6 +78,16 @@ fn kept(
         }
         Ok(None) => {}
     }
+}
+
+/// What a service is asked that a monitored function is bound to, and what it looks like, if the build knows it.
+fn asked(bound: &Bound<'_>, name: &str) -> Option<Option<Schema>> {
+    let mut monitored = bound.part.component.bind.monitored.iter();
+    let end = monitored.find_map(|monitored| match &monitored.from {
+        Source::Request(end) if end.component.value == name => Some(end),
+        Source::Request(_) | Source::Topic(_) => None,
+    })?;
+    Some(function::request(bound, end, &mut Report::new()))
 }
 
 fn record(

@@ -8,16 +8,21 @@ use super::{Bound, action};
 use crate::At;
 use crate::binding::Receive;
 use crate::check::component::unknown;
-use crate::check::face::Port;
+use crate::check::face::{Port, find, nearest_service};
 use crate::finding::Findings;
-use crate::model::Path;
-use crate::model::binding::{Effect, Monitored, Out};
+use crate::model::binding::{Effect, Monitored, Out, Source};
+use crate::model::{End, Path};
 use crate::nearest::nearest;
 use crate::signature::{Codomain, FunctionInfo, FunctionKind};
 use crate::tree::{Branch, Node};
 
 pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut Report) {
-    let port = input(bound, &monitored.topic, report);
+    let message = match &monitored.from {
+        Source::Topic(topic) => {
+            input(bound, topic, report).and_then(|port| Some(port.kind.as_ref()?.text.clone()))
+        }
+        Source::Request(end) => request(bound, end, report).map(|schema| schema.to_string()),
+    };
     let function = bound.signature.and_then(|signature| {
         let found = function(signature, &monitored.function, report)?;
         read_by_asm(&found, monitored.function.span, report).then_some(found)
@@ -29,14 +34,53 @@ pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut R
     }
     let path = monitored.field.as_ref().or(monitored.map.as_ref());
     let name = &monitored.function;
+    if let Some(first) = monitored.is.first() {
+        let truth = function
+            .as_ref()
+            .filter(|it| it.codomain != Codomain::Boolean);
+        if let Some(function) = truth {
+            report.found(BindingError::WrongField {
+                function: function.clone(),
+                found: "what is true for some texts".to_owned(),
+                at: first.span,
+                typed: None,
+            });
+        }
+        if let Some(message) = &message {
+            // the field is compared, so it is a text whatever the function is
+            let text = function.map(|function| FunctionInfo {
+                codomain: Codomain::Text,
+                ..function
+            });
+            field(bound, text.as_ref(), name, message, path, report);
+        }
+        return;
+    }
     if monitored.receive.value == Receive::Edge {
         let path = path.map(|path| path.span);
         edge(function.as_ref(), monitored.receive.span, path, report);
         return;
     }
-    if let Some(kind) = port.and_then(|port| port.kind.as_ref()) {
-        field(bound, function.as_ref(), name, &kind.text, path, report);
+    if let Some(message) = &message {
+        field(bound, function.as_ref(), name, message, path, report);
     }
+}
+
+/// What is asked of an operation that the component serves, if the build knows it.
+pub(super) fn request(bound: &Bound<'_>, end: &End, report: &mut Report) -> Option<Schema> {
+    let services = &bound.part.face.services;
+    let Some(service) = find(services, &end.component) else {
+        let nearest = nearest_service(services, &end.component);
+        report.found(unknown("service", &end.component, nearest));
+        return None;
+    };
+    let operations = bound.scene.catalogue.operations(&service.interface.text)?;
+    let found = operations.iter().find(|known| known.name == end.name.value);
+    if found.is_none() {
+        let known = operations.iter().map(|known| (known.name.as_str(), None));
+        report.found(unknown("operation", &end.name, nearest(&end.name, known)));
+    }
+    found.map(|operation| operation.request.clone())
 }
 
 /// A function that takes its values from the environment, without arguments.
