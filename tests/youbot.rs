@@ -2,4 +2,5 @@
 //! named after the rows of the inventory that they accept.
 
 mod bench;
+mod locomotor;
 mod proxy;

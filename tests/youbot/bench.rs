@@ -8,8 +8,7 @@ use asm_lang::Files;
 use assembly::model::Builtin;
 use assembly::{AsmFiles, Constructor, Context, EmptyEnvironment, Opened, Standard, Tables};
 use component::{
-    Component, Cycle, Event, Fault, Interface, Operation, Property, Provided, Required, Run,
-    Simulation, Time,
+    Component, Cycle, Event, Fault, Interface, Property, Provided, Required, Run, Simulation, Time,
 };
 use datum::{Datum, Sample};
 use messages::{
@@ -74,12 +73,27 @@ impl Component for Client {
     }
 }
 
+/// The components of the build, and the client.
 const COMPONENTS: &[(&str, Constructor)] = &[
-    ("youbot::DummyDriver", |interface| {
-        components::component("youbot::DummyDriver").unwrap()(interface)
+    made("youbot::DummyDriver", |interface| {
+        of_build("youbot::DummyDriver", interface)
     }),
-    ("test::Client", |interface| Box::new(Client::new(interface))),
+    made("youbot::Kinematics", |interface| {
+        of_build("youbot::Kinematics", interface)
+    }),
+    made("youbot::Operator", |interface| {
+        of_build("youbot::Operator", interface)
+    }),
+    made("test::Client", |interface| Box::new(Client::new(interface))),
 ];
+
+const fn made(name: &'static str, make: Constructor) -> (&'static str, Constructor) {
+    (name, make)
+}
+
+fn of_build(name: &str, interface: &mut Interface) -> Box<dyn Component> {
+    components::component(name).unwrap()(interface)
+}
 
 const BUILD: Tables = Tables {
     components: COMPONENTS,
@@ -93,8 +107,8 @@ const APPLICATION: &str = r#"
 schema = "composite/1"
 wires = [
   { reference = "Client.send", service = "Driver.sendingCommand", timeout_ms = 20000WIRE },
-  { reference = "Client.period", service = "Driver.settingPeriod" },
-  { reference = "Client.status", service = "Driver.retrievingStatus" },
+  { reference = "Client.period", service = "Driver.settingPeriod", timeout_ms = 1000 },
+  { reference = "Client.status", service = "Driver.retrievingStatus", timeout_ms = 1000 },
   { reference = "Driver.notifying", service = "Client.notifying", oneway = true },
 ]
 [composite]
@@ -138,7 +152,9 @@ pub(super) struct Log {
     pub statuses: Vec<(Time, JointStatus)>,
     /// Every notice that left the proxy, and when.
     pub notices: Vec<(Time, String)>,
-    /// The end of every call of the client: operation, when, how.
+    /// What the locomotor said, and when.
+    pub notes: Vec<(Time, String)>,
+    /// The end of every call: operation, when, how.
     pub replies: Vec<(String, Time, Result<Datum, String>)>,
     /// The number of each component's present cycle.
     cycles: BTreeMap<String, u64>,
@@ -164,6 +180,15 @@ impl Log {
                     self.turned_in.push(self.cycles["Driver/youBotDriver"]);
                 }
                 self.statuses.push((at, status));
+            }
+            Event::Published {
+                component: "Locomotor",
+                sample,
+                ..
+            } => {
+                let note = datum_of(*sample);
+                let note = note.get("data").unwrap();
+                self.notes.push((at, note.as_text().unwrap().to_owned()));
             }
             Event::Called {
                 component,
@@ -211,8 +236,58 @@ fn datum_of(sample: &dyn Sample) -> Datum {
     sample.to_datum().unwrap()
 }
 
+/// The composite that ships, with these goals, in virtual time.
+pub(super) fn shipped(goals: &[[f64; 5]]) -> (Simulation, Arc<Mutex<Log>>) {
+    let application = include_str!("../../specs/youbot/youbot.composite.toml");
+    let begin = application.find("goals = ").unwrap();
+    let end = begin + application[begin..].find(" }").unwrap();
+    let mut files = Files::new();
+    let goals = format!(
+        "{}goals = {goals:?}{}",
+        &application[..begin],
+        &application[end..]
+    );
+    files.add("bench.composite.toml", goals);
+    files.add("youbot.asm", include_str!("../../specs/youbot/youbot.asm"));
+    let driver = include_str!("../../specs/youbot/youbot_driver.composite.toml");
+    files.add("youbot_driver.composite.toml", driver);
+    simulate(&open(&files), &files)
+}
+
+fn open(files: &Files) -> Opened {
+    let context = Context {
+        loader: files,
+        environment: &EmptyEnvironment,
+        catalogue: &BUILD,
+        specifications: &AsmFiles::new(files),
+        settings: &[],
+    };
+    assembly::open("bench.composite.toml", &context)
+}
+
+fn simulate(opened: &Opened, files: &Files) -> (Simulation, Arc<Mutex<Log>>) {
+    let found = opened
+        .report
+        .diagnostics
+        .iter()
+        .map(|it| (it.code, &it.message));
+    assert_eq!(found.collect::<Vec<_>>(), [], "nothing is found");
+    let plan = opened.plan(None).unwrap();
+    let mut workshop = Standard {
+        catalogue: &BUILD,
+        loader: files,
+        seed: 1,
+        builtins: &mut |_, _| None,
+    };
+    let mut system = assembly::start(plan, &mut workshop).unwrap();
+    let log = Arc::new(Mutex::new(Log::default()));
+    let listener = log.clone();
+    system.observe(move |at: Time, event: &Event<'_>| listener.lock().unwrap().note(at, event));
+    (system.simulate(), log)
+}
+
 impl Bench {
-    fn opened(&self) -> (Opened, Files) {
+    fn files(&self) -> Files {
         let script = format!("{:?}", self.script);
         let application = APPLICATION.replace("WIRE", self.wire);
         let application = application.replace("DRIVER", self.properties);
@@ -222,44 +297,19 @@ impl Bench {
             application.replace("SCRIPT", &script),
         );
         files.add("driver.composite.toml", self.driver.as_str());
-        let context = Context {
-            loader: &files,
-            environment: &EmptyEnvironment,
-            catalogue: &BUILD,
-            specifications: &AsmFiles::new(&files),
-            settings: &[],
-        };
-        (assembly::open("bench.composite.toml", &context), files)
+        files
     }
 
     /// The codes of what the checker finds.
     pub(super) fn findings(&self) -> Vec<&'static str> {
-        let (opened, _) = self.opened();
+        let opened = open(&self.files());
         opened.report.diagnostics.iter().map(|it| it.code).collect()
     }
 
     /// Everything in virtual time, with a log.
     pub(super) fn simulate(&self) -> (Simulation, Arc<Mutex<Log>>) {
-        let (opened, files) = self.opened();
-        let found: Vec<_> = opened
-            .report
-            .diagnostics
-            .iter()
-            .map(|it| &it.message)
-            .collect();
-        assert!(!opened.report.has_errors(), "{found:?}");
-        let plan = opened.plan(None).unwrap();
-        let mut workshop = Standard {
-            catalogue: &BUILD,
-            loader: &files,
-            seed: 1,
-            builtins: &mut |_, _| None,
-        };
-        let mut system = assembly::start(plan, &mut workshop).unwrap();
-        let log = Arc::new(Mutex::new(Log::default()));
-        let listener = log.clone();
-        system.observe(move |at: Time, event: &Event<'_>| listener.lock().unwrap().note(at, event));
-        (system.simulate(), log)
+        let files = self.files();
+        simulate(&open(&files), &files)
     }
 
     /// The log of so many seconds.

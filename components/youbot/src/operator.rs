@@ -1,10 +1,10 @@
 //! Somebody who wants the hand here and there, one goal after the other.
 
-use component::{Component, Cycle, Fault, Interface, Property, Provided, Required};
+use component::{CallError, Component, Cycle, Fault, Interface, Property, Provided, Required};
 use messages::{MoveTo, Notify, Point, Pose, Quaternion};
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// `youbot::Operator`: sends the next goal when the arm is idle, or would not go to the one before.
+/// `youbot::Operator`: sends the next goal when the arm is idle, or cannot reach the one before.
 pub struct Operator {
     goals: Property<Vec<[f64; 5]>>,
     goto: Required<MoveTo>,
@@ -34,9 +34,14 @@ impl Component for Operator {
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         let mut notices = cycle.requests(self.notifying).into_iter();
         let arrived = notices.any(|notice| notice.argument.event == "idle");
-        let mut replies = cycle.replies(self.goto).into_iter();
-        let refused = replies.any(|reply| reply.result.is_err());
-        if arrived || refused {
+        for reply in cycle.replies(self.goto) {
+            if let Err(error) = reply.result {
+                self.waits = false;
+                // a goal that cannot be reached is given up; one that came too early is not
+                self.next -= usize::from(is_early(&error));
+            }
+        }
+        if arrived {
             self.waits = false;
         }
         if self.waits {
@@ -49,6 +54,11 @@ impl Component for Operator {
         }
         Ok(())
     }
+}
+
+/// The arm is still busy with something else.
+fn is_early(error: &CallError) -> bool {
+    matches!(error, CallError::Fault(fault) if fault.code == "NOT_NOW")
 }
 
 /// The hand there, leaning in the plane of the arm: another plane it has not.
