@@ -27,7 +27,8 @@ pub(super) fn of_topics<'p>(
         let connections = plan.connections.iter();
         let connections = connections.filter(|it| joins(&it.from) || joins(&it.to));
         let kinds = connections.map(|connection| policy(&connection.policy).kind);
-        let sending = of(kinds).by(codec(plan));
+        let publisher = topic.publishers.iter().find(|end| part.has(&end.component));
+        let sending = of(kinds).by(codec(plan, publisher));
         (topic.name.as_str(), as_written(topic, sending))
     })
 }
@@ -38,12 +39,13 @@ pub(super) fn of_port(plan: &Plan, port: &End) -> Sending {
         let to_port = matches!(connection.to, Terminal::Port(_));
         to_port && connection.from == Terminal::Port(port.clone())
     });
-    of(from.map(|connection| policy(&connection.policy).kind)).by(codec(plan))
+    of(from.map(|connection| policy(&connection.policy).kind)).by(codec(plan, Some(port)))
 }
 
-/// How the broker wants payloads encoded.
-fn codec(plan: &Plan) -> Codec {
-    let broker = plan.broker().ok().flatten();
+/// How the broker of a publisher wants payloads encoded.
+fn codec(plan: &Plan, publisher: Option<&End>) -> Codec {
+    let name = publisher.and_then(|end| plan.broker_of(&end.component));
+    let broker = plan.brokers.iter().find(|it| Some(&*it.name) == name);
     broker.map_or_else(Codec::default, |broker| of_word(broker.codec))
 }
 
