@@ -20,5 +20,7 @@ mod missions;
 mod pictures;
 mod processes;
 mod repl;
+mod routes;
 mod scenario;
 mod stranger;
+mod up;

@@ -65,7 +65,7 @@ impl Running {
     }
 
     /// Waits for its end.
-    fn end(mut self) -> Output {
+    pub(super) fn end(mut self) -> Output {
         self.0.take().unwrap().wait_with_output().unwrap()
     }
 
@@ -272,6 +272,30 @@ fn in_three_processes_with_a_service_in_another_one() {
     let others = [start("onboard"), start("planning")];
     there(&vhost, "onboard");
     there(&vhost, "planning");
+    let supervisor = start("supervisor").end();
+    assert_eq!(modes(&supervisor), expected());
+    for other in others {
+        assert_eq!(modes(&other.interrupt()), (Vec::new(), Some(0)));
+    }
+}
+
+#[test]
+fn c17_in_four_processes_the_coordinator_goes_through_the_same_states() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let composite = three_processes(folder.path());
+    let text = std::fs::read_to_string(&composite).unwrap();
+    let apart = text.replace(
+        r#", "LaserDriver", "RoverDriver", "World"] },"#,
+        "] },\n  { name = \"world\", components = [\"LaserDriver\", \"RoverDriver\", \"World\"] },",
+    );
+    assert_ne!(text, apart);
+    std::fs::write(&composite, apart).unwrap();
+    let start = |process| Running::start(&mut over(&composite, &broker, &vhost, Some(process)));
+    let names = ["world", "onboard", "planning"];
+    let others = names.map(start);
+    names.iter().for_each(|name| there(&vhost, name));
     let supervisor = start("supervisor").end();
     assert_eq!(modes(&supervisor), expected());
     for other in others {

@@ -56,6 +56,14 @@ impl Doors {
                 (0..inputs).filter_map(|index| Door::open(unit, index, &Policy::buffer(WAITING))),
             );
         }
+        Self {
+            ports,
+            ..Self::of_topics(units, topics)
+        }
+    }
+
+    /// The doors of topics alone.
+    pub(crate) fn of_topics(units: &mut [Unit], topics: &[Topic]) -> Self {
         let topics = topics
             .iter()
             .map(|topic| {
@@ -65,7 +73,10 @@ impl Doors {
                 (topic.name.clone(), doors.collect())
             })
             .collect();
-        Self { ports, topics }
+        Self {
+            ports: Vec::new(),
+            topics,
+        }
     }
 
     /// Finds an input port, and checks that it can take the sample.

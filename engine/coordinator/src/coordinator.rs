@@ -121,8 +121,12 @@ impl Component for Coordinator {
         Ok(())
     }
 
-    /// Freeze, step, send: what the step asks for leaves with the cycle, or not at all.
+    /// Freeze, step, send: what the step asks for leaves with the cycle, or not at all. Who is to stop begins no step, and
+    /// ends the one that has begun.
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        if cycle.interrupted() {
+            return Ok(());
+        }
         self.inbox.receive(cycle, self.machine.program());
         self.outbox.receive(cycle, &mut self.inbox);
         self.inbox.losses.misfits += self.partners.receive(cycle, &mut self.machine);

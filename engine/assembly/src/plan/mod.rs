@@ -11,6 +11,7 @@ mod joint;
 mod order;
 mod part;
 mod place;
+mod route;
 mod topic;
 
 use std::collections::BTreeMap;

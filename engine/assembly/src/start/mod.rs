@@ -13,7 +13,7 @@ use component::{
     PropertyError, System, Wire, port_topic,
 };
 
-use crate::model;
+use crate::model::{self, Transport};
 use crate::plan::{self, Plan, Terminal};
 
 pub use part::Part;
@@ -35,6 +35,14 @@ pub enum StartError {
         component: String,
         /// Why.
         reason: String,
+    },
+    /// What a wire goes over is not in this build.
+    #[error("the wire of `{reference}` goes over `{binding}`, which is not in this build")]
+    Binding {
+        /// The reference.
+        reference: String,
+        /// Over what.
+        binding: model::Transport,
     },
     /// A property does not take its value.
     #[error("`{component}`: {source}")]
@@ -132,6 +140,9 @@ impl Building<'_> {
         if let Some(reason) = failed {
             return Err(not_made(reason));
         }
+        if let Some(broker) = self.plan.broker_of(&component.name) {
+            self.system.put_on(id, broker);
+        }
         for (name, value) in &component.properties.0 {
             let set = self.system.set_property(id, name, &value.datum());
             set.map_err(|source| StartError::Property {
@@ -208,8 +219,11 @@ impl Building<'_> {
             if self.has(&component.name, |declared| {
                 declared.service(&service.name).is_some()
             }) {
-                self.system
-                    .offer(&format!("{}.{}", component.name, service.name))?;
+                let end = format!("{}.{}", component.name, service.name);
+                let doors = self.plan.doors(&component.name, &service.name, self.part);
+                for (name, broker) in doors {
+                    self.system.offer_at(&end, &name, broker)?;
+                }
             }
         }
         Ok(())
@@ -265,18 +279,27 @@ impl Building<'_> {
         }) {
             return Ok(());
         }
+        if matches!(wire.binding, Transport::Ros | Transport::Http) {
+            return Err(StartError::Binding {
+                reference: reference.to_string(),
+                binding: wire.binding,
+            });
+        }
         let how = Wire {
             timeout: Duration::from_millis(wire.timeout_ms),
             retries: u32::try_from(wire.retry_attempts).unwrap_or(u32::MAX),
             cancel_on_timeout: wire.cancel == model::Cancel::OnTimeout,
             one_way: wire.oneway,
         };
+        let abroad =
+            self.part.takes_the_bus_inside() || (wire.goes_abroad() && !self.part.is_alone());
+        let broker = self.plan.broker_of_wire(wire);
         let caller = reference.to_string();
         for service in &wire.services {
             let provider = service.to_string();
-            match self.part.has(&service.component) && !self.part.takes_the_bus_inside() {
+            match self.part.has(&service.component) && !abroad {
                 true => self.system.wire(&caller, &provider, how)?,
-                false => self.system.reach(&caller, &provider, how)?,
+                false => (self.system).reach_over(&caller, &provider, how, broker)?,
             }
         }
         Ok(())
