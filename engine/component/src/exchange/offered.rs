@@ -102,7 +102,7 @@ impl Offer {
             caller: Arc::clone(&call.origin.source),
             trace: call.trace,
             deadline: answered.then_some(now + left),
-            answer_to: answered.then_some(AnswerTo::Bus(call)),
+            answer_to: answered.then_some(AnswerTo::Bus(Box::new(call))),
         };
         // A caller whose request is not taken learns it when the request is dropped.
         if self.inbox.post(Post::Ask(ask)).is_ok() {
