@@ -201,7 +201,8 @@ impl Mission {
         run.stop();
         // what the components said last is sent before the bus closes
         contacts.iter_mut().for_each(Contact::leave);
-        drop((run, contacts, connected));
+        drop((run, contacts));
+        drop(connected);
         Ok(Ended {
             outcome,
             summary,

@@ -145,7 +145,7 @@ impl Mission {
     pub(super) fn join<'p>(
         &self,
         system: &mut System,
-        connected: &[Connected],
+        connected: &'p [Connected],
         plan: &'p Plan,
         part: &Part,
     ) -> Result<Vec<Contact<'p>>, MissionError> {
@@ -169,7 +169,7 @@ impl Mission {
             }
         }
         let name = self.process.as_deref().unwrap_or(&plan.name);
-        let contact = |it: &Connected| {
+        let contact = |it: &'p Connected| {
             let contact = Contact::new(plan, part.clone(), name, &*it.bus, incarnation);
             contact.map_err(|reason| broker_error(&it.place, reason))
         };
