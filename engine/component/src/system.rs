@@ -19,6 +19,7 @@ use crate::body::Body;
 use crate::declaration::Declaration;
 use crate::exchange::Exchange;
 use crate::property::{PropertyError, PropertyProblem};
+use crate::stream::Incoming;
 use crate::unit::Unit;
 use crate::{Activity, Component, Interface, Live, Observer, Policy, Simulation};
 
@@ -66,6 +67,8 @@ pub struct System {
     connections: Vec<(End, End)>,
     /// What is joined over a bus.
     abroad: Abroad,
+    /// Inputs that sources lead to.
+    pub(crate) streams: Vec<Incoming>,
 }
 
 /// A component of a system under construction.

@@ -16,6 +16,7 @@ mod endpoint;
 pub(crate) mod face;
 mod fan_out;
 mod promote;
+mod queue;
 mod scene;
 mod topic;
 mod wire;

@@ -2,6 +2,7 @@
 
 mod coordinator;
 mod part;
+mod queue;
 mod sending;
 mod workshop;
 
@@ -51,6 +52,14 @@ pub enum StartError {
         component: String,
         /// Why.
         source: PropertyError,
+    },
+    /// A message queue cannot be joined to a port.
+    #[error("`{port}`: {reason}")]
+    Queue {
+        /// The port.
+        port: String,
+        /// Why.
+        reason: String,
     },
     /// The system does not go together.
     #[error(transparent)]
@@ -174,7 +183,7 @@ impl Building<'_> {
     fn polls(&self, component: &plan::Component) -> Option<u64> {
         let into = |to: &Terminal| match to {
             Terminal::Port(end) => end.component == component.name,
-            Terminal::Topic(_) => false,
+            Terminal::Topic(_) | Terminal::Mqueue(_) => false,
         };
         let connections = self.plan.connections.iter().filter(|connection| {
             connection.policy.delivery == model::Delivery::Poll && into(&connection.to)
@@ -237,18 +246,25 @@ impl Building<'_> {
     }
 
     fn connection(&mut self, connection: &plan::Connection) -> Result<(), StartError> {
-        let policy = policy(&connection.policy);
+        let joint = &connection.policy;
+        let policy = policy(joint);
         match (&connection.from, &connection.to) {
             (Terminal::Port(from), Terminal::Port(to)) => self.ports(from, to, policy)?,
+            (Terminal::Port(from), Terminal::Mqueue(queue)) if self.part.has(&from.component) => {
+                queue::to(&mut self.system, from, queue, joint)?;
+            }
+            (Terminal::Mqueue(queue), Terminal::Port(to)) if self.part.has(&to.component) => {
+                queue::from(&mut self.system, queue, to, joint, &policy)?;
+            }
             (Terminal::Port(from), Terminal::Topic(topic)) if self.part.has(&from.component) => {
                 self.system.publish(&from.to_string(), topic)?;
             }
             (Terminal::Topic(topic), Terminal::Port(to)) if self.part.has(&to.component) => {
                 self.system.subscribe(topic, &to.to_string(), policy)?;
             }
-            // the others are of another part; the checker refuses topics joined to topics
-            (Terminal::Port(_) | Terminal::Topic(_), Terminal::Topic(_))
-            | (Terminal::Topic(_), Terminal::Port(_)) => {}
+            // the others are of another part; the checker refuses those that join no component
+            (_, Terminal::Topic(_) | Terminal::Mqueue(_))
+            | (Terminal::Topic(_) | Terminal::Mqueue(_), Terminal::Port(_)) => {}
         }
         Ok(())
     }

@@ -22,7 +22,7 @@ pub(super) fn of_topics<'p>(
     written.map(|topic| {
         let joins = |terminal: &Terminal| match terminal {
             Terminal::Topic(name) => *name == topic.name,
-            Terminal::Port(_) => false,
+            Terminal::Port(_) | Terminal::Mqueue(_) => false,
         };
         let connections = plan.connections.iter();
         let connections = connections.filter(|it| joins(&it.from) || joins(&it.to));
