@@ -105,10 +105,13 @@ pub(super) fn modes(output: &Output) -> (Vec<String>, Option<i32>) {
     (modes, output.status.code())
 }
 
-/// Waits until a process has its queues.
+/// Waits until a process of the navigation has its queues; that of its orders is the last.
 #[track_caller]
 pub(super) fn there(vhost: &Vhost<'_>, process: &str) {
-    queues(vhost, &format!("{process}."));
+    queues(
+        vhost,
+        &format!("robots.services.navigation.control.{process}"),
+    );
 }
 
 /// Waits until there are queues whose names begin so.
@@ -431,7 +434,7 @@ fn the_doctor_says_what_is_wrong_and_how_to_mend_it() {
         // a queue's name has which life of the process it is
         let words = hidden
             .split(' ')
-            .map(|word| match word.ends_with(".asmotion.doctor'") {
+            .map(|word| match word.contains(".asmotion.doctor.") {
                 true => "'QUEUE'",
                 false => word,
             });
