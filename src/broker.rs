@@ -1,6 +1,7 @@
 //! A broker from the command line: how it is named, where the password comes from, and who is there.
 
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -50,6 +51,24 @@ pub struct Access {
     /// The key of our certificate (PEM).
     #[arg(long, global = true, value_name = "FILE", requires = "certificate")]
     key: Option<PathBuf>,
+}
+
+impl Access {
+    /// The arguments that say the same.
+    pub fn arguments(&self) -> Vec<OsString> {
+        let all = [
+            ("--credentials", &self.credentials),
+            ("--ca", &self.ca),
+            ("--certificate", &self.certificate),
+            ("--key", &self.key),
+        ];
+        let given = all
+            .into_iter()
+            .filter_map(|(key, file)| Some((key, file.as_ref()?)));
+        given
+            .flat_map(|(key, file)| [key.into(), file.into()])
+            .collect()
+    }
 }
 
 impl Broker {

@@ -13,6 +13,7 @@ mod sim;
 mod test;
 mod tool;
 mod topic;
+mod up;
 
 pub use demo::BLOCKED_CORRIDOR;
 
@@ -27,6 +28,8 @@ pub enum Command {
     Demo(demo::Demo),
     /// Runs a composite
     Run(run::Run),
+    /// Runs the processes of a composite that are of this machine, and starts them again as it says
+    Up(up::Up),
     /// Says what is wrong with specifications, scenarios and composites, before anything runs
     Check(check::Check),
     /// Shows what a composite is to the outside: components, topics, services
@@ -55,6 +58,7 @@ impl Command {
         match self {
             Self::Demo(demo) => demo.run(terminal),
             Self::Run(run) => run.run(terminal),
+            Self::Up(up) => up.run(terminal),
             Self::Check(check) => check.run(terminal),
             Self::Describe(describe) => describe.run(terminal),
             Self::Fmt(fmt) => fmt.run(terminal),

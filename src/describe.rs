@@ -2,11 +2,16 @@
 
 pub mod asyncapi;
 mod schema;
+mod spoken;
+pub mod yaml;
 
+use std::sync::Arc;
+
+use asm_lang::ir::Program;
 use assembly::declaration::{Declaration, OperationDeclaration};
 use assembly::plan::{Component, End, Implementation, Terminal, Topic};
 use assembly::{Catalogue, Opened, Plan, Standard, Workshop};
-use component::Interface;
+use component::{HEALTH_TOPIC, Interface};
 use datum::{Schema, Shape};
 
 use crate::build::BUILD;
@@ -44,6 +49,8 @@ pub struct Served {
     pub interface: String,
     /// The operation: its name, what is asked, what is answered.
     pub operation: OperationDeclaration,
+    /// Whether nobody is answered.
+    pub one_way: bool,
     /// The references wired to the service.
     pub callers: Vec<Caller>,
 }
@@ -68,7 +75,12 @@ impl Served {
 /// Describes a composite in one profile.
 pub fn describe<'p>(opened: &Opened, plan: &'p Plan) -> Description<'p> {
     let declared = Declared::of(opened, plan);
-    let topics = plan.topics.iter().map(|topic| declared.topic(topic));
+    // how its bus is, a system tells inside
+    let topics = plan
+        .topics
+        .iter()
+        .filter(|topic| topic.name != HEALTH_TOPIC);
+    let topics = topics.map(|topic| declared.topic(topic));
     let crossings = declared.crossings();
     let doc = opened.composite.as_ref().and_then(|it| it.doc.as_ref());
     Description {
@@ -181,21 +193,32 @@ impl<'a> Declared<'a> {
                 })
                 .collect(),
         };
+        let program = program(component);
         let mut served = Vec::new();
         for (name, interface, operations) in services {
             let service = End {
                 component: component.name.clone(),
                 name: name.clone(),
             };
-            served.extend(operations.into_iter().map(|operation| Served {
-                callers: self.callers(&service, &operation.name),
-                service: service.clone(),
-                interface: interface.clone(),
-                operation: OperationDeclaration {
-                    request: self.known(operation.request),
-                    response: self.known(operation.response),
-                    name: operation.name,
-                },
+            served.extend(operations.into_iter().map(|operation| {
+                let spoken = program.as_ref();
+                let spoken = spoken.map(|program| spoken::operation(program, &operation.name));
+                let one_way = spoken.as_ref().is_some_and(|spoken| spoken.one_way);
+                let (request, response) = match spoken {
+                    Some(spoken) => (spoken.request, spoken.response),
+                    None => (operation.request, operation.response),
+                };
+                Served {
+                    callers: self.callers(&service, &operation.name),
+                    service: service.clone(),
+                    interface: interface.clone(),
+                    operation: OperationDeclaration {
+                        request: self.known(request),
+                        response: self.known(response),
+                        name: operation.name,
+                    },
+                    one_way,
+                }
             }));
         }
         served
@@ -224,6 +247,14 @@ impl<'a> Declared<'a> {
             })
             .collect()
     }
+}
+
+/// The program of a component that runs a specification.
+fn program(component: &Component) -> Option<Arc<Program>> {
+    let Implementation::Asm(asm) = &component.implementation else {
+        return None;
+    };
+    Some(asm_lang::open(&asm.path, &Disk).ok()?.program)
 }
 
 /// What a component declares; `None` where it cannot be made here, such as a ROS node.

@@ -7,6 +7,7 @@ mod process;
 mod watch;
 
 pub use error::MissionError;
+pub use process::{Brokers, Named};
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -40,8 +41,8 @@ pub struct Mission {
     pub seeds_composite: bool,
     /// Which time it runs in.
     pub clock: Clock,
-    /// The broker that topics and wires go over; where absent, everything is joined directly.
-    pub broker: Option<amqp::Settings>,
+    /// What topics and wires go over.
+    pub brokers: Brokers,
     /// Of the processes that the composite is deployed to, the one that is run; all of it where absent.
     pub process: Option<String>,
     /// It ends well when a location gets one of these values: location, value. Where absent, with
@@ -109,7 +110,7 @@ impl Mission {
             seed: 1,
             seeds_composite: false,
             clock: Clock::Virtual(0.0),
-            broker: None,
+            brokers: Brokers::Nothing,
             process: None,
             until: None,
             unless: None,
@@ -176,17 +177,8 @@ impl Mission {
             hear(at, event, line.as_deref());
             lock(&watcher).observe(at, event);
         });
-        let bus = self.connect(plan)?;
-        let mut contact = match &bus {
-            None => None,
-            Some(bus) => {
-                let incarnation = process::incarnation();
-                let name = self.process.as_deref().unwrap_or(&plan.name);
-                let joined = (system.attach(bus.clone(), incarnation))
-                    .and_then(|()| Contact::new(plan, part, name, &**bus, incarnation));
-                Some(joined.map_err(|reason| self.broker_error(reason))?)
-            }
-        };
+        let connected = self.connect(plan)?;
+        let mut contacts = self.join(&mut system, &connected, plan, &part)?;
         let began = Instant::now();
         let mut run: Box<dyn Run> = match self.clock {
             Clock::Wall => Box::new(system.live()),
@@ -200,7 +192,7 @@ impl Mission {
                 Box::new(simulation)
             }
         };
-        let outcome = self.drive(&mut *run, &watch, stop, contact.as_mut());
+        let outcome = self.drive(&mut *run, &watch, stop, &mut contacts);
         let time = run.now().since(Time::ZERO);
         let summary = lock(&story).summary().clone();
         if outcome == Outcome::Reached || outcome == Outcome::Failed {
@@ -208,11 +200,9 @@ impl Mission {
         }
         run.stop();
         // what the components said last is sent before the bus closes
-        if let Some(contact) = &mut contact {
-            contact.leave();
-        }
-        drop((run, contact));
-        drop(bus);
+        contacts.iter_mut().for_each(Contact::leave);
+        drop((run, contacts));
+        drop(connected);
         Ok(Ended {
             outcome,
             summary,
@@ -240,7 +230,7 @@ impl Mission {
         run: &mut dyn Run,
         watch: &Mutex<Watch>,
         stop: &AtomicBool,
-        mut contact: Option<&mut Contact<'_>>,
+        contacts: &mut [Contact<'_>],
     ) -> Outcome {
         let limit = self.limit.map(|limit| Time::ZERO + limit);
         loop {
@@ -250,7 +240,7 @@ impl Mission {
             if stop.load(Ordering::Relaxed) {
                 return Outcome::Stopped;
             }
-            if let Some(contact) = &mut contact {
+            for contact in &mut *contacts {
                 contact.attend(run);
             }
             let mut until = run.now() + SLICE;

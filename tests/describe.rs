@@ -1,7 +1,9 @@
 //! `asmotion describe`: tables for people, AsyncAPI for their tools.
 
 use serde_json::Value;
-use std::process::Command;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 
 fn describe(arguments: &[&str]) -> String {
     let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
@@ -42,6 +44,10 @@ fn check(document: &Value) {
         let binding = &channel["bindings"]["amqp"];
         assert_eq!(binding["is"], "routingKey", "{name}");
         assert!(binding["exchange"]["name"].is_string(), "{name}");
+        assert_ne!(
+            channel["address"].as_str().map(|it| it.ends_with(".bus")),
+            Some(true)
+        );
         assert_eq!(binding["bindingVersion"], "0.3.0", "{name}");
     }
     for (name, operation) in document["operations"].as_object().unwrap() {
@@ -73,6 +79,54 @@ fn documents_are_whole() {
     }
 }
 
+/// A folder with the published schema of AsyncAPI and a validator, installed once; none where no index of packages can be
+/// reached, which is said aloud.
+fn published() -> Option<PathBuf> {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("asyncapi");
+    if folder.join("node_modules/ajv").is_dir() {
+        return Some(folder);
+    }
+    std::fs::create_dir_all(&folder).ok()?;
+    let mut npm = Command::new("npm");
+    npm.args(["install", "--silent", "--no-audit", "--no-fund", "--prefix"]);
+    npm.arg(&folder).args(["@asyncapi/specs@6", "ajv@8"]);
+    let installed = npm.stdin(Stdio::null()).output();
+    let installed = installed.is_ok_and(|it| it.status.success());
+    if !installed {
+        let notice = "    Skipped: without npm and its index, documents are not held against AsyncAPI's schema";
+        let _ = writeln!(std::io::stderr(), "{notice}");
+    }
+    installed.then_some(folder)
+}
+
+#[test]
+fn documents_are_as_the_published_schema_wants_them() {
+    let Some(folder) = published() else { return };
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/asyncapi/validate.js");
+    let valid = |document: &str| {
+        let mut node = Command::new("node");
+        node.arg(&script).current_dir(&folder);
+        node.stdin(Stdio::piped()).stderr(Stdio::piped());
+        let mut node = node.spawn().unwrap();
+        let mut stdin = node.stdin.take().unwrap();
+        stdin.write_all(document.as_bytes()).unwrap();
+        drop(stdin);
+        let output = node.wait_with_output().unwrap();
+        (
+            output.status.success(),
+            String::from_utf8(output.stderr).unwrap(),
+        )
+    };
+    for folder in ["navigation", "courier", "youbot"] {
+        let composite = format!("specs/{folder}/{folder}.composite.toml");
+        let document = describe(&[&composite, "--asyncapi"]);
+        let (is_valid, said) = valid(&document);
+        assert!(is_valid, "{composite}: {said}");
+        let wrong = document.replace("\"send\"", "\"shout\"");
+        assert!(!valid(&wrong).0, "{composite}: a wrong document is valid");
+    }
+}
+
 #[test]
 fn services_of_a_specification_are_described() {
     let document = describe(&["specs/courier/courier.composite.toml", "--asyncapi"]);
@@ -100,5 +154,53 @@ fn a_message_has_its_schema_and_a_topic_its_key() {
     assert_eq!(
         reply["messages"][0]["$ref"],
         format!("{replies}/messages/result.nav_msgs.Path")
+    );
+}
+
+#[test]
+fn brokers_are_servers_without_who_goes_there() {
+    let document = asyncapi("specs/youbot/youbot.composite.toml");
+    check(&document);
+    let wanted = serde_json::json!({ "main": {
+        "host": "127.0.0.1:5672", "pathname": "/%2f", "protocol": "amqp", "protocolVersion": "0.9.1",
+    } });
+    assert_eq!(document["servers"], wanted);
+    assert!(!document.to_string().contains("guest"));
+}
+
+#[test]
+fn an_operation_without_answer_has_no_reply_and_payloads_are_those_of_the_module() {
+    let document = asyncapi("specs/courier/courier.composite.toml");
+    let operation = |name: &str| &document["operations"][format!("Dispatcher.dispatch.{name}")];
+    assert!(operation("done").get("reply").is_none() && operation("job").get("reply").is_some());
+    assert!(
+        document["channels"]
+            .get("Dispatcher.dispatch.done.reply")
+            .is_none()
+    );
+    let message = &document["components"]["messages"]["result.int64"];
+    assert_eq!(message["payload"]["type"], "integer");
+    assert_eq!(
+        document["channels"]["presence"]["address"],
+        "courier.presence.{process}"
+    );
+}
+
+#[test]
+fn a_document_in_yaml_says_the_same() {
+    let arguments = [
+        "specs/courier/courier.composite.toml",
+        "--asyncapi",
+        "--format",
+        "yaml",
+    ];
+    let document = describe(&arguments);
+    assert!(
+        document.starts_with("\"asyncapi\": \"3.0.0\"\n"),
+        "{document}"
+    );
+    assert!(
+        document.contains("\n  \"Dispatcher.dispatch.job\":\n    \"action\": \"receive\"\n"),
+        "{document}"
     );
 }

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use asmotion::mission::{Clock, Ended, Mission, Outcome};
+use asmotion::mission::{Brokers, Clock, Ended, Mission, Outcome};
 use broker::{Broker, Vhost};
 use component::{Event, Time};
 use messages::Odometry;
@@ -151,7 +151,8 @@ impl Onboard {
         let composite = navigation().join("navigation.composite.toml");
         let mut mission = Mission::new(composite.display().to_string());
         mission.process = Some("onboard".to_owned());
-        mission.broker = Some(amqp::Settings::parse(&vhost.url()).unwrap());
+        let settings = amqp::Settings::parse(&vhost.url()).unwrap();
+        mission.brokers = Brokers::One(Box::new(settings));
         mission.clock = Clock::Wall;
         let record = Arc::<Mutex<Record>>::default();
         let (recorder, stop) = (Arc::clone(&record), Arc::<AtomicBool>::default());

@@ -18,7 +18,7 @@ const FLOORS: &[&[&str]] = &[
     &["engine-bus"],
     &["engine-bus-amqp"],
     &["engine-component"],
-    &["engine-coordinator", "engine-bridge"],
+    &["engine-bridge", "engine-coordinator", "engine-mqueue"],
     &["engine-assembly"],
     // the robot
     &["robot-messages"],

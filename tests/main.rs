@@ -20,6 +20,8 @@ mod missions;
 mod pictures;
 mod processes;
 mod repl;
+mod routes;
 mod scenario;
 mod stranger;
+mod up;
 mod youbot;

@@ -65,7 +65,7 @@ impl Running {
     }
 
     /// Waits for its end.
-    fn end(mut self) -> Output {
+    pub(super) fn end(mut self) -> Output {
         self.0.take().unwrap().wait_with_output().unwrap()
     }
 
@@ -105,10 +105,13 @@ pub(super) fn modes(output: &Output) -> (Vec<String>, Option<i32>) {
     (modes, output.status.code())
 }
 
-/// Waits until a process has its queues.
+/// Waits until a process of the navigation has its queues; that of its orders is the last.
 #[track_caller]
 pub(super) fn there(vhost: &Vhost<'_>, process: &str) {
-    queues(vhost, &format!("{process}."));
+    queues(
+        vhost,
+        &format!("robots.services.navigation.control.{process}"),
+    );
 }
 
 /// Waits until there are queues whose names begin so.
@@ -280,6 +283,30 @@ fn in_three_processes_with_a_service_in_another_one() {
 }
 
 #[test]
+fn c17_in_four_processes_the_coordinator_goes_through_the_same_states() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let composite = three_processes(folder.path());
+    let text = std::fs::read_to_string(&composite).unwrap();
+    let apart = text.replace(
+        r#", "LaserDriver", "RoverDriver", "World"] },"#,
+        "] },\n  { name = \"world\", components = [\"LaserDriver\", \"RoverDriver\", \"World\"] },",
+    );
+    assert_ne!(text, apart);
+    std::fs::write(&composite, apart).unwrap();
+    let start = |process| Running::start(&mut over(&composite, &broker, &vhost, Some(process)));
+    let names = ["world", "onboard", "planning"];
+    let others = names.map(start);
+    names.iter().for_each(|name| there(&vhost, name));
+    let supervisor = start("supervisor").end();
+    assert_eq!(modes(&supervisor), expected());
+    for other in others {
+        assert_eq!(modes(&other.interrupt()), (Vec::new(), Some(0)));
+    }
+}
+
+#[test]
 fn without_its_partner_a_process_goes_on_and_its_calls_fail() {
     let Some(broker) = broker::calm() else { return };
     let vhost = broker.vhost().unwrap();
@@ -407,7 +434,7 @@ fn the_doctor_says_what_is_wrong_and_how_to_mend_it() {
         // a queue's name has which life of the process it is
         let words = hidden
             .split(' ')
-            .map(|word| match word.ends_with(".asmotion.doctor'") {
+            .map(|word| match word.contains(".asmotion.doctor.") {
                 true => "'QUEUE'",
                 false => word,
             });

@@ -1,10 +1,10 @@
 //! `asmotion describe`: what a composite is to the outside.
 
 use assembly::plan::End;
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use crate::build;
-use crate::describe::{self, Channel, Description, Served, asyncapi};
+use crate::describe::{self, Channel, Description, Served, asyncapi, yaml};
 use crate::exit::Exit;
 use crate::files::Disk;
 use crate::mission::MissionError;
@@ -25,9 +25,20 @@ pub struct Describe {
     #[arg(long)]
     asyncapi: bool,
 
+    /// How the document is written.
+    #[arg(long, value_enum, default_value_t = Format::Json, requires = "asyncapi")]
+    format: Format,
+
     /// Whose topics these are on the broker: keys are `ROBOT.TOPIC`; the composite's name without it.
     #[arg(long, requires = "asyncapi")]
     robot: Option<String>,
+}
+
+/// How a document is written.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Format {
+    Json,
+    Yaml,
 }
 
 impl Describe {
@@ -47,7 +58,10 @@ impl Describe {
         if self.asyncapi {
             let robot = self.robot.as_deref().unwrap_or(&plan.name);
             let document = asyncapi::document(&description, robot);
-            terminal.result(format_args!("{document:#}"));
+            match self.format {
+                Format::Json => terminal.result(format_args!("{document:#}")),
+                Format::Yaml => terminal.result(yaml::text(&document).trim_end()),
+            }
         } else {
             tables(&description, terminal);
         }

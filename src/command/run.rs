@@ -5,8 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use amqp::Settings;
-use assembly::Value;
+use assembly::{Value, plan};
 use clap::{Args, ValueEnum};
 use component::{Event, Time};
 use coordinator::{STEP_REPORT, StepRecord};
@@ -15,7 +14,7 @@ use serde_json::json;
 
 use crate::broker::{self, Access};
 use crate::exit::Exit;
-use crate::mission::{Clock, Ended, Mission, MissionError, Outcome};
+use crate::mission::{Brokers, Clock, Ended, Mission, MissionError, Named, Outcome};
 use crate::terminal::{BAD, FAINT, GOOD, NOTE, Terminal};
 use crate::trace::Trace;
 
@@ -131,14 +130,14 @@ impl Run {
         mission.profile = self.profile.clone();
         mission.process = self.process.clone();
         self.common.apply(&mut mission)?;
-        if let Some(mut settings) = self.broker(&mission)? {
+        mission.brokers = self.brokers(&mission)?;
+        for settings in mission.brokers.settings_mut() {
             settings.robot = self.robot.clone();
             settings.notices = Arc::new(|notice| {
                 let _ = writeln!(anstream::stderr(), "         Bus {notice}");
             });
-            mission.broker = Some(settings);
         }
-        let over_broker = mission.broker.is_some();
+        let over_broker = mission.brokers.are_there();
         mission.clock = match (self.clock, self.speed) {
             (Some(ClockKind::Virtual), _) | (None, Some(_)) if over_broker => {
                 return Err(
@@ -161,18 +160,22 @@ impl Run {
         Ok(mission)
     }
 
-    /// The broker, if the bus is not that within the process.
-    fn broker(&self, mission: &Mission) -> Result<Option<Settings>, String> {
-        match self.bus.as_deref() {
-            Some("local") => Ok(None),
-            Some(address) => broker::settings(address, &self.access).map(Some),
-            None => {
-                let named = mission.named_broker()?;
-                named
-                    .map(|named| broker::named(&named, &self.access))
-                    .transpose()
-            }
-        }
+    /// The brokers, if the bus is not that within the process.
+    fn brokers(&self, mission: &Mission) -> Result<Brokers, String> {
+        let named = |broker: &_| broker::named(broker, &self.access);
+        Ok(match self.bus.as_deref() {
+            Some("local") => Brokers::Nothing,
+            Some(address) => Brokers::One(Box::new(broker::settings(address, &self.access)?)),
+            None => match mission.named_brokers()? {
+                None => Brokers::Nothing,
+                Some(Named::One(broker)) => Brokers::One(Box::new(named(&broker)?)),
+                Some(Named::Each(brokers)) => {
+                    let settings = |it: &plan::Broker| Ok((it.name.clone(), named(it)?));
+                    let each: Result<_, String> = brokers.iter().map(settings).collect();
+                    Brokers::Each(each?)
+                }
+            },
+        })
     }
 }
 

@@ -1,5 +1,11 @@
 //! A description as an AsyncAPI 3.0.0 document: `docs/wire.md`, filled in for one composite.
 
+use std::collections::BTreeSet;
+
+use assembly::Plan;
+use assembly::order::control_address;
+use assembly::plan::Broker;
+use assembly::presence::presence_topic;
 use datum::Schema;
 use serde_json::{Map, Value, json};
 
@@ -26,7 +32,27 @@ pub fn document(description: &Description<'_>, robot: &str) -> Value {
     for served in &description.operations {
         document.service(served);
     }
+    let mut processes: BTreeSet<&str> = (description.plan.processes.iter())
+        .map(|it| it.name.as_str())
+        .collect();
+    processes.insert(&description.plan.name);
+    document.processes(&processes.into_iter().collect::<Vec<_>>());
     document.finish(description)
+}
+
+/// The brokers of a composite whose addresses are known, without who goes there.
+fn servers(plan: &Plan) -> Map<String, Value> {
+    let server = |broker: &Broker| {
+        let (protocol, rest) = broker.url.as_ref()?.shown().split_once("://")?;
+        let (place, vhost) = rest.split_once('/').unwrap_or((rest, ""));
+        let host = place.rsplit_once('@').map_or(place, |(_, host)| host);
+        let mut server = json!({ "host": host, "protocol": protocol, "protocolVersion": "0.9.1" });
+        if !vhost.is_empty() {
+            server["pathname"] = format!("/{vhost}").into();
+        }
+        Some((key(&broker.name), server))
+    };
+    plan.brokers.iter().filter_map(server).collect()
 }
 
 struct Document<'a> {
@@ -66,9 +92,7 @@ impl Document<'_> {
 
     fn service(&mut self, served: &Served) {
         let address = served.address();
-        let replies = format!("{address}.reply");
         let request = self.asked(&served.operation.request);
-        let result = self.answered(&served.operation.response);
         self.channels.insert(
             address.clone(),
             json!({
@@ -78,33 +102,18 @@ impl Document<'_> {
                 "bindings": binding(&format!("{EXCHANGE}.services"), "direct"),
             }),
         );
-        let answers = [result.as_str(), "refusal", "unavailable"];
-        let listed: Map<String, Value> = answers
-            .iter()
-            .map(|answer| ((*answer).to_owned(), message_reference(answer)))
-            .collect();
-        self.channels.insert(
-            replies.clone(),
-            json!({
-                "address": null,
-                "description": "Whatever queue the request names in the AMQP property `reply_to`.",
-                "messages": listed,
-                "bindings": binding("", "default"),
-            }),
-        );
-        let reply = json!({
-            "address": { "location": "$message.header#/reply_to" },
-            "channel": channel_reference(&replies),
-            "messages": answers.map(|answer| message_of(&replies, answer)),
-        });
+        let reply = (!served.one_way).then(|| self.reply(served));
         let operation = |action: &str, component: &str| {
-            json!({
+            let mut operation = json!({
                 "action": action,
                 "channel": channel_reference(&address),
                 "messages": [message_of(&address, &request)],
-                "reply": reply,
                 "tags": [{ "name": component }],
-            })
+            });
+            if let Some(reply) = &reply {
+                operation["reply"] = reply.clone();
+            }
+            operation
         };
         let serves = operation("receive", &served.service.component);
         self.operations.insert(address.clone(), serves);
@@ -123,6 +132,89 @@ impl Document<'_> {
                 caller.reference, served.operation.name
             );
             self.operations.insert(key(&name), calls);
+        }
+    }
+
+    /// The channel of an operation's replies, and what operations say of it.
+    fn reply(&mut self, served: &Served) -> Value {
+        let replies = format!("{}.reply", served.address());
+        let result = self.answered(&served.operation.response);
+        let answers = [result.as_str(), "refusal", "unavailable"];
+        let listed: Map<String, Value> = answers
+            .iter()
+            .map(|answer| ((*answer).to_owned(), message_reference(answer)))
+            .collect();
+        self.channels.insert(
+            replies.clone(),
+            json!({
+                "address": null,
+                "description": "Whatever queue the request names in the AMQP property `reply_to`.",
+                "messages": listed,
+                "bindings": binding("", "default"),
+            }),
+        );
+        json!({
+            "address": { "location": "$message.header#/reply_to" },
+            "channel": channel_reference(&replies),
+            "messages": answers.map(|answer| message_of(&replies, answer)),
+        })
+    }
+
+    /// What every process tells of itself, and where it takes orders.
+    fn processes(&mut self, names: &[&str]) {
+        let parameter = json!({ "process": {
+            "description": "the name of the process; of one that runs the whole composite, the composite's",
+            "enum": names,
+        } });
+        let word = |name: &str, doc: &str| {
+            let payload = json!({ "type": "object" });
+            (
+                name.to_owned(),
+                json!({ "name": name, "description": doc, "contentType": "application/json", "payload": payload }),
+            )
+        };
+        self.messages.extend([
+            word("presence", "What a process says of itself, once a second: its components with their ports, services, \
+                properties, states and rates; `leaves` in its last word."),
+            word("order", "What a process is to do: start or stop a component, or set its properties."),
+        ]);
+        let channels = [
+            (
+                "presence",
+                presence_topic("{process}"),
+                "presence",
+                binding(EXCHANGE, "topic"),
+            ),
+            (
+                "control",
+                control_address("{process}"),
+                "order",
+                binding(&format!("{EXCHANGE}.services"), "direct"),
+            ),
+        ];
+        for (channel, address, message, binding) in channels {
+            self.channels.insert(
+                channel.to_owned(),
+                json!({
+                    "address": format!("{}.{address}", self.robot),
+                    "parameters": parameter,
+                    "messages": { message: message_reference(message) },
+                    "bindings": binding,
+                }),
+            );
+            let action = if channel == "presence" {
+                "send"
+            } else {
+                "receive"
+            };
+            self.operations.insert(
+                format!("process.{channel}"),
+                json!({
+                    "action": action,
+                    "channel": channel_reference(channel),
+                    "messages": [message_of(channel, message)],
+                }),
+            );
         }
     }
 
@@ -168,14 +260,19 @@ impl Document<'_> {
         if let Some(doc) = &description.doc {
             info["description"] = doc.as_str().into();
         }
-        json!({
+        let mut document = json!({
             "asyncapi": "3.0.0",
             "info": info,
             "defaultContentType": "application/cbor",
             "channels": self.channels,
             "operations": self.operations,
             "components": { "messages": self.messages, "schemas": schemas },
-        })
+        });
+        let servers = servers(plan);
+        if !servers.is_empty() {
+            document["servers"] = servers.into();
+        }
+        document
     }
 }
 

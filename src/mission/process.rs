@@ -1,45 +1,94 @@
-//! Which part of a composite a mission runs, and the bus that joins it to the rest.
+//! Which part of a composite a mission runs, and the buses that join it to the rest.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use amqp::AmqpBus;
+use amqp::{AmqpBus, Settings};
 use assembly::plan::Broker;
 use assembly::{Part, Plan};
+use bus::{Bus, BusError};
+use component::System;
 
+use super::contact::Contact;
 use super::{Mission, MissionError};
 
 /// How long to wait for a broker at the start; later on, as long as it takes.
 const CONNECT: Duration = Duration::from_secs(10);
 
+/// The brokers of a mission.
+#[derive(Clone, Debug, Default)]
+pub enum Brokers {
+    /// None: everything is joined directly.
+    #[default]
+    Nothing,
+    /// One, whatever the composite says: topics and wires go over it.
+    One(Box<Settings>),
+    /// Those that the composite names, by their names: what it puts on one goes over that.
+    Each(BTreeMap<String, Settings>),
+}
+
+/// The brokers that a composite names.
+pub enum Named {
+    /// The only one there is, for everything.
+    One(Broker),
+    /// Each for what names it.
+    Each(Vec<Broker>),
+}
+
+/// A broker that a mission is connected to.
+pub(super) struct Connected {
+    /// Its name in the composite, where that says what goes over it.
+    name: Option<String>,
+    place: String,
+    bus: Arc<AmqpBus>,
+}
+
+impl Brokers {
+    /// Whether messages leave the process.
+    pub fn are_there(&self) -> bool {
+        !matches!(self, Self::Nothing)
+    }
+
+    /// The settings of all.
+    pub fn settings_mut(&mut self) -> Vec<&mut Settings> {
+        match self {
+            Self::Nothing => Vec::new(),
+            Self::One(settings) => vec![settings],
+            Self::Each(brokers) => brokers.values_mut().collect(),
+        }
+    }
+}
+
 impl Mission {
     /// What of the plan runs here.
     pub(super) fn part(&self, plan: &Plan) -> Result<Part, MissionError> {
         let Some(wanted) = &self.process else {
-            return Ok(match self.broker {
-                None => Part::Whole,
-                Some(_) => Part::WholeOverBus,
+            return Ok(match self.brokers {
+                Brokers::Nothing => Part::Whole,
+                Brokers::One(_) => Part::WholeOverBus,
+                Brokers::Each(_) => Part::with_brokers(plan),
             });
         };
         let found = plan.processes.iter().find(|known| known.name == *wanted);
-        match (found, &self.broker) {
+        match (found, self.brokers.are_there()) {
             (None, _) => Err(MissionError::Process {
                 wanted: wanted.clone(),
                 known: plan.processes.iter().map(|it| it.name.clone()).collect(),
             }),
-            (Some(_), None) if plan.processes.len() > 1 => Err(MissionError::NeedsBroker {
+            (Some(_), false) if plan.processes.len() > 1 => Err(MissionError::NeedsBroker {
                 process: wanted.clone(),
             }),
-            (Some(_), None) => Ok(Part::Whole),
-            (Some(process), Some(_)) => Ok(Part::of(process)),
+            (Some(_), false) => Ok(Part::Whole),
+            (Some(process), true) => Ok(Part::of(process)),
         }
     }
 
-    /// The broker that the composite names, if it does. What is wrong with the composite the run tells.
+    /// The brokers that the composite names, if it does. What is wrong with the composite the run tells.
     ///
     /// # Errors
-    /// It names several.
-    pub fn named_broker(&self) -> Result<Option<Broker>, String> {
+    /// There are several, and nobody says what goes over which.
+    pub fn named_brokers(&self) -> Result<Option<Named>, String> {
         let opened = self.open();
         let plan = match opened.report.has_errors() {
             true => None,
@@ -48,39 +97,95 @@ impl Mission {
         let Some(plan) = plan.filter(|plan| plan.missing.is_empty()) else {
             return Ok(None);
         };
-        let named = plan.broker().map_err(|names| {
-            let names = names.join(", ");
-            format!("the composite names several brokers ({names}), and a process speaks to one: say which with `--bus`")
-        })?;
-        Ok(named.cloned())
+        if plan.names_brokers() {
+            let wanted = self.process.as_ref();
+            let process = plan.processes.iter().find(|it| Some(&it.name) == wanted);
+            let part = process.map_or_else(|| Part::with_brokers(plan), Part::of);
+            let brokers = plan.brokers_of(&part).into_iter().cloned();
+            return Ok(Some(Named::Each(brokers.collect())));
+        }
+        match &*plan.brokers {
+            [] => Ok(None),
+            [only] => Ok(Some(Named::One(only.clone()))),
+            several => {
+                let names: Vec<&str> = several.iter().map(|it| &*it.name).collect();
+                let names = names.join(", ");
+                Err(format!(
+                    "the composite has several brokers ({names}), and no component says which is its own with \
+                     `task.broker`: say it there, or with `--bus`"
+                ))
+            }
+        }
     }
 
-    /// The bus over the broker, once it is there.
-    pub(super) fn connect(&self, plan: &Plan) -> Result<Option<Arc<AmqpBus>>, MissionError> {
-        let Some(settings) = &self.broker else {
-            return Ok(None);
+    /// The buses over the brokers, once they are there.
+    pub(super) fn connect(&self, plan: &Plan) -> Result<Vec<Connected>, MissionError> {
+        let named = |(name, settings): (&String, _)| (Some(name.clone()), settings);
+        let brokers: Vec<(Option<String>, &Settings)> = match &self.brokers {
+            Brokers::Nothing => Vec::new(),
+            Brokers::One(settings) => vec![(None, settings)],
+            Brokers::Each(brokers) => brokers.iter().map(named).collect(),
         };
-        let mut settings = settings.clone();
-        settings.robot.get_or_insert_with(|| plan.name.clone());
-        if let Some(process) = &self.process {
-            settings.process.clone_from(process);
-        }
-        let bus =
-            AmqpBus::connect(settings, CONNECT).map_err(|reason| self.broker_error(reason))?;
-        Ok(Some(Arc::new(bus)))
+        let connect = |(name, settings): (Option<String>, &Settings)| {
+            let mut settings = settings.clone();
+            settings.robot.get_or_insert_with(|| plan.name.clone());
+            if let Some(process) = &self.process {
+                settings.process.clone_from(process);
+            }
+            let place = settings.place();
+            let bus = AmqpBus::connect(settings, CONNECT);
+            let bus = bus.map_err(|reason| broker_error(&place, reason))?;
+            let bus = Arc::new(bus);
+            Ok(Connected { name, place, bus })
+        };
+        brokers.into_iter().map(connect).collect()
     }
 
-    pub(super) fn broker_error(&self, reason: bus::BusError) -> MissionError {
-        let place = self.broker.as_ref().map(amqp::Settings::place);
-        MissionError::Broker {
-            place: place.unwrap_or_default(),
-            reason,
+    /// Joins a system to the buses, and gets in contact with others there.
+    pub(super) fn join<'p>(
+        &self,
+        system: &mut System,
+        connected: &'p [Connected],
+        plan: &'p Plan,
+        part: &Part,
+    ) -> Result<Vec<Contact<'p>>, MissionError> {
+        let incarnation = incarnation();
+        let places: Vec<&str> = connected.iter().map(|it| &*it.place).collect();
+        let of_all = |reason| broker_error(&places.join(", "), reason);
+        match (&self.brokers, connected) {
+            (Brokers::Nothing, _) => {}
+            (Brokers::One(_), connected) => {
+                for it in connected {
+                    system.attach(it.bus.clone(), incarnation).map_err(of_all)?;
+                }
+            }
+            (Brokers::Each(_), connected) => {
+                let named = connected.iter().filter_map(|it| {
+                    let bus: Arc<dyn Bus> = it.bus.clone();
+                    Some((it.name.clone()?, bus))
+                });
+                let attached = system.attach_each(named.collect(), incarnation);
+                attached.map_err(of_all)?;
+            }
         }
+        let name = self.process.as_deref().unwrap_or(&plan.name);
+        let contact = |it: &'p Connected| {
+            let contact = Contact::new(plan, part.clone(), name, &*it.bus, incarnation);
+            contact.map_err(|reason| broker_error(&it.place, reason))
+        };
+        connected.iter().map(contact).collect()
+    }
+}
+
+fn broker_error(place: &str, reason: BusError) -> MissionError {
+    MissionError::Broker {
+        place: place.to_owned(),
+        reason,
     }
 }
 
 /// Which life of the process this is: it grows with every start, and no two processes share one.
-pub(super) fn incarnation() -> u64 {
+fn incarnation() -> u64 {
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
     u64::try_from(now.unwrap_or_default().as_nanos()).unwrap_or(u64::MAX)
 }

@@ -505,3 +505,83 @@ fn y10_a_specification_that_waits_for_an_answer_has_one_service() {
         "{said}"
     );
 }
+
+/// Two that join over a message queue, as if each were in a process of its own.
+const QUEUED: &str = r#"
+schema = "composite/1"
+[composite]
+name = "queued"
+
+[components.Writer]
+implementation = { rust = "test::Echo" }
+
+[components.Reader]
+implementation = { rust = "test::Echo" }
+
+[[promote]]
+port = "Writer.number"
+as = "numbers"
+
+[[connections]]
+from = "Writer.number"
+to = "mqueue:/asmotion-NAME"
+policy = { type = "buffer", size = 4 }
+
+[[connections]]
+from = "mqueue:/asmotion-NAME"
+to = "Reader.number"
+policy = { type = "buffer", size = 4 }
+"#;
+
+#[cfg(target_os = "linux")]
+#[test]
+fn o17_ports_join_over_a_message_queue() {
+    let composite = QUEUED.replace("NAME", &format!("start-{}", std::process::id()));
+    let files = files(&composite);
+    let opened = open(&files, &[]);
+    let mut system = start(&files, opened.plan(None).expect("a plan")).expect("a system");
+    let log = Log::new();
+    system.observe(log.clone());
+    let mut run = system.live();
+    for n in 1..=3 {
+        let now = run.now();
+        run.inject(now, "Writer.number", Number { n })
+            .expect("a port");
+    }
+    let until = run.now() + 5.s();
+    run.run_until_event(until, &mut |_, event| {
+        matches!(
+            event,
+            component::Event::Published {
+                component: "Reader",
+                sequence: 3,
+                ..
+            }
+        )
+    });
+    let read = log.samples::<Number>("Reader.number").into_iter();
+    // the first message of the queue, of zeros, is no data
+    assert_eq!(
+        read.map(|(_, number)| number.n).collect::<Vec<_>>(),
+        [1, 2, 3]
+    );
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn it_says_why_a_message_queue_cannot_be_made() {
+    let composite = QUEUED.replace("NAME", &format!("large-{}", std::process::id()));
+    let composite = composite.replace("size = 4 ", "size = 1000000 ");
+    let files = files(&composite);
+    let opened = open(&files, &[]);
+    let refused = start(&files, opened.plan(None).expect("a plan")).map(|_| ());
+    let refused = refused.unwrap_err().to_string();
+    assert!(
+        refused.starts_with("`Writer.number`: mqueue:/asmotion-large"),
+        "{refused}"
+    );
+    assert!(
+        refused.contains("`sysctl fs.mqueue.msg_max=1000000`"),
+        "{refused}"
+    );
+}

@@ -4,11 +4,15 @@
 
 mod support;
 
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use asm_lang::Files;
 use assembly::{AsmFiles, Constructor, Context, Opened, Plan, Standard, Tables, plan};
-use component::{Component, Cycle, Fault, Interface, Run, Simulation, State, Time};
+use component::{
+    Component, Cycle, Event, Fault, Interface, Run, Simulation, State, Time, Transition,
+};
+use coordinator::StepRecord;
 use support::Variables;
 
 datum::message! {
@@ -142,7 +146,7 @@ fn t18_one_that_does_not_run_on_startup_is_there_and_waits() {
     run.run_for(Duration::from_secs(1));
     assert_eq!(run.state("Task"), Some(State::Stopped));
     assert_eq!(run.cycles("Task"), 0);
-    let started = run.transition("Task", component::Transition::Start);
+    let started = run.transition("Task", Transition::Start);
     assert_eq!(started, Ok(()));
     run.run_for(Duration::from_secs(1));
     assert_eq!(run.cycles("Task"), 21);
@@ -155,24 +159,86 @@ fn t19_only_who_says_so_may_be_interrupted() {
     assert!(may.pace.may_interrupt_if_running);
 }
 
+/// Each step writes its own number to many places.
+const LONG: &str = "asm long
+import StandardLibrary
+signature:
+	controlled step: Integer
+	controlled cell: Integer -> Integer
+definitions:
+	main rule r_Main =
+		par
+			step := step + 1
+			forall $i in {1 : 2000} do cell($i) := step + 1
+		endpar
+default init s0:
+	function step = 0
+";
+
+#[test]
+fn t19_a_step_that_is_cancelled_has_happened_or_has_not() {
+    let mut files = Files::new();
+    files.add("long.asm", LONG);
+    let text = composite("task = { period_ms = 1, may_interrupt_if_running = true }")
+        .replace("rust = \"test::Task\"", "asm = \"long.asm\"");
+    files.add("tca.toml", text);
+    let context = Context {
+        loader: &files,
+        environment: &Variables,
+        catalogue: &BUILD,
+        specifications: &AsmFiles::new(&files),
+        settings: &[],
+    };
+    let opened = assembly::open("tca.toml", &context);
+    let mut workshop = Standard {
+        catalogue: &BUILD,
+        loader: &files,
+        seed: 1,
+        builtins: &mut |_, _| None,
+    };
+    let plan = opened.plan(None).expect("a plan");
+    let mut system = assembly::start(plan, &mut workshop).expect("a system");
+    let steps: Arc<Mutex<Vec<StepRecord>>> = Arc::default();
+    let seen = Arc::clone(&steps);
+    system.observe(move |_: Time, event: &Event<'_>| {
+        if let Event::Report { what, .. } = event {
+            let record = what.to().expect("a record");
+            seen.lock().expect("no poison").push(record);
+        }
+    });
+    let mut run = system.live();
+    for round in 0..20 {
+        run.run_for(Duration::from_micros(3000 + 700 * round));
+        let stopped = run.transition("Task", Transition::Stop);
+        assert_eq!(stopped, Ok(()));
+        assert_eq!(run.transition("Task", Transition::Start), Ok(()));
+    }
+    run.stop();
+    let steps = steps.lock().expect("no poison");
+    assert!(steps.len() > 20, "{}", steps.len());
+    for (before, step) in steps.iter().enumerate() {
+        let number = (before + 1).to_string();
+        // after each stop the next step goes on from the whole of the one before
+        assert_eq!(step.updates.len(), 2001);
+        assert!(step.updates.iter().all(|update| update.after == number));
+    }
+}
+
 const BROKER: &str =
     "\n[brokers.main]\nurl = \"amqp://${ROBOT_USER}:${ROBOT_PASSWORD_FILE}@desk:5672/cell\"";
 
 #[test]
 fn t20_a_component_goes_over_the_broker_it_names_and_else_stays_inside() {
-    assert_eq!(
-        plan(&composite("")).broker().map(|it| it.is_none()),
-        Ok(true)
-    );
+    let broker = |text: &str| plan(text).broker_of("Task").map(str::to_owned);
+    assert_eq!(broker(&composite("")), None);
+    assert_eq!(broker(&composite(BROKER)).as_deref(), Some("main"));
     let second = BROKER.replace("main", "spare");
     let named = composite(&format!("task = {{ broker = \"spare\" }}{BROKER}{second}"));
-    let named = plan(&named);
-    let broker = named
-        .broker()
-        .map(|broker| broker.map(|it| it.name.clone()));
-    assert_eq!(broker, Ok(Some("spare".to_owned())));
-    let several = plan(&composite(&format!("{BROKER}{second}")));
-    assert_eq!(several.broker(), Err(vec!["main", "spare"]));
+    assert_eq!(broker(&named).as_deref(), Some("spare"));
+    // another one names a broker, this one stays inside
+    let other = "\n[components.Other]\nimplementation = { rust = \"test::Task\" }\ntask = { broker = \"main\" }";
+    assert_eq!(broker(&composite(&format!("{other}{BROKER}"))), None);
+    assert_eq!(broker(&composite(&format!("{BROKER}{second}"))), None);
     let said = findings(&composite(&format!(
         "task = {{ broker = \"mian\" }}{BROKER}"
     )));
@@ -182,8 +248,7 @@ fn t20_a_component_goes_over_the_broker_it_names_and_else_stays_inside() {
 #[test]
 fn t21_url_user_and_password_come_from_outside_and_are_never_shown() {
     let plan = plan(&composite(BROKER));
-    let broker = plan.broker().expect("one").expect("one");
-    let url = broker.url.as_ref().expect("an address");
+    let url = plan.brokers[0].url.as_ref().expect("an address");
     assert_eq!(url.reveal(), "amqp://robot:geheim@desk:5672/cell");
     let shown = format!("{plan:?} {}", plan.to_toml().expect("a text"));
     assert!(!shown.contains("geheim"), "{shown}");

@@ -4,5 +4,6 @@ mod channel;
 mod policy;
 mod triple;
 
-pub(crate) use channel::{Delivery, Receiver, Sender, Stamped, channel};
+pub use channel::Delivery;
+pub(crate) use channel::{Receiver, Sender, Stamped, channel};
 pub use policy::{Kind, OnStale, Policy};

@@ -56,6 +56,14 @@ impl Doors {
                 (0..inputs).filter_map(|index| Door::open(unit, index, &Policy::buffer(WAITING))),
             );
         }
+        Self {
+            ports,
+            ..Self::of_topics(units, topics)
+        }
+    }
+
+    /// The doors of topics alone.
+    pub(crate) fn of_topics(units: &mut [Unit], topics: &[Topic]) -> Self {
         let topics = topics
             .iter()
             .map(|topic| {
@@ -65,7 +73,10 @@ impl Doors {
                 (topic.name.clone(), doors.collect())
             })
             .collect();
-        Self { ports, topics }
+        Self {
+            ports: Vec::new(),
+            topics,
+        }
     }
 
     /// Finds an input port, and checks that it can take the sample.
@@ -158,7 +169,7 @@ impl Doors {
 
 impl Door {
     /// Opens a door. `None` if the policy asks for zeros that the type does not have, which joining has refused.
-    fn open(unit: &mut Unit, index: usize, policy: &Policy) -> Option<Self> {
+    pub(crate) fn open(unit: &mut Unit, index: usize, policy: &Policy) -> Option<Self> {
         let port = unit.body.declaration.inputs.get(index)?;
         let sender = unit.body.inputs.get_mut(index)?.open(policy).ok()?;
         Some(Self {
@@ -181,6 +192,23 @@ impl Door {
             })
     }
 
+    /// Gives a sample that came to this port alone.
+    pub(crate) fn let_in(
+        &mut self,
+        sample: &Arc<dyn Sample>,
+        now: Time,
+        outside: &mut dyn Outside,
+    ) {
+        outside.emit(
+            now,
+            &Event::Injected {
+                place: &self.name,
+                sample: &**sample,
+            },
+        );
+        self.give(sample, now, outside);
+    }
+
     fn give(&mut self, sample: &Arc<dyn Sample>, now: Time, outside: &mut dyn Outside) {
         let order = outside.next_order();
         let delivery = self.sender.send_sample(Arc::clone(sample), now, order);
@@ -192,7 +220,8 @@ impl Door {
         }
     }
 
-    fn drop_some(
+    /// Counts samples that did not get in.
+    pub(crate) fn drop_some(
         &mut self,
         count: u64,
         reason: Option<&DatumError>,

@@ -1,9 +1,10 @@
-//! The exchange: what of a system is on a bus. Topics and ports go out and come in, services are offered to others,
+//! The exchange: what of a system is on buses. Topics and ports go out and come in, services are offered to others,
 //! references reach services of others.
 //!
 //! It is looked after by one thread, the courier's or the simulation's: a cycle leaves what it sends in a queue, and
 //! waits for no transport.
 
+mod line;
 mod offered;
 mod reached;
 mod topics;
@@ -13,76 +14,88 @@ use std::time::Duration;
 
 use bus::{Bell, Bus, BusError};
 
-use self::offered::Offers;
-use self::reached::Reached;
-use self::topics::Topics;
+use self::line::Line;
 use crate::Time;
+use crate::door::Doors;
+use crate::health;
 use crate::outside::Outside;
 use crate::system::{Abroad, Topic};
 use crate::unit::Unit;
 
 pub(crate) use self::reached::Way;
 
-/// The system's side of a bus.
+/// The system's side of its buses.
 pub(crate) struct Exchange {
-    topics: Topics,
-    offers: Offers,
-    reached: Vec<Reached>,
-    /// Keeps the bus as long as the system is on it.
-    membership: Arc<Membership>,
+    lines: Vec<Line>,
+    /// The topics of those who are on no bus, until they have heard that none is gone.
+    inside: Option<(Vec<Topic>, Doors)>,
+    /// Rung for everything that comes, and when a bus is up, blocked or down.
+    bell: Arc<Bell>,
 }
 
-/// The bus, and who we are on it.
+/// A bus, and who we are on it.
 pub(crate) struct Membership {
     pub bus: Arc<dyn Bus>,
     /// Which life of the system's process.
     pub incarnation: u64,
-    /// Rung for everything that comes, and when the bus is up, blocked or down.
+    /// The bell of the exchange.
     pub bell: Arc<Bell>,
 }
 
 impl Exchange {
-    /// Joins what the system has abroad to the bus.
+    /// Joins what the system has abroad to its buses; to one without a name everything.
     pub(crate) fn new(
         units: &mut [Unit],
         topics: &[Topic],
-        abroad: Abroad,
-        bus: Arc<dyn Bus>,
+        mut abroad: Abroad,
+        buses: Vec<(Option<String>, Arc<dyn Bus>)>,
         incarnation: u64,
     ) -> Result<Self, BusError> {
-        let membership = Arc::new(Membership {
-            bus,
-            incarnation,
-            bell: Arc::clone(&abroad.bell),
-        });
-        membership.bus.watch(&membership.bell);
-        let topics = Topics::new(units, topics, &abroad, &membership)?;
-        let offers = Offers::new(units, &abroad.offered, &membership)?;
-        let reach = |way| Reached::new(way, Arc::clone(&membership));
+        let named = |(name, _): &(Option<String>, _)| name.clone();
+        let names: Vec<Option<String>> = buses.iter().map(named).collect();
+        let mut lines = Vec::new();
+        for (name, bus) in buses {
+            let bell = Arc::clone(&abroad.bell);
+            let membership = Arc::new(Membership {
+                bus,
+                incarnation,
+                bell,
+            });
+            let name = name.as_deref();
+            lines.push(Line::new(units, topics, &mut abroad, name, membership)?);
+        }
+        let homes = &abroad.homes;
+        let is_inside = |unit| {
+            !names
+                .iter()
+                .any(|name| line::is_here(homes, unit, name.as_deref()))
+        };
+        let inside: Vec<Topic> = topics.iter().map(|topic| topic.of(is_inside)).collect();
+        let doors = Doors::of_topics(units, &inside);
         Ok(Self {
-            topics,
-            offers,
-            reached: abroad.reached.into_iter().map(reach).collect(),
-            membership,
+            lines,
+            inside: Some((inside, doors)),
+            bell: abroad.bell,
         })
     }
 
     /// Lets in what has come, and lets out what waits.
     pub(crate) fn deliver(&mut self, now: Time, outside: &mut dyn Outside) {
-        self.topics.deliver(now, outside);
-        for reached in &mut self.reached {
-            reached.deliver(now, outside);
+        if let Some((topics, mut doors)) = self.inside.take() {
+            health::tell_alone(&topics, &mut doors, now, outside);
         }
-        self.offers.deliver(now, outside);
+        for line in &mut self.lines {
+            line.deliver(now, outside);
+        }
     }
 
     /// Waits until something has come, or so long.
     pub(crate) fn wait(&self, at_most: Duration) {
-        self.membership.bell.wait(at_most);
+        self.bell.wait(at_most);
     }
 
     /// The bell that ends a wait.
     pub(crate) fn bell(&self) -> Arc<Bell> {
-        Arc::clone(&self.membership.bell)
+        Arc::clone(&self.bell)
     }
 }

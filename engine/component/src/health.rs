@@ -57,7 +57,8 @@ pub(crate) struct HealthTeller {
 
 impl HealthTeller {
     pub(crate) fn new(topics: &[Topic]) -> Self {
-        let place = topics.iter().position(|topic| topic.name == HEALTH_TOPIC);
+        let is_heard = |topic: &Topic| topic.name == HEALTH_TOPIC && !topic.subscribers.is_empty();
+        let place = topics.iter().position(is_heard);
         Self {
             place: place.map(Place::Topic),
             told: None,

@@ -28,13 +28,14 @@ mod run;
 mod service;
 mod setup;
 mod simulated;
+mod stream;
 mod system;
 mod time;
 mod unit;
 
 pub use activity::{Activity, Drive, Overrun};
 pub use component::Component;
-pub use connection::{Kind, OnStale, Policy};
+pub use connection::{Delivery, Kind, OnStale, Policy};
 pub use cycle::Cycle;
 pub use declaration::Declaration;
 pub use event::{Event, Observer};
@@ -53,5 +54,6 @@ pub use service::{
 };
 pub use setup::Setup;
 pub use simulated::{Pace, Simulation};
+pub use stream::{Sink, Source};
 pub use system::{BuildError, ComponentId, System, port_topic};
 pub use time::{Span, Time};

@@ -19,13 +19,15 @@ use datum::Sample;
 
 use self::courier::Courier;
 use self::events::Events;
-use self::wake::{Wake, World};
+use self::wake::Wake;
+pub(crate) use self::wake::World;
 use self::worker::{Command, Worker};
 use crate::declaration::Declaration;
 use crate::door::{Doors, Place};
 use crate::health;
 use crate::property::suggestion_among;
 use crate::run::{Asked, Run, RunError, Watch};
+use crate::stream::Letting;
 use crate::unit::{Status, Unit};
 use crate::{LifeCycleError, Observer, State, System, Time, Transition};
 
@@ -44,6 +46,8 @@ pub struct Live {
     grace: Duration,
     /// Lets in what comes over the bus.
     courier: Option<Courier>,
+    /// Lets in what comes from sources.
+    letting: Option<Letting>,
 }
 
 /// What the owner keeps of a component whose unit its thread has.
@@ -64,6 +68,7 @@ impl Live {
             observers,
             topics,
             exchange,
+            streams,
             ..
         } = system;
         let doors = Doors::new(&mut units, &topics);
@@ -88,6 +93,7 @@ impl Live {
             planned: Vec::new(),
             grace: Duration::from_secs(5),
             courier: None,
+            letting: None,
         };
         live.start_up(&start);
         if exchange.is_none() {
@@ -95,6 +101,9 @@ impl Live {
             health::tell_alone(&topics, &mut live.doors, now, &mut live.world);
         }
         live.courier = exchange.map(|exchange| Courier::new(exchange, live.world.clone()));
+        if !streams.is_empty() {
+            live.letting = Some(Letting::new(streams, &live.world));
+        }
         live
     }
 
@@ -262,6 +271,7 @@ impl Host {
 impl Drop for Live {
     fn drop(&mut self) {
         self.courier = None;
+        self.letting = None;
         let late = self.stop();
         for host in &self.hosts {
             // A thread that is gone needs no telling.

@@ -4,13 +4,14 @@ mod abroad;
 mod error;
 mod join;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use bus::{Bus, BusError, Sending};
 use datum::Datum;
 
 pub use abroad::port_topic;
-pub(crate) use abroad::{Abroad, address};
+pub(crate) use abroad::{Abroad, Offered, address, is_on};
 pub use error::BuildError;
 pub(crate) use join::End;
 
@@ -18,6 +19,7 @@ use crate::body::Body;
 use crate::declaration::Declaration;
 use crate::exchange::Exchange;
 use crate::property::{PropertyError, PropertyProblem};
+use crate::stream::Incoming;
 use crate::unit::Unit;
 use crate::{Activity, Component, Interface, Live, Observer, Policy, Simulation};
 
@@ -65,6 +67,8 @@ pub struct System {
     connections: Vec<(End, End)>,
     /// What is joined over a bus.
     abroad: Abroad,
+    /// Inputs that sources lead to.
+    pub(crate) streams: Vec<Incoming>,
 }
 
 /// A component of a system under construction.
@@ -78,6 +82,22 @@ pub(crate) struct Topic {
     pub subscribers: Vec<(End, Policy)>,
     /// How it goes over a bus.
     pub sending: Sending,
+}
+
+impl Topic {
+    /// As the components see it that are here.
+    pub(crate) fn of(&self, is_here: impl Fn(usize) -> bool) -> Self {
+        let publishers = self.publishers.iter();
+        let subscribers = self.subscribers.iter();
+        Self {
+            name: self.name.clone(),
+            publishers: publishers.filter(|it| is_here(it.unit)).cloned().collect(),
+            subscribers: (subscribers.filter(|(it, _)| is_here(it.unit)))
+                .cloned()
+                .collect(),
+            sending: self.sending,
+        }
+    }
 }
 
 impl System {
@@ -161,8 +181,27 @@ impl System {
     /// process, and no two processes share one: what carries it is our own, and does not come in again where it was
     /// handed over inside.
     pub fn attach(&mut self, bus: Arc<dyn Bus>, incarnation: u64) -> Result<(), BusError> {
+        self.join_buses(vec![(None, bus)], incarnation)
+    }
+
+    /// The same with several buses by name: what is on one of them ([`System::put_on`]) is joined to that one, and
+    /// what is on none stays inside.
+    pub fn attach_each(
+        &mut self,
+        buses: BTreeMap<String, Arc<dyn Bus>>,
+        incarnation: u64,
+    ) -> Result<(), BusError> {
+        let buses = buses.into_iter().map(|(name, bus)| (Some(name), bus));
+        self.join_buses(buses.collect(), incarnation)
+    }
+
+    fn join_buses(
+        &mut self,
+        buses: Vec<(Option<String>, Arc<dyn Bus>)>,
+        incarnation: u64,
+    ) -> Result<(), BusError> {
         let abroad = std::mem::take(&mut self.abroad);
-        let exchange = Exchange::new(&mut self.units, &self.topics, abroad, bus, incarnation)?;
+        let exchange = Exchange::new(&mut self.units, &self.topics, abroad, buses, incarnation)?;
         self.exchange = Some(exchange);
         Ok(())
     }

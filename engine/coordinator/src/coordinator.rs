@@ -125,8 +125,12 @@ impl Component for Coordinator {
         Ok(())
     }
 
-    /// Freeze, step, send: what the step asks for leaves with the cycle, or not at all.
+    /// Freeze, step, send: what the step asks for leaves with the cycle, or not at all. Who is to stop begins no step, and
+    /// ends the one that has begun.
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        if cycle.interrupted() {
+            return Ok(());
+        }
         self.requests.receive(cycle);
         (self.inbox).receive(cycle, &self.requests, self.machine.program());
         self.outbox.receive(cycle, &mut self.inbox);

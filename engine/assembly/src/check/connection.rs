@@ -7,6 +7,7 @@ use source::{Report, Span};
 
 use super::connection_error::ConnectionError;
 use super::face::{Kind, Way};
+use super::queue;
 use super::scene::{Part, Scene};
 use super::wire::own_place;
 use crate::finding::Findings;
@@ -65,6 +66,7 @@ fn connection(
     report: &mut Report,
 ) {
     policy(&connection.policy, report);
+    queue::size_elsewhere(connection, report);
     let before = report.diagnostics.len();
     let from = terminals(scene, &connection.from, Way::Out, report);
     // an end that could not be read is not in the list
@@ -88,11 +90,16 @@ fn connection(
             }
             pair(scene, connection, (source, target), links, report);
         }
-        if let (Terminal::Topic(_), Some(target)) = (source.terminal, to.first())
-            && matches!(target.terminal, Terminal::Topic(_))
+        if let Some(target) = to.first()
+            && let (Some(from), Some(to)) = (beyond(source.terminal), beyond(target.terminal))
         {
-            let (from, to) = (source.terminal.span(), target.terminal.span());
-            report.found(ConnectionError::Relay { from, to });
+            let (from_at, to_at) = (source.terminal.span(), target.terminal.span());
+            report.found(ConnectionError::Relay {
+                from,
+                from_at,
+                to,
+                to_at,
+            });
         }
     }
     for target in &to {
@@ -111,8 +118,17 @@ fn connection(
         let ends = connection.from.iter().chain(&connection.to);
         drivers.elsewhere.extend(ends.filter_map(|end| match end {
             Terminal::Port(end) => Some((end.component.value.clone(), end.name.value.clone())),
-            Terminal::Topic(_) => None,
+            Terminal::Topic(_) | Terminal::Mqueue(_) => None,
         }));
+    }
+}
+
+/// What an end is that is no component's.
+fn beyond(terminal: &Terminal) -> Option<&'static str> {
+    match terminal {
+        Terminal::Port(_) => None,
+        Terminal::Topic(_) => Some("a topic"),
+        Terminal::Mqueue(_) => Some("a message queue"),
     }
 }
 
@@ -202,7 +218,25 @@ fn pair(
             kind: target.kind.clone(),
             published: false,
         }),
-        (Terminal::Topic(_), Terminal::Topic(_)) => {}
+        (Terminal::Port(_), Terminal::Mqueue(queue)) => {
+            queue::check(
+                scene,
+                (Way::Out, source.kind.as_ref()),
+                connection,
+                queue,
+                report,
+            );
+        }
+        (Terminal::Mqueue(queue), Terminal::Port(_)) => {
+            queue::check(
+                scene,
+                (Way::In, target.kind.as_ref()),
+                connection,
+                queue,
+                report,
+            );
+        }
+        (Terminal::Topic(_) | Terminal::Mqueue(_), Terminal::Topic(_) | Terminal::Mqueue(_)) => {}
     }
 }
 

@@ -16,8 +16,13 @@ pub(crate) enum ConnectionError {
         at: Span,
         declared: Option<Span>,
     },
-    #[error("a connection from a topic to a topic joins no component")]
-    Relay { from: Span, to: Span },
+    #[error("a connection from {from} to {to} joins no component")]
+    Relay {
+        from: &'static str,
+        from_at: Span,
+        to: &'static str,
+        to_at: Span,
+    },
     #[error("`{from}` is `{}`, but `{to}` is `{}`", from_kind.text, to_kind.text)]
     Types {
         from: String,
@@ -86,10 +91,23 @@ impl Finding for ConnectionError {
                     None => diagnostic,
                 }
             }
-            Self::Relay { from, to } => Diagnostic::error("C041", self)
-                .label(*to, "a topic")
-                .label(*from, "a topic, too")
-                .help("rename the topic where it is published or subscribed"),
+            Self::Relay {
+                from,
+                from_at,
+                to,
+                to_at,
+            } => Diagnostic::error("C041", self)
+                .label(*to_at, *to)
+                .label(
+                    *from_at,
+                    format!("{from}{}", if from == to { ", too" } else { "" }),
+                )
+                .help(match (*from, *to) {
+                    ("a topic", "a topic") => {
+                        "rename the topic where it is published or subscribed"
+                    }
+                    _ => "put a component between, or join the port itself to the message queue",
+                }),
             Self::Types {
                 from_kind,
                 from_at,

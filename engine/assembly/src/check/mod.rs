@@ -3,6 +3,7 @@
 //! A composite is looked at once in every profile. A nested composite is looked at first; what it
 //! promotes is then what its component shows.
 
+mod across;
 mod binding;
 mod builtin;
 mod component;
@@ -17,6 +18,7 @@ mod fan_out;
 mod map_error;
 mod promote;
 mod proxy;
+mod queue;
 mod scene;
 mod topic;
 mod wire;
@@ -111,6 +113,7 @@ impl<'c> Checker<'c> {
         let links = connection::check(&scene, report);
         let topics = topic::check(&scene, &links, report);
         deploy::check(&scene, &topics, report);
+        across::check(&scene, &topics, report);
         binding::check(&scene, report);
         let face = Rc::new(promote::check(&scene, &topics, report));
         let parts = scene.parts.into_iter();

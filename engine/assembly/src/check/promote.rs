@@ -63,6 +63,7 @@ pub(crate) fn check(scene: &Scene<'_>, topics: &Topics, report: &mut Report) -> 
             promotion.broker.as_ref(),
             report,
         );
+        scene.transport(promotion.binding.as_ref(), report);
         self::promotion(scene, promotion, topics, &mut face, &mut properties, report);
     }
     face.properties = Some(properties);

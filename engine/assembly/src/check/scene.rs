@@ -2,6 +2,7 @@
 
 use source::{Diagnostic, Report, Span};
 
+use super::component_error::ComponentError;
 use super::face::{Face, Named, Port, Service, Way, find, nearest_service};
 use crate::At;
 use crate::catalogue::Catalogue;
@@ -236,6 +237,21 @@ impl<'s> Scene<'s> {
                 _ => names(face.inputs.iter().chain(&face.outputs).map(|it| &it.name)),
             },
         });
+    }
+
+    /// Checks that this build has what something goes over.
+    pub(crate) fn transport(&self, binding: Option<&At<Transport>>, report: &mut Report) {
+        let Some(binding) = binding else {
+            return;
+        };
+        match binding.value {
+            Transport::Local | Transport::Amqp => {}
+            Transport::Ros | Transport::Http => report.found(ComponentError::NotInBuild {
+                what: "binding",
+                name: binding.value.to_string(),
+                at: binding.span,
+            }),
+        }
     }
 
     /// Checks that there is a broker for something that goes over one.

@@ -171,6 +171,13 @@ pub(crate) struct Role {
     written: Written,
 }
 
+impl Role {
+    /// Who publishes or subscribes, if it is no nested composite.
+    pub(crate) fn component(&self) -> Option<&str> {
+        self.port.as_ref().map(|(component, _)| component.as_str())
+    }
+}
+
 /// How the topic's name came about.
 #[derive(Clone, Debug)]
 pub(crate) enum Written {

@@ -167,6 +167,7 @@ fn wire(scene: &Scene<'_>, wire: &Wire, joined: &mut Joined, report: &mut Report
         joined.meant.extend(meant(scene, end));
     }
     scene.broker(wire.binding.as_ref(), wire.broker.as_ref(), report);
+    scene.transport(wire.binding.as_ref(), report);
     if let Some((part, reference)) = found {
         fan_out::check(scene, wire, part, reference, report);
     }

@@ -64,6 +64,8 @@ choice! {
 /// What of a run is written down.
 #[derive(Clone, Debug)]
 pub struct Record {
+    /// The place of the table.
+    pub span: Span,
     /// Where to.
     pub dir: Option<At<String>>,
     /// Which topics; `*` is all.

@@ -34,6 +34,8 @@ pub enum Terminal {
     Port(End),
     /// `topic:name`.
     Topic(At<String>),
+    /// `mqueue:/name`: a queue that an Orocos component of another process writes or reads.
+    Mqueue(At<String>),
 }
 
 impl Terminal {
@@ -41,7 +43,7 @@ impl Terminal {
     pub fn span(&self) -> Span {
         match self {
             Self::Port(end) => end.span(),
-            Self::Topic(topic) => topic.span,
+            Self::Topic(name) | Self::Mqueue(name) => name.span,
         }
     }
 }
@@ -51,6 +53,7 @@ impl std::fmt::Display for Terminal {
         match self {
             Self::Port(end) => end.fmt(f),
             Self::Topic(topic) => write!(f, "topic:{}", topic.value),
+            Self::Mqueue(name) => write!(f, "mqueue:{}", name.value),
         }
     }
 }
@@ -149,6 +152,8 @@ pub struct Policy {
     pub buffer: Option<At<Sharing>>,
     /// How many threads may use a lock-free connection.
     pub max_threads: Option<At<i64>>,
+    /// Bytes of the largest message in a queue `mqueue:/name`.
+    pub data_size: Option<At<i64>>,
     /// How old data may be.
     pub max_age_ms: Option<At<i64>>,
     /// What a reader sees instead of data that is too old.

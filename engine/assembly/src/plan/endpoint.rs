@@ -1,10 +1,7 @@
 //! Brokers and bridges of a plan, with their secrets.
 
-use std::collections::BTreeSet;
-
 use serde::{Serialize, Serializer};
 
-use super::Plan;
 use super::fill::{given, number};
 use super::flatten::Flattener;
 use crate::At;
@@ -108,29 +105,6 @@ impl Serialize for Endpoint {
 
 /// The exchange that all robots share, unless the composite names another one.
 const EXCHANGE: &str = "robots";
-
-impl Plan {
-    /// The broker that topics and services go over: the one that components, wires and promotions name; if none does,
-    /// the only one. `None` if there is none.
-    ///
-    /// # Errors
-    /// There are several: their names.
-    pub fn broker(&self) -> Result<Option<&Broker>, Vec<&str>> {
-        let of_components = self.components.iter().map(|it| &it.pace.broker);
-        let of_wires = self.wires.iter().map(|it| &it.broker);
-        let of_promotions = self.promoted.iter().map(|it| &it.broker);
-        let named: BTreeSet<&str> = (of_components.chain(of_wires).chain(of_promotions))
-            .filter_map(Option::as_deref)
-            .collect();
-        let is_meant = |broker: &&Broker| named.is_empty() || named.contains(&*broker.name);
-        let meant: Vec<&Broker> = self.brokers.iter().filter(is_meant).collect();
-        match *meant.as_slice() {
-            [] => Ok(None),
-            [broker] => Ok(Some(broker)),
-            _ => Err(meant.iter().map(|broker| &*broker.name).collect()),
-        }
-    }
-}
 
 impl Flattener<'_, '_> {
     /// Adds the brokers and bridges of a composite.

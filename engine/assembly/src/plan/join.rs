@@ -66,6 +66,7 @@ impl<'p> Flattener<'p, '_> {
     fn terminal(&self, index: usize, terminal: &model::Terminal) -> Option<Terminal> {
         match terminal {
             model::Terminal::Topic(topic) => Some(Terminal::Topic(self.topic(index, topic))),
+            model::Terminal::Mqueue(name) => Some(Terminal::Mqueue(name.value.clone())),
             model::Terminal::Port(end) => {
                 let port = |what: &'p model::Promoted| match what {
                     model::Promoted::Port(end) => Some(end),
@@ -208,6 +209,7 @@ fn policy(policy: &model::Policy) -> Policy {
         mandatory: given(&policy.mandatory),
         buffer: given(&policy.buffer),
         max_threads: number(&policy.max_threads).unwrap_or(2),
+        data_size: number(&policy.data_size),
         max_age_ms: number(&policy.max_age_ms),
         on_stale: given(&policy.on_stale),
         delivery: given(&policy.delivery),

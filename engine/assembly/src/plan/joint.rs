@@ -13,13 +13,15 @@ pub struct End {
     pub name: String,
 }
 
-/// One end of a connection; shown as `Component.port` or `topic:name`.
+/// One end of a connection; shown as `Component.port`, `topic:name` or `mqueue:/name`.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Terminal {
     /// A port.
     Port(End),
     /// A topic.
     Topic(String),
+    /// A message queue, beyond which there is an Orocos component.
+    Mqueue(String),
 }
 
 /// A topic.
@@ -79,6 +81,8 @@ pub struct Policy {
     pub buffer: Sharing,
     /// How many threads may use it.
     pub max_threads: u64,
+    /// Bytes of the largest message in a message queue.
+    pub data_size: Option<u64>,
     /// How old data may be.
     pub max_age_ms: Option<u64>,
     /// What a reader sees instead of data that is too old.
@@ -147,6 +151,7 @@ impl std::fmt::Display for Terminal {
         match self {
             Self::Port(end) => end.fmt(f),
             Self::Topic(topic) => write!(f, "topic:{topic}"),
+            Self::Mqueue(name) => write!(f, "mqueue:{name}"),
         }
     }
 }

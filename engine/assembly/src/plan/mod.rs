@@ -11,7 +11,7 @@ mod joint;
 mod order;
 mod part;
 mod place;
-mod proxy;
+mod route;
 mod topic;
 
 use std::collections::BTreeMap;

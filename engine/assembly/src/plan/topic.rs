@@ -56,7 +56,10 @@ impl Flattener<'_, '_> {
                 (Terminal::Topic(topic), Terminal::Port(end)) => {
                     roles.push((topic.clone(), end.clone(), false));
                 }
+                // the others are not about topics; the checker refuses topics joined to topics
                 (Terminal::Port(_), Terminal::Port(_))
+                | (Terminal::Mqueue(_), _)
+                | (_, Terminal::Mqueue(_))
                 | (Terminal::Topic(_), Terminal::Topic(_)) => {}
             }
         }

@@ -54,6 +54,7 @@ fn restart(mut keys: Keys<'_, '_, '_>) -> Restart {
 
 fn record(mut keys: Keys<'_, '_, '_>) -> Record {
     Record {
+        span: keys.span,
         dir: keys.text("dir", "\"runs/\""),
         topics: keys.texts("topics", "[\"*\"]"),
         calls: keys.flag("calls"),

@@ -77,13 +77,27 @@ pub(crate) fn end(reader: &mut Reader<'_>, text: &At<String>) -> Option<End> {
     })
 }
 
-/// `Component.port` or `topic:name`.
+/// `Component.port`, `topic:name` or `mqueue:/name`.
 pub(crate) fn terminal(reader: &mut Reader<'_>, text: &At<String>) -> Option<Terminal> {
-    let Some(name) = text.strip_prefix("topic:") else {
-        return end(reader, text).map(Terminal::Port);
+    let after = |prefix: &str| {
+        let name = text.strip_prefix(prefix)?;
+        let span = reader.part(text, prefix.len()..text.len());
+        Some(At::new(name.to_owned(), span))
     };
-    let span = reader.part(text, text.len() - name.len()..text.len());
-    topic(reader, &At::new(name.to_owned(), span)).map(Terminal::Topic)
+    if let Some(name) = after("topic:") {
+        return topic(reader, &name).map(Terminal::Topic);
+    }
+    match after("mqueue:") {
+        Some(name) => queue(reader, &name).map(Terminal::Mqueue),
+        None => end(reader, text).map(Terminal::Port),
+    }
+}
+
+/// A queue of the kernel: `/jointStatus`.
+fn queue(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
+    let rule = "a message queue is a `/` and a name without one, as in `mqueue:/jointStatus`";
+    let good = mqueue::Name::new(name).is_ok();
+    accept(reader, name, good, "a message queue", rule)
 }
 
 /// `pose.position.x`.

@@ -96,6 +96,7 @@ fn policy(mut keys: Keys<'_, '_, '_>) -> Policy {
         mandatory: keys.flag("mandatory"),
         buffer: keys.word("buffer"),
         max_threads: keys.whole("max_threads", 1..=1024),
+        data_size: keys.whole("data_size", 1..=16_777_216),
         max_age_ms: keys.whole("max_age_ms", 1..=DAY_MS),
         on_stale: keys.word("on_stale"),
         delivery: keys.word("delivery"),

@@ -2,6 +2,7 @@
 
 mod coordinator;
 mod part;
+mod queue;
 mod sending;
 mod workshop;
 
@@ -13,7 +14,7 @@ use component::{
     PropertyError, System, Wire, port_topic,
 };
 
-use crate::model;
+use crate::model::{self, Transport};
 use crate::plan::{self, Plan, Terminal};
 
 pub use part::Part;
@@ -36,6 +37,14 @@ pub enum StartError {
         /// Why.
         reason: String,
     },
+    /// What a wire goes over is not in this build.
+    #[error("the wire of `{reference}` goes over `{binding}`, which is not in this build")]
+    Binding {
+        /// The reference.
+        reference: String,
+        /// Over what.
+        binding: model::Transport,
+    },
     /// A property does not take its value.
     #[error("`{component}`: {source}")]
     Property {
@@ -43,6 +52,14 @@ pub enum StartError {
         component: String,
         /// Why.
         source: PropertyError,
+    },
+    /// A message queue cannot be joined to a port.
+    #[error("`{port}`: {reason}")]
+    Queue {
+        /// The port.
+        port: String,
+        /// Why.
+        reason: String,
     },
     /// The system does not go together.
     #[error(transparent)]
@@ -132,6 +149,9 @@ impl Building<'_> {
         if let Some(reason) = failed {
             return Err(not_made(reason));
         }
+        if let Some(broker) = self.plan.broker_of(&component.name) {
+            self.system.put_on(id, broker);
+        }
         for (name, value) in &component.properties.0 {
             let set = self.system.set_property(id, name, &value.datum());
             set.map_err(|source| StartError::Property {
@@ -163,7 +183,7 @@ impl Building<'_> {
     fn polls(&self, component: &plan::Component) -> Option<u64> {
         let into = |to: &Terminal| match to {
             Terminal::Port(end) => end.component == component.name,
-            Terminal::Topic(_) => false,
+            Terminal::Topic(_) | Terminal::Mqueue(_) => false,
         };
         let connections = self.plan.connections.iter().filter(|connection| {
             connection.policy.delivery == model::Delivery::Poll && into(&connection.to)
@@ -208,8 +228,11 @@ impl Building<'_> {
             if self.has(&component.name, |declared| {
                 declared.service(&service.name).is_some()
             }) {
-                self.system
-                    .offer(&format!("{}.{}", component.name, service.name))?;
+                let end = format!("{}.{}", component.name, service.name);
+                let doors = self.plan.doors(&component.name, &service.name, self.part);
+                for (name, broker) in doors {
+                    self.system.offer_at(&end, &name, broker)?;
+                }
             }
         }
         Ok(())
@@ -223,18 +246,25 @@ impl Building<'_> {
     }
 
     fn connection(&mut self, connection: &plan::Connection) -> Result<(), StartError> {
-        let policy = policy(&connection.policy);
+        let joint = &connection.policy;
+        let policy = policy(joint);
         match (&connection.from, &connection.to) {
             (Terminal::Port(from), Terminal::Port(to)) => self.ports(from, to, policy)?,
+            (Terminal::Port(from), Terminal::Mqueue(queue)) if self.part.has(&from.component) => {
+                queue::to(&mut self.system, from, queue, joint)?;
+            }
+            (Terminal::Mqueue(queue), Terminal::Port(to)) if self.part.has(&to.component) => {
+                queue::from(&mut self.system, queue, to, joint, &policy)?;
+            }
             (Terminal::Port(from), Terminal::Topic(topic)) if self.part.has(&from.component) => {
                 self.system.publish(&from.to_string(), topic)?;
             }
             (Terminal::Topic(topic), Terminal::Port(to)) if self.part.has(&to.component) => {
                 self.system.subscribe(topic, &to.to_string(), policy)?;
             }
-            // the others are of another part; the checker refuses topics joined to topics
-            (Terminal::Port(_) | Terminal::Topic(_), Terminal::Topic(_))
-            | (Terminal::Topic(_), Terminal::Port(_)) => {}
+            // the others are of another part; the checker refuses those that join no component
+            (_, Terminal::Topic(_) | Terminal::Mqueue(_))
+            | (Terminal::Topic(_) | Terminal::Mqueue(_), Terminal::Port(_)) => {}
         }
         Ok(())
     }
@@ -265,18 +295,27 @@ impl Building<'_> {
         }) {
             return Ok(());
         }
+        if matches!(wire.binding, Transport::Ros | Transport::Http) {
+            return Err(StartError::Binding {
+                reference: reference.to_string(),
+                binding: wire.binding,
+            });
+        }
         let how = Wire {
             timeout: Duration::from_millis(wire.timeout_ms),
             retries: u32::try_from(wire.retry_attempts).unwrap_or(u32::MAX),
             cancel_on_timeout: wire.cancel == model::Cancel::OnTimeout,
             one_way: wire.oneway,
         };
+        let abroad =
+            self.part.takes_the_bus_inside() || (wire.goes_abroad() && !self.part.is_alone());
+        let broker = self.plan.broker_of_wire(wire);
         let caller = reference.to_string();
         for service in &wire.services {
             let provider = service.to_string();
-            match self.part.has(&service.component) && !self.part.takes_the_bus_inside() {
+            match self.part.has(&service.component) && !abroad {
                 true => self.system.wire(&caller, &provider, how)?,
-                false => self.system.reach(&caller, &provider, how)?,
+                false => (self.system).reach_over(&caller, &provider, how, broker)?,
             }
         }
         Ok(())

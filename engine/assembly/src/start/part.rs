@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::plan::Process;
+use crate::plan::{Plan, Process};
 
 /// The part of a plan that runs in a process.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -16,6 +16,11 @@ pub enum Part {
 }
 
 impl Part {
+    /// All components, in one process, and what the composite has over its brokers goes over them.
+    pub fn with_brokers(plan: &Plan) -> Self {
+        Self::Components(plan.components.iter().map(|it| it.name.clone()).collect())
+    }
+
     /// The components deployed to a process.
     pub fn of(process: &Process) -> Self {
         Self::Components(process.components.iter().cloned().collect())

@@ -22,11 +22,12 @@ pub(super) fn of_topics<'p>(
     written.map(|topic| {
         let joins = |terminal: &Terminal| match terminal {
             Terminal::Topic(name) => *name == topic.name,
-            Terminal::Port(_) => false,
+            Terminal::Port(_) | Terminal::Mqueue(_) => false,
         };
         let connections = plan.connections.iter();
         let connections = connections.filter(|it| joins(&it.from) || joins(&it.to));
-        let sending = of_connections(plan, connections);
+        let publisher = topic.publishers.iter().find(|end| part.has(&end.component));
+        let sending = of_connections(plan, connections, publisher);
         (topic.name.as_str(), as_written(topic, sending))
     })
 }
@@ -37,22 +38,24 @@ pub(super) fn of_port(plan: &Plan, port: &End) -> Sending {
         let to_port = matches!(connection.to, Terminal::Port(_));
         to_port && connection.from == Terminal::Port(port.clone())
     });
-    of_connections(plan, from)
+    of_connections(plan, from, Some(port))
 }
 
 /// How to send what these connections carry.
 fn of_connections<'p>(
     plan: &Plan,
     connections: impl Iterator<Item = &'p Connection> + Clone,
+    publisher: Option<&End>,
 ) -> Sending {
     let init = (connections.clone()).any(|connection| connection.policy.init);
     let kinds = connections.map(|connection| policy(&connection.policy).kind);
-    of(kinds).init(init).by(codec(plan))
+    of(kinds).init(init).by(codec(plan, publisher))
 }
 
-/// How the broker wants payloads encoded.
-fn codec(plan: &Plan) -> Codec {
-    let broker = plan.broker().ok().flatten();
+/// How the broker of a publisher wants payloads encoded.
+fn codec(plan: &Plan, publisher: Option<&End>) -> Codec {
+    let name = publisher.and_then(|end| plan.broker_of(&end.component));
+    let broker = plan.brokers.iter().find(|it| Some(&*it.name) == name);
     broker.map_or_else(Codec::default, |broker| of_word(broker.codec))
 }
 

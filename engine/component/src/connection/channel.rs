@@ -20,7 +20,8 @@ pub(crate) struct Stamped<T> {
 
 /// What became of a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Delivery {
+pub enum Delivery {
+    /// It lies where its reader finds it.
     Stored,
     /// The new one did not fit.
     DroppedNewest,

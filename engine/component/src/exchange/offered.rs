@@ -1,5 +1,6 @@
 //! Services that others on the bus may call: a request goes into the component's inbox like those from inside.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -10,7 +11,7 @@ use super::Membership;
 use crate::Time;
 use crate::outside::Outside;
 use crate::service::{AnswerTo, Ask, CallKey, Inbox, Post};
-use crate::system::{End, address};
+use crate::system::{Offered, address};
 use crate::unit::Unit;
 
 /// How many requests of an operation may wait between two deliveries.
@@ -35,16 +36,21 @@ struct Offer {
 }
 
 impl Offers {
-    pub(super) fn new(
+    pub(super) fn new<'o>(
         units: &[Unit],
-        services: &[End],
+        offered: impl Iterator<Item = &'o Offered>,
         membership: &Membership,
     ) -> Result<Self, BusError> {
         let mut operations = Vec::new();
-        for end in services {
+        let mut names = BTreeSet::new();
+        // offered over several buses that are one here, it is offered once
+        for Offered {
+            service: end, name, ..
+        } in offered.filter(|it| names.insert(&it.name))
+        {
             let service = &units[end.unit].body.services[end.index];
             for (operation, declared) in service.declaration.operations.iter().enumerate() {
-                let address = address(&end.name, &declared.name);
+                let address = address(name, &declared.name);
                 let bell = Arc::clone(&membership.bell);
                 operations.push(Offer {
                     provider: end.unit,
@@ -96,7 +102,7 @@ impl Offer {
             caller: Arc::clone(&call.origin.source),
             trace: call.trace,
             deadline: answered.then_some(now + left),
-            answer_to: answered.then_some(AnswerTo::Bus(call)),
+            answer_to: answered.then_some(AnswerTo::Bus(Box::new(call))),
         };
         // A caller whose request is not taken learns it when the request is dropped.
         if self.inbox.post(Post::Ask(ask)).is_ok() {

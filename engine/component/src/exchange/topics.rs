@@ -14,7 +14,7 @@ use crate::door::{Doors, Place};
 use crate::health::{HEALTH_TOPIC, HealthTeller};
 use crate::outside::Outside;
 use crate::port::{AnySender, Link};
-use crate::system::{Abroad, End, Topic, port_topic};
+use crate::system::{End, Topic, port_topic};
 use crate::unit::Unit;
 use crate::{Kind, Time};
 
@@ -45,10 +45,12 @@ pub(super) struct Topics {
 }
 
 impl Topics {
-    pub(super) fn new(
+    /// Joins topics, and outputs that others are connected to. Topics that are `abroad` come in even if they are our own.
+    pub(super) fn new<'e>(
         units: &mut [Unit],
         topics: &[Topic],
-        abroad: &Abroad,
+        exposed: impl Iterator<Item = &'e (End, Sending)>,
+        abroad: bool,
         membership: &Membership,
     ) -> Result<Self, BusError> {
         for topic in topics {
@@ -56,10 +58,10 @@ impl Topics {
                 publish(units, end, &topic.name, topic.sending, membership)?;
             }
         }
-        for (end, sending) in &abroad.exposed {
+        for (end, sending) in exposed {
             publish(units, end, &port_topic(&end.name), *sending, membership)?;
         }
-        let doors = Doors::new(units, topics);
+        let doors = Doors::of_topics(units, topics);
         let mut incoming = Vec::new();
         for (index, topic) in topics.iter().enumerate() {
             if topic.name == HEALTH_TOPIC {
@@ -83,7 +85,7 @@ impl Topics {
             }
         }
         Ok(Self {
-            own: (!abroad.topics).then_some(membership.incarnation),
+            own: (!abroad).then_some(membership.incarnation),
             doors,
             incoming,
             health: HealthTeller::new(topics),

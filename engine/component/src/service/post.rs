@@ -44,7 +44,7 @@ pub(crate) enum AnswerTo {
     /// To a component of this system.
     Here(Arc<Mailbox>),
     /// To a caller on the bus.
-    Bus(Call),
+    Bus(Box<Call>),
 }
 
 impl AnswerTo {

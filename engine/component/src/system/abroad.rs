@@ -1,28 +1,53 @@
 //! Joining over a bus: to what other processes have, and for them to what is here.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use bus::{Bell, Sending};
 
 use super::join::{outputs, references, services};
-use super::{BuildError, End, System};
+use super::{BuildError, ComponentId, End, System};
 use crate::Wire;
 use crate::exchange::Way;
 use crate::service::{Inbox, Wiring};
 
-/// What of a system is joined over a bus, beside its topics.
+/// What of a system is joined over buses, beside its topics.
 #[derive(Default)]
 pub(crate) struct Abroad {
+    /// The buses of the components, where there are several: by place in the system.
+    pub homes: BTreeMap<usize, String>,
     /// Whether topics go over the bus even inside.
     pub topics: bool,
     /// Outputs that inputs of other processes are connected to.
     pub exposed: Vec<(End, Sending)>,
     /// Services that others may call.
-    pub offered: Vec<End>,
+    pub offered: Vec<Offered>,
     /// Services of others.
-    pub reached: Vec<Way>,
+    pub reached: Vec<Reach>,
     /// Rung for everything that comes or waits to go.
     pub bell: Arc<Bell>,
+}
+
+/// A service that others may call.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Offered {
+    pub service: End,
+    /// What its addresses begin with.
+    pub name: String,
+    /// Over which of several buses.
+    pub bus: Option<String>,
+}
+
+/// A service of others that a reference reaches.
+pub(crate) struct Reach {
+    pub way: Way,
+    /// Over which of several buses.
+    pub bus: Option<String>,
+}
+
+/// Whether what is on one bus is on this one; where the system has one alone, everything is on it.
+pub(crate) fn is_on(bus: Option<&str>, this: Option<&str>) -> bool {
+    this.is_none() || bus == this
 }
 
 /// The topic of an output that inputs of other processes are connected to: `port.RoverDriver.odom`.
@@ -50,11 +75,33 @@ impl System {
         Ok(())
     }
 
-    /// Lets other processes call a service.
+    /// Says on which of several buses a component is: its topics, and its services and references unless they say
+    /// otherwise. One that is on none has its topics inside.
+    pub fn put_on(&mut self, component: ComponentId, bus: &str) {
+        self.abroad.homes.insert(component.0, bus.to_owned());
+    }
+
+    /// Lets other processes call a service over the bus of its component.
     pub fn offer(&mut self, service: &str) -> Result<(), BuildError> {
-        let service = self.end(service, services)?;
-        if !self.abroad.offered.contains(&service) {
-            self.abroad.offered.push(service);
+        let end = self.end(service, services)?;
+        let bus = self.abroad.homes.get(&end.unit).cloned();
+        self.offer_at(service, service, bus.as_deref())
+    }
+
+    /// Lets other processes call a service under a name, over one of several buses.
+    pub fn offer_at(
+        &mut self,
+        service: &str,
+        name: &str,
+        bus: Option<&str>,
+    ) -> Result<(), BuildError> {
+        let offered = Offered {
+            service: self.end(service, services)?,
+            name: name.to_owned(),
+            bus: bus.map(str::to_owned),
+        };
+        if !self.abroad.offered.contains(&offered) {
+            self.abroad.offered.push(offered);
         }
         Ok(())
     }
@@ -62,6 +109,19 @@ impl System {
     /// Wires a reference to a service that is offered on the bus, by whichever process. As long as nobody offers it,
     /// calls end with [`CallError::Unavailable`](crate::CallError::Unavailable).
     pub fn reach(&mut self, from: &str, service: &str, wire: Wire) -> Result<(), BuildError> {
+        let end = self.end(from, references)?;
+        let bus = self.abroad.homes.get(&end.unit).cloned();
+        self.reach_over(from, service, wire, bus.as_deref())
+    }
+
+    /// The same over one of several buses.
+    pub fn reach_over(
+        &mut self,
+        from: &str,
+        service: &str,
+        wire: Wire,
+        bus: Option<&str>,
+    ) -> Result<(), BuildError> {
         let from = self.end(from, references)?;
         let operations = &self
             .open_reference(&from, service, wire)?
@@ -82,7 +142,8 @@ impl System {
             operations: (0..way.addresses.len()).collect(),
             wire,
         };
-        self.abroad.reached.push(way);
+        let bus = bus.map(str::to_owned);
+        self.abroad.reached.push(Reach { way, bus });
         let reference = &mut self.units[from.unit].body.references[from.index];
         reference.wirings.push(wiring);
         Ok(())

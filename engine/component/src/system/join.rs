@@ -4,14 +4,16 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
 use bus::Sending;
-use datum::{Message, Schema};
+use datum::{DatumError, Message, Problem, Schema};
 
 use super::{BuildError, System, Topic};
 use crate::body::Body;
 use crate::declaration::{OperationDeclaration, PortDeclaration};
+use crate::door::Door;
 use crate::port::Link;
 use crate::property::suggestion_among;
 use crate::service::{Reference, Wire, Wiring};
+use crate::stream::{Incoming, Outgoing, Sink, Source};
 use crate::{BusHealth, HEALTH_TOPIC, Policy};
 
 /// One end of a connection.
@@ -124,6 +126,31 @@ impl System {
             self.join_topic(&from, &to, &policy)?;
         }
         self.topics[index].subscribers.push((to, policy));
+        Ok(())
+    }
+
+    /// Lets the samples of an output go to a sink, too; live, in its component's cycle.
+    pub fn stream_out(&mut self, from: &str, sink: Box<dyn Sink>) -> Result<(), BuildError> {
+        let from = self.end(from, outputs)?;
+        let link = Link::to_bus(sink.name());
+        self.units[from.unit].body.outputs[from.index].join(Box::new(Outgoing(sink)), link);
+        Ok(())
+    }
+
+    /// Lets the samples of a source into an input; live, by a thread of its own. In simulated time nothing comes.
+    pub fn stream_in(
+        &mut self,
+        source: Box<dyn Source>,
+        to: &str,
+        policy: &Policy,
+    ) -> Result<(), BuildError> {
+        let to = self.end(to, inputs)?;
+        let unit = &mut self.units[to.unit];
+        let door = Door::open(unit, to.index, policy).ok_or_else(|| BuildError::NoZero {
+            to: to.name,
+            source: DatumError::new(Problem::Mismatch("it is no record".to_owned())),
+        })?;
+        self.streams.push(Incoming { source, door });
         Ok(())
     }
 

@@ -6,12 +6,12 @@ use bridge::{Conversion, Mapped, Mode, ProxyPort};
 use component::declaration::OperationDeclaration;
 use datum::Schema;
 
-use super::fill::number;
-use super::part::Source;
-use super::{Idle, Notify, ProxyEntry};
+use super::Source;
 use crate::check::face::{Port, find};
 use crate::map;
 use crate::model::{self, Builtin, Implementation, MapEntry, ProxyMode};
+use crate::plan::fill::number;
+use crate::plan::{Idle, Notify, ProxyEntry};
 
 pub(super) fn entry(entry: &MapEntry) -> Option<ProxyEntry> {
     match entry {

@@ -1,0 +1,203 @@
+//! What joins components of two processes: it goes over a broker that both are on.
+
+use std::collections::BTreeMap;
+
+use source::{Diagnostic, Report, Span};
+
+use super::scene::{Scene, nested};
+use super::topic::{Role, Topics};
+use crate::finding::{Finding, Findings};
+use crate::model::{Deploy, End, Terminal, Transport, Wire};
+
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum AcrossError {
+    #[error("`{from}` is in process `{}`, `{to}` in `{}`, and the wire is local", processes.0, processes.1)]
+    Local {
+        from: String,
+        to: String,
+        processes: (String, String),
+        at: Span,
+    },
+    #[error("{what} does not get from process `{}` to `{}`", processes.0, processes.1)]
+    NoBroker {
+        /// What: `topic scan`, `the wire from A.x to B.y`.
+        what: String,
+        processes: (String, String),
+        /// The component without, or on which.
+        why: String,
+        at: Span,
+    },
+}
+
+impl Finding for AcrossError {
+    fn diagnostic(&self) -> Diagnostic {
+        match self {
+            Self::Local { at, .. } => Diagnostic::error("C074", self)
+                .label(*at, "only within a process")
+                .help("place both components in one process, or leave `binding` out"),
+            Self::NoBroker { at, why, .. } => Diagnostic::error("C075", self)
+                .label(*at, why.clone())
+                .help("say on which broker both are, with `task.broker`; or place them in one process"),
+        }
+    }
+}
+
+pub(crate) fn check(scene: &Scene<'_>, topics: &Topics, report: &mut Report) {
+    let Some(deploy) = &scene.composite.deploy else {
+        return;
+    };
+    let mut across = Across {
+        scene,
+        processes: processes(deploy),
+        report,
+    };
+    for wire in &scene.composite.wires {
+        if scene.active(&wire.profiles) {
+            across.wire(wire);
+        }
+    }
+    for connection in &scene.composite.connections {
+        if !scene.active(&connection.profiles) {
+            continue;
+        }
+        for (from, to) in connection
+            .from
+            .iter()
+            .flat_map(|from| connection.to.iter().map(move |to| (from, to)))
+        {
+            if let (Terminal::Port(from), Terminal::Port(to)) = (from, to) {
+                across.connection(from, to);
+            }
+        }
+    }
+    for (topic, roles) in topics {
+        across.topic(topic, roles);
+    }
+}
+
+/// Which process each component is placed in.
+fn processes(deploy: &Deploy) -> BTreeMap<&str, &str> {
+    let placed = deploy.processes.iter().flat_map(|process| {
+        let components = process.components.iter();
+        components.map(|component| (component.value.as_str(), process.name.value.as_str()))
+    });
+    placed.collect()
+}
+
+/// On which broker a component is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Home<'s> {
+    On(&'s str),
+    Inside,
+    /// A nested composite: its components say it.
+    Nested,
+}
+
+impl std::fmt::Display for Home<'_> {
+    fn fmt(&self, to: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::On(broker) => write!(to, "is on `{broker}`"),
+            Self::Inside => to.write_str("is on no broker"),
+            Self::Nested => to.write_str("is a composite"),
+        }
+    }
+}
+
+struct Across<'s, 'r> {
+    scene: &'s Scene<'s>,
+    processes: BTreeMap<&'s str, &'s str>,
+    report: &'r mut Report,
+}
+
+impl<'s> Across<'s, '_> {
+    /// The processes of two components, if they are two.
+    fn apart(&self, from: &str, to: &str) -> Option<(String, String)> {
+        let (from, to) = (self.processes.get(from)?, self.processes.get(to)?);
+        (from != to).then(|| ((*from).to_owned(), (*to).to_owned()))
+    }
+
+    /// Where no component names a broker, all are on the one that the run has.
+    fn home(&self, name: &str) -> Option<Home<'s>> {
+        let mut homes = self.scene.parts.iter().map(|part| {
+            let component = part.component;
+            let broker = component
+                .pace
+                .as_ref()
+                .and_then(|pace| pace.broker.as_ref());
+            let home = match (nested(component), broker) {
+                (Some(_), _) => Home::Nested,
+                (None, Some(broker)) => Home::On(&broker.value),
+                (None, None) => Home::Inside,
+            };
+            (component.name.value.as_str(), home)
+        });
+        let named = homes.clone().any(|(_, home)| matches!(home, Home::On(_)));
+        let (_, home) = homes.find(|(known, _)| *known == name)?;
+        named.then_some(home)
+    }
+
+    fn wire(&mut self, wire: &Wire) {
+        for service in &wire.services {
+            let (from, to) = (&wire.reference.component.value, &service.component.value);
+            let Some(processes) = self.apart(from, to) else {
+                continue;
+            };
+            if let Some(binding) = &wire.binding
+                && binding.value == Transport::Local
+            {
+                self.report.found(AcrossError::Local {
+                    from: wire.reference.to_string(),
+                    to: service.to_string(),
+                    processes,
+                    at: binding.span,
+                });
+                continue;
+            }
+            let inside = [from, to].map(|end| self.home(end)) == [Some(Home::Inside); 2];
+            if inside && wire.binding.is_none() && wire.broker.is_none() {
+                let what = format!("the wire from `{}` to `{service}`", wire.reference);
+                let why = "both are on no broker".to_owned();
+                self.no_broker(what, processes, why, wire.reference.span());
+            }
+        }
+    }
+
+    fn connection(&mut self, from: &End, to: &End) {
+        let what = format!("the connection from `{from}` to `{to}`");
+        self.meet(what, &from.component, &to.component, to.span());
+    }
+
+    fn topic(&mut self, topic: &str, roles: &[Role]) {
+        for publisher in roles.iter().filter(|role| role.published) {
+            for subscriber in roles.iter().filter(|role| role.subscribed) {
+                if let (Some(from), Some(to)) = (publisher.component(), subscriber.component()) {
+                    self.meet(format!("topic `{topic}`"), from, to, subscriber.at);
+                }
+            }
+        }
+    }
+
+    /// Two components of two processes meet on the broker that both are on.
+    fn meet(&mut self, what: String, from: &str, to: &str, at: Span) {
+        let Some(processes) = self.apart(from, to) else {
+            return;
+        };
+        let (Some(one), Some(other)) = (self.home(from), self.home(to)) else {
+            return;
+        };
+        let meet = matches!(one, Home::On(_)) && one == other;
+        if !meet && one != Home::Nested && other != Home::Nested {
+            let why = format!("`{from}` {one}, `{to}` {other}");
+            self.no_broker(what, processes, why, at);
+        }
+    }
+
+    fn no_broker(&mut self, what: String, processes: (String, String), why: String, at: Span) {
+        self.report.found(AcrossError::NoBroker {
+            what,
+            processes,
+            why,
+            at,
+        });
+    }
+}

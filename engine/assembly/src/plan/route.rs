@@ -1,0 +1,101 @@
+//! Over which broker what goes. A component that names none stays inside; where no component names one, all are on the
+//! only one there is.
+
+use std::collections::BTreeSet;
+
+use super::{Broker, Plan, Wire};
+use crate::model::Transport;
+use crate::start::Part;
+
+impl Plan {
+    /// Whether components, wires or promotions say over which broker they go.
+    pub fn names_brokers(&self) -> bool {
+        let of_components = self.components.iter().map(|it| &it.pace.broker);
+        let of_wires = self.wires.iter().map(|it| &it.broker);
+        let of_promotions = self.promoted.iter().map(|it| &it.broker);
+        let mut all = of_components.chain(of_wires).chain(of_promotions);
+        all.any(Option::is_some)
+    }
+
+    /// The broker that a component is on.
+    pub fn broker_of(&self, component: &str) -> Option<&str> {
+        let named = |it: &'_ super::Component| it.pace.broker.is_some();
+        match (self.components.iter().any(named), &*self.brokers) {
+            (true, _) => self.component(component)?.pace.broker.as_deref(),
+            (false, [only]) => Some(&only.name),
+            (false, _) => None,
+        }
+    }
+
+    /// The broker that a wire goes over where it does not stay inside: its own, that of the caller, that of the service.
+    pub fn broker_of_wire<'p>(&'p self, wire: &'p Wire) -> Option<&'p str> {
+        let of_ends = || {
+            let mut ends = std::iter::once(&wire.reference).chain(&wire.services);
+            ends.find_map(|end| self.broker_of(&end.component))
+        };
+        wire.broker.as_deref().or_else(of_ends)
+    }
+
+    /// Where a service is offered to those outside of a part: its name there, and the broker.
+    pub fn doors(
+        &self,
+        component: &str,
+        service: &str,
+        part: &Part,
+    ) -> Vec<(String, Option<&str>)> {
+        let own = format!("{component}.{service}");
+        let mut doors = vec![(own.clone(), self.broker_of(component))];
+        for wire in &self.wires {
+            let is_wired = wire.services.iter().any(|end| end.to_string() == own);
+            if is_wired && (wire.goes_abroad() || !part.has(&wire.reference.component)) {
+                doors.push((own.clone(), self.broker_of_wire(wire)));
+            }
+        }
+        for promoted in &self.promoted {
+            if promoted.what == "service"
+                && promoted.binding == Transport::Amqp
+                && promoted.inside == own
+            {
+                let broker = promoted.broker.as_deref();
+                let broker = broker.or_else(|| self.broker_of(component));
+                doors.push((promoted.name.clone(), broker));
+            }
+        }
+        doors
+    }
+
+    /// The brokers that a part of the system speaks to.
+    pub fn brokers_of(&self, part: &Part) -> Vec<&Broker> {
+        let here = self.components.iter().filter(|it| part.has(&it.name));
+        let mut names: BTreeSet<&str> = BTreeSet::new();
+        for component in here {
+            names.extend(self.broker_of(&component.name));
+            for service in &component.services {
+                let doors = self.doors(&component.name, &service.name, part);
+                names.extend(doors.into_iter().filter_map(|(_, broker)| broker));
+            }
+        }
+        let calls = self
+            .wires
+            .iter()
+            .filter(|it| part.has(&it.reference.component));
+        let leaves = |wire: &&Wire| {
+            let mut services = wire.services.iter();
+            wire.goes_abroad() || services.any(|service| !part.has(&service.component))
+        };
+        names.extend(
+            calls
+                .filter(leaves)
+                .filter_map(|it| self.broker_of_wire(it)),
+        );
+        let brokers = self.brokers.iter();
+        brokers.filter(|it| names.contains(&*it.name)).collect()
+    }
+}
+
+impl Wire {
+    /// Whether it goes over a broker even inside of a process.
+    pub fn goes_abroad(&self) -> bool {
+        self.binding == Transport::Amqp
+    }
+}

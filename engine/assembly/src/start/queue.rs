@@ -1,0 +1,70 @@
+//! Ports joined to Orocos components over message queues.
+
+use component::declaration::{Declaration, PortDeclaration};
+use component::{Policy, System};
+use mqueue::{First, Keep, Layout, Name, Reader, Room, Writer};
+
+use super::StartError;
+use crate::model::Flow;
+use crate::plan;
+
+/// As many messages as RTT gives a queue where nobody says.
+const MESSAGES: usize = 10;
+
+/// An output writes to a queue.
+pub(super) fn to(
+    system: &mut System,
+    from: &plan::End,
+    queue: &str,
+    policy: &plan::Policy,
+) -> Result<(), StartError> {
+    let layout = layout(system, from, Declaration::output)?;
+    let number = |number: u64| usize::try_from(number).unwrap_or(usize::MAX);
+    let (keep, messages) = match policy.kind {
+        Flow::Data => (Keep::Last, MESSAGES),
+        Flow::Buffer => (Keep::Oldest, number(policy.size)),
+        Flow::Circular => (Keep::Newest, number(policy.size)),
+    };
+    let size = layout.size_or(policy.data_size.map_or(0, number));
+    let room = Room { messages, size };
+    let writer = Name::new(queue).and_then(|name| Writer::open(name, layout, room, keep));
+    let writer = writer.map_err(|error| refused(from, error))?;
+    Ok(system.stream_out(&from.to_string(), Box::new(writer))?)
+}
+
+/// An input reads from a queue.
+pub(super) fn from(
+    system: &mut System,
+    queue: &str,
+    to: &plan::End,
+    joint: &plan::Policy,
+    policy: &Policy,
+) -> Result<(), StartError> {
+    let layout = layout(system, to, Declaration::input)?;
+    let name = Name::new(queue).map_err(|error| refused(to, error))?;
+    let first = match joint.init {
+        true => First::Data,
+        false => First::Shape,
+    };
+    let reader = Reader::new(name, layout, first);
+    Ok(system.stream_in(Box::new(reader), &to.to_string(), policy)?)
+}
+
+fn layout(
+    system: &System,
+    end: &plan::End,
+    port: impl for<'d> Fn(&'d Declaration, &str) -> Option<&'d PortDeclaration>,
+) -> Result<Layout, StartError> {
+    let declared = system.id(&end.component);
+    let declared = declared.and_then(|id| system.declaration(id));
+    let port = declared.and_then(|declared| port(declared, &end.name));
+    let port = port.ok_or_else(|| refused(end, "there is no such port"))?;
+    Layout::of(&port.schema).map_err(|error| refused(end, error))
+}
+
+fn refused(end: &plan::End, reason: impl ToString) -> StartError {
+    StartError::Queue {
+        port: end.to_string(),
+        reason: reason.to_string(),
+    }
+}

@@ -1,0 +1,120 @@
+//! How many bytes a type takes, and whether it has any form at all.
+
+use datum::{Schema, Shape};
+
+use crate::LayoutError;
+
+/// A type that passes through a queue. Scalars are raw, in this machine's width and byte order; a list is a count of 64
+/// bits and its elements; an array is its elements; a record is one field after the other, without padding.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layout {
+    schema: Schema,
+    /// Bytes with all lists empty.
+    least: usize,
+    has_lists: bool,
+}
+
+impl Layout {
+    /// The layout of a type.
+    ///
+    /// # Errors
+    /// It has none: text, options and what is known at run time only are not written.
+    pub fn of(schema: &Schema) -> Result<Self, LayoutError> {
+        examine(schema, "")?;
+        Ok(Self {
+            least: least(&schema.shape),
+            has_lists: has_lists(&schema.shape),
+            schema: schema.clone(),
+        })
+    }
+
+    /// Bytes of each message; `None` if that depends on how long its lists are.
+    pub fn size(&self) -> Option<usize> {
+        (!self.has_lists).then_some(self.least)
+    }
+
+    /// Bytes of each message, or so many where that depends on its lists.
+    pub fn size_or(&self, given: usize) -> usize {
+        self.size().unwrap_or(given)
+    }
+
+    /// The type.
+    pub fn schema(&self) -> &Schema {
+        &self.schema
+    }
+}
+
+/// Finds what has no form.
+fn examine(schema: &Schema, path: &str) -> Result<(), LayoutError> {
+    match &schema.shape {
+        Shape::Any | Shape::Text | Shape::Option(_) => Err(LayoutError::NoForm {
+            path: path.to_owned(),
+            what: schema.to_string(),
+        }),
+        Shape::List(element) | Shape::Array(element, _) => {
+            examine(element, path)?;
+            match least(&element.shape) {
+                0 => Err(LayoutError::Nothing {
+                    path: path.to_owned(),
+                    what: element.to_string(),
+                }),
+                _ => Ok(()),
+            }
+        }
+        Shape::Record(fields) => fields.iter().try_for_each(|field| {
+            let path = match path {
+                "" => field.name.to_string(),
+                path => format!("{path}.{}", field.name),
+            };
+            examine(&field.schema, &path)
+        }),
+        Shape::Bool
+        | Shape::I8
+        | Shape::I16
+        | Shape::I32
+        | Shape::I64
+        | Shape::U8
+        | Shape::U16
+        | Shape::U32
+        | Shape::U64
+        | Shape::F32
+        | Shape::F64 => Ok(()),
+    }
+}
+
+fn has_lists(shape: &Shape) -> bool {
+    match shape {
+        Shape::List(_) => true,
+        Shape::Array(element, _) | Shape::Option(element) => has_lists(&element.shape),
+        Shape::Record(fields) => fields.iter().any(|field| has_lists(&field.schema.shape)),
+        Shape::Any
+        | Shape::Text
+        | Shape::Bool
+        | Shape::I8
+        | Shape::I16
+        | Shape::I32
+        | Shape::I64
+        | Shape::U8
+        | Shape::U16
+        | Shape::U32
+        | Shape::U64
+        | Shape::F32
+        | Shape::F64 => false,
+    }
+}
+
+/// Bytes that a value takes at least; what cannot be written takes none.
+pub(crate) fn least(shape: &Shape) -> usize {
+    match shape {
+        Shape::Any | Shape::Text | Shape::Option(_) => 0,
+        Shape::Bool | Shape::I8 | Shape::U8 => 1,
+        Shape::I16 | Shape::U16 => 2,
+        Shape::I32 | Shape::U32 | Shape::F32 => 4,
+        Shape::I64 | Shape::U64 | Shape::F64 | Shape::List(_) => 8,
+        Shape::Array(element, count) => least(&element.shape).saturating_mul(*count),
+        Shape::Record(fields) => {
+            let sizes = fields.iter().map(|field| least(&field.schema.shape));
+            sizes.fold(0, usize::saturating_add)
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! A door to Orocos components of other processes: ports joined over POSIX message queues, with the wire format of RTT's
+//! `mqueue` transport.
+//!
+//! ```no_run
+//! use mqueue::{Keep, Layout, Name, Room, Writer};
+//!
+//! datum::message! {
+//!     /// What the joints are told.
+//!     pub struct Command = "example/Command" {
+//!         /// radians
+//!         pub position: [f64; 5],
+//!     }
+//! }
+//!
+//! let layout = Layout::of(<Command as datum::Message>::schema())?;
+//! let room = Room { messages: 10, size: layout.size_or(0) };
+//! let mut writer = Writer::open(Name::new("/commands")?, layout, room, Keep::Oldest)?;
+//! writer.send(&Command::default())?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod error;
+mod layout;
+mod name;
+#[cfg(target_os = "linux")]
+mod queue;
+#[cfg(not(target_os = "linux"))]
+#[path = "queue/absent.rs"]
+mod queue;
+mod reader;
+mod wire;
+mod writer;
+
+pub use error::{LayoutError, QueueError};
+pub use layout::Layout;
+pub use name::Name;
+pub use reader::{First, Reader};
+pub use writer::{Keep, Room, Writer};

@@ -1,0 +1,183 @@
+//! Queues of the Linux kernel. Nothing here waits, but [`Queue::wait`].
+
+use std::os::fd::AsFd;
+use std::time::Duration;
+
+use nix::errno::Errno;
+use nix::mqueue::{
+    MQ_OFlag, MqAttr, MqdT, mq_attr_member_t, mq_close, mq_getattr, mq_open, mq_receive, mq_send,
+    mq_unlink,
+};
+use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
+use nix::sys::resource::{Resource, getrlimit};
+use nix::sys::stat::{Mode, fstat};
+
+use crate::{Name, QueueError, Room};
+
+/// An open queue; closed when it is dropped.
+pub(crate) struct Queue {
+    name: Name,
+    /// Absent only while it is being closed.
+    descriptor: Option<MqdT>,
+    /// The largest message it takes, in bytes.
+    size: usize,
+}
+
+/// What became of a message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Pushed {
+    Stored,
+    Full,
+}
+
+impl Queue {
+    /// Opens a queue to write to it, and makes it if there is none. Who writes may read, too: to take out the oldest.
+    pub(crate) fn create(name: &Name, room: Room) -> Result<Self, QueueError> {
+        let member =
+            |number: usize| mq_attr_member_t::try_from(number).unwrap_or(mq_attr_member_t::MAX);
+        let attributes = MqAttr::new(0, member(room.messages), member(room.size), 0);
+        let flags = MQ_OFlag::O_CREAT | MQ_OFlag::O_RDWR;
+        Self::open(name, flags, Some(&attributes)).map_err(|errno| refusal(name, room, errno))
+    }
+
+    /// Opens a queue to read from it; `None` as long as there is none.
+    pub(crate) fn find(name: &Name) -> Result<Option<Self>, QueueError> {
+        match Self::open(name, MQ_OFlag::O_RDONLY, None) {
+            Ok(queue) => Ok(Some(queue)),
+            Err(Errno::ENOENT) => Ok(None),
+            Err(Errno::EACCES) => Err(QueueError::Denied {
+                queue: name.to_string(),
+            }),
+            Err(errno) => Err(system(name, errno)),
+        }
+    }
+
+    fn open(name: &Name, flags: MQ_OFlag, attributes: Option<&MqAttr>) -> Result<Self, Errno> {
+        let flags = flags | MQ_OFlag::O_NONBLOCK | MQ_OFlag::O_CLOEXEC;
+        let descriptor = mq_open(
+            name.as_str(),
+            flags,
+            Mode::S_IRUSR | Mode::S_IWUSR,
+            attributes,
+        )?;
+        let mut queue = Self {
+            name: name.clone(),
+            descriptor: Some(descriptor),
+            size: 0,
+        };
+        let attributes = mq_getattr(queue.descriptor()?)?;
+        queue.size = usize::try_from(attributes.msgsize()).unwrap_or(0);
+        Ok(queue)
+    }
+
+    fn descriptor(&self) -> Result<&MqdT, Errno> {
+        self.descriptor.as_ref().ok_or(Errno::EBADF)
+    }
+
+    /// The largest message it takes, in bytes.
+    pub(crate) fn size(&self) -> usize {
+        self.size
+    }
+
+    /// Puts a message in, if there is room.
+    pub(crate) fn push(&self, message: &[u8]) -> Result<Pushed, QueueError> {
+        match self.descriptor().and_then(|open| mq_send(open, message, 0)) {
+            Ok(()) => Ok(Pushed::Stored),
+            Err(Errno::EAGAIN) => Ok(Pushed::Full),
+            Err(Errno::EMSGSIZE) => Err(QueueError::Smaller {
+                queue: self.name.to_string(),
+                takes: self.size,
+                size: message.len(),
+            }),
+            Err(errno) => Err(system(&self.name, errno)),
+        }
+    }
+
+    /// Takes the oldest message out, if there is one; says how many bytes it has.
+    pub(crate) fn pop(&self, buffer: &mut [u8]) -> Result<Option<usize>, QueueError> {
+        let mut priority = 0;
+        let received = (self.descriptor()).and_then(|open| mq_receive(open, buffer, &mut priority));
+        match received {
+            Ok(bytes) => Ok(Some(bytes)),
+            Err(Errno::EAGAIN | Errno::EINTR) => Ok(None),
+            Err(errno) => Err(system(&self.name, errno)),
+        }
+    }
+
+    /// Waits until there is a message, or so long.
+    pub(crate) fn wait(&self, at_most: Duration) {
+        let Ok(open) = self.descriptor() else { return };
+        let milliseconds = u16::try_from(at_most.as_millis()).unwrap_or(u16::MAX);
+        let mut polled = [PollFd::new(open.as_fd(), PollFlags::POLLIN)];
+        // interrupted or not: whoever waits looks by itself
+        let _ = poll(&mut polled, PollTimeout::from(milliseconds));
+    }
+
+    /// Whether it has been removed: what is written under its name now goes elsewhere.
+    pub(crate) fn is_gone(&self) -> bool {
+        let status = self.descriptor().and_then(|open| fstat(open.as_fd()));
+        status.is_ok_and(|status| status.st_nlink == 0)
+    }
+
+    /// Removes its name; who has it open keeps it.
+    pub(crate) fn unlink(&self) {
+        // gone already is gone
+        let _ = mq_unlink(self.name.as_str());
+    }
+}
+
+impl Drop for Queue {
+    fn drop(&mut self) {
+        if let Some(descriptor) = self.descriptor.take() {
+            // nothing to be done about one that does not close
+            let _ = mq_close(descriptor);
+        }
+    }
+}
+
+fn system(name: &Name, errno: Errno) -> QueueError {
+    QueueError::System {
+        queue: name.to_string(),
+        reason: errno.desc().to_lowercase(),
+    }
+}
+
+/// Why a queue was not made: the kernel says little, so its limits are looked up.
+fn refusal(name: &Name, room: Room, errno: Errno) -> QueueError {
+    let queue = name.to_string();
+    let limit = |which: &str| -> Option<usize> {
+        let text = std::fs::read_to_string(format!("/proc/sys/fs/mqueue/{which}")).ok()?;
+        text.trim().parse().ok()
+    };
+    match errno {
+        Errno::EACCES => QueueError::Denied { queue },
+        Errno::ENOSPC => QueueError::NoMore { queue },
+        Errno::EINVAL | Errno::ENOMEM | Errno::EOVERFLOW => {
+            match (limit("msg_max"), limit("msgsize_max")) {
+                (Some(limit), _) if room.messages > limit => QueueError::TooMany {
+                    queue,
+                    asked: room.messages,
+                    limit,
+                },
+                (_, Some(limit)) if room.size > limit => QueueError::TooLarge {
+                    queue,
+                    asked: room.size,
+                    limit,
+                },
+                _ => system(name, errno),
+            }
+        }
+        // this is how the kernel says that the user's queues are too large
+        Errno::EMFILE => match getrlimit(Resource::RLIMIT_MSGQUEUE) {
+            Ok((limit, _)) if room.messages.saturating_mul(room.size) as u64 > limit / 2 => {
+                QueueError::NoRoom {
+                    queue,
+                    asked: room.messages.saturating_mul(room.size),
+                    limit,
+                }
+            }
+            Ok(_) | Err(_) => system(name, errno),
+        },
+        errno => system(name, errno),
+    }
+}

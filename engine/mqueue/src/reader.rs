@@ -1,0 +1,128 @@
+//! The receiving end of a queue: an input port of ours that an Orocos component writes to.
+
+use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
+
+use component::Source;
+use datum::{Datum, DatumError, Sample};
+
+use crate::queue::Queue;
+use crate::writer::told;
+use crate::{Layout, Name};
+
+/// What the first message of a queue is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum First {
+    /// A sample that shows the reader what samples are like, as RTT sends it: no data.
+    Shape,
+    /// Data, like those after it.
+    Data,
+}
+
+/// Reads messages. The writer makes the queue; as long as there is none, and when it was removed, one is looked for.
+pub struct Reader {
+    name: Name,
+    layout: Layout,
+    first: First,
+    queue: Option<Open>,
+    /// What was wrong the last time a queue was looked for, so that it is told once.
+    problem: Option<DatumError>,
+}
+
+struct Open {
+    queue: Queue,
+    buffer: Vec<u8>,
+    /// Whether nothing was read from it.
+    fresh: bool,
+}
+
+/// How often a queue is looked for.
+const SEARCH: Duration = Duration::from_millis(50);
+
+impl Reader {
+    /// A reader of a queue that need not be there yet.
+    pub fn new(name: Name, layout: Layout, first: First) -> Self {
+        Self {
+            name,
+            layout,
+            first,
+            queue: None,
+            problem: None,
+        }
+    }
+
+    /// The next message, waited for so long at most. `None` if none came.
+    pub fn next(&mut self, at_most: Duration) -> Option<Result<Datum, DatumError>> {
+        let Some(open) = &mut self.queue else {
+            return self.search(at_most).map(Err);
+        };
+        let mut read = open.read();
+        if read == Ok(None) {
+            open.queue.wait(at_most);
+            read = open.read();
+        }
+        match read {
+            Ok(Some(bytes)) => {
+                let fresh = std::mem::replace(&mut open.fresh, false);
+                let message = self.layout.decode(open.buffer.get(..bytes).unwrap_or(&[]));
+                match (message, self.first) {
+                    (Ok(_), First::Shape) if fresh => None,
+                    (message, _) => Some(message),
+                }
+            }
+            Ok(None) => {
+                if open.queue.is_gone() {
+                    self.queue = None;
+                }
+                None
+            }
+            Err(problem) => {
+                self.queue = None;
+                Some(Err(problem))
+            }
+        }
+    }
+
+    /// Looks for the queue; a problem that is new is told.
+    fn search(&mut self, at_most: Duration) -> Option<DatumError> {
+        match Queue::find(&self.name) {
+            Ok(Some(queue)) => {
+                self.problem = None;
+                self.queue = Some(Open {
+                    buffer: vec![0; queue.size()],
+                    queue,
+                    fresh: true,
+                });
+                None
+            }
+            Ok(None) => {
+                thread::sleep(at_most.min(SEARCH));
+                None
+            }
+            Err(problem) => {
+                thread::sleep(at_most.min(SEARCH));
+                let problem = told(problem);
+                let known = self.problem.replace(problem.clone());
+                (known.as_ref() != Some(&problem)).then_some(problem)
+            }
+        }
+    }
+}
+
+impl Open {
+    fn read(&mut self) -> Result<Option<usize>, DatumError> {
+        self.queue.pop(&mut self.buffer).map_err(told)
+    }
+}
+
+impl Source for Reader {
+    fn name(&self) -> String {
+        self.name.to_string()
+    }
+
+    fn next(&mut self, at_most: Duration) -> Option<Result<Arc<dyn Sample>, DatumError>> {
+        let message = Reader::next(self, at_most)?;
+        Some(message.map(|datum| Arc::new(datum) as Arc<dyn Sample>))
+    }
+}

@@ -1,0 +1,135 @@
+//! The sending end of a queue: an output port of ours that Orocos components read.
+
+use std::sync::Arc;
+
+use component::{Delivery, Sink};
+use datum::{Datum, DatumError, Problem, Sample};
+
+use crate::queue::{Pushed, Queue};
+use crate::{Layout, Name, QueueError};
+
+/// How much a queue holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Room {
+    /// How many messages.
+    pub messages: usize,
+    /// The largest of them, in bytes (RTT `data_size`).
+    pub size: usize,
+}
+
+/// What is kept when the queue is full.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Keep {
+    /// What was there first; a new message is dropped (RTT BUFFER).
+    Oldest,
+    /// What comes; the oldest message is taken out (RTT CIRCULAR_BUFFER).
+    Newest,
+    /// The same, where one message makes those before it worthless (RTT DATA).
+    Last,
+}
+
+/// Writes messages; never waits for a reader. The queue's name is removed at the end.
+pub struct Writer {
+    name: Name,
+    layout: Layout,
+    keep: Keep,
+    queue: Queue,
+    /// The message being written.
+    message: Vec<u8>,
+    /// For one taken out.
+    old: Vec<u8>,
+}
+
+impl Writer {
+    /// Opens a queue, and makes it if there is none. What a writer before has left in it is thrown away; its first
+    /// message is a sample of zeros.
+    ///
+    /// # Errors
+    /// The system or its limits stand in the way, or there is a queue for smaller messages.
+    pub fn open(name: Name, layout: Layout, room: Room, keep: Keep) -> Result<Self, QueueError> {
+        if room.size == 0 {
+            return Err(QueueError::NoSize {
+                queue: name.to_string(),
+                kind: layout.schema().to_string(),
+            });
+        }
+        let queue = Queue::create(&name, room)?;
+        if queue.size() < room.size {
+            return Err(QueueError::Smaller {
+                queue: name.to_string(),
+                takes: queue.size(),
+                size: room.size,
+            });
+        }
+        let mut old = vec![0; queue.size()];
+        while queue.pop(&mut old)?.is_some() {}
+        let mut writer = Self {
+            name,
+            layout,
+            keep,
+            message: Vec::with_capacity(room.size),
+            old,
+            queue,
+        };
+        writer.show_shape().map(|()| writer)
+    }
+
+    /// A reader of RTT waits for a first sample as soon as it is connected: this one shows what samples are like.
+    fn show_shape(&mut self) -> Result<(), QueueError> {
+        // a layout has a form for zeros
+        match self.layout.encode_zeros(&mut self.message) {
+            Ok(()) => self.push().map(drop),
+            Err(_) => Ok(()),
+        }
+    }
+
+    /// Writes a message, or drops it.
+    ///
+    /// # Errors
+    /// It is of another type, or larger than the queue takes.
+    pub fn send(&mut self, sample: &dyn Sample) -> Result<Delivery, DatumError> {
+        self.message.clear();
+        match sample.downcast_ref::<Datum>() {
+            Some(datum) => self.layout.encode(datum, &mut self.message)?,
+            None => (self.layout).encode(&sample.to_datum()?, &mut self.message)?,
+        }
+        self.push().map_err(told)
+    }
+
+    fn push(&mut self) -> Result<Delivery, QueueError> {
+        if self.queue.push(&self.message)? == Pushed::Stored {
+            return Ok(Delivery::Stored);
+        }
+        if self.keep == Keep::Oldest {
+            return Ok(Delivery::DroppedNewest);
+        }
+        // a reader may be faster, then nothing is lost
+        let taken = self.queue.pop(&mut self.old)?;
+        Ok(match (self.queue.push(&self.message)?, taken, self.keep) {
+            (Pushed::Full, ..) => Delivery::DroppedNewest,
+            (Pushed::Stored, Some(_), Keep::Newest) => Delivery::DroppedOldest,
+            (Pushed::Stored, ..) => Delivery::Stored,
+        })
+    }
+}
+
+impl Drop for Writer {
+    fn drop(&mut self) {
+        self.queue.unlink();
+    }
+}
+
+impl Sink for Writer {
+    fn name(&self) -> String {
+        self.name.to_string()
+    }
+
+    fn send(&mut self, sample: Arc<dyn Sample>) -> Result<Delivery, DatumError> {
+        Writer::send(self, &*sample)
+    }
+}
+
+/// A queue's problem, as one of the sample that met it.
+pub(crate) fn told(error: QueueError) -> DatumError {
+    DatumError::new(Problem::Mismatch(error.to_string()))
+}

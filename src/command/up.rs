@@ -1,0 +1,377 @@
+//! `asmotion up`: all processes of a composite that run on this machine, started again as it says.
+
+use std::ffi::OsString;
+use std::os::unix::process::CommandExt;
+use std::process::{Child, Command, ExitStatus};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use assembly::Plan;
+use assembly::model::RestartPolicy;
+use assembly::plan::{Process, Restart};
+use clap::Args;
+use rustix::process::{Pid, Signal, kill_process};
+
+use crate::broker::Access;
+use crate::build;
+use crate::exit::Exit;
+use crate::files::Disk;
+use crate::mission::MissionError;
+use crate::terminal::Terminal;
+
+/// Starts the processes that a composite is deployed to on this machine, and starts them again as its `restart` says.
+#[derive(Args)]
+pub struct Up {
+    /// The composite.
+    composite: String,
+
+    /// Which of its profiles.
+    #[arg(long)]
+    profile: Option<String>,
+
+    /// The machine whose processes are started; without it, this one. Those without `host` run anywhere.
+    #[arg(long)]
+    host: Option<String>,
+
+    /// Over which broker, as for `asmotion run`.
+    #[arg(long, value_name = "URL")]
+    bus: Option<String>,
+
+    #[command(flatten)]
+    access: Access,
+
+    /// Whose topics these are on the broker: keys are `ROBOT.TOPIC`; the composite's name without it.
+    #[arg(long)]
+    robot: Option<String>,
+
+    /// Sets a property of the composite (`place=lab`) or of a component (`World.slip=0.01`).
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+}
+
+/// How often the children are looked at.
+const LOOK: Duration = Duration::from_millis(50);
+/// The wait before a process is started again, where the composite says none.
+const BACKOFF: Duration = Duration::from_millis(200);
+/// How long the children have to end when they are told to.
+const GRACE: Duration = Duration::from_secs(10);
+
+impl Up {
+    /// Starts them, and stays until all have ended.
+    pub fn run(self, terminal: &mut Terminal) -> Exit {
+        let properties = self.set.iter().filter_map(|set| set.split_once('='));
+        let settings = properties.filter(|(name, _)| !name.contains('.'));
+        let settings: Vec<(String, String)> = settings
+            .map(|(name, value)| (name.to_owned(), value.to_owned()))
+            .collect();
+        let opened = build::open(&self.composite, &settings, &Disk);
+        terminal.report(&opened.report, &opened.sources);
+        if opened.report.has_errors() {
+            return Exit::refused(&self.composite);
+        }
+        let Some(plan) = opened.plan(self.profile.as_deref()) else {
+            let (wanted, known) = (self.profile, opened.profiles);
+            terminal.error(MissionError::Profile { wanted, known });
+            return Exit::Usage;
+        };
+        match self.children(plan, terminal) {
+            Ok(children) => look_after(children, terminal),
+            Err(problem) => {
+                terminal.error(problem);
+                Exit::Usage
+            }
+        }
+    }
+
+    /// The processes of this machine, not yet started.
+    fn children(&self, plan: &Plan, terminal: &mut Terminal) -> Result<Vec<Keeper>, String> {
+        if let ([process, _, ..], None, []) = (&*plan.processes, &self.bus, &*plan.brokers) {
+            let process = process.name.clone();
+            return Err(MissionError::NeedsBroker { process }.to_string());
+        }
+        let here = match &self.host {
+            Some(host) => host.clone(),
+            None => (rustix::system::uname().nodename())
+                .to_string_lossy()
+                .into_owned(),
+        };
+        let is_here = |it: &&Process| it.host.as_ref().is_none_or(|host| *host == here);
+        let (mine, elsewhere): (Vec<_>, Vec<_>) = plan.processes.iter().partition(is_here);
+        let hosts = elsewhere.iter().filter_map(|it| it.host.as_deref());
+        let hosts = hosts.collect::<Vec<_>>().join("`, `");
+        if mine.is_empty() {
+            return Err(format!(
+                "no process runs on `{here}`, but on `{hosts}`: say which machine this is with `--host`"
+            ));
+        }
+        for process in elsewhere {
+            let host = process.host.as_deref().unwrap_or_default();
+            let name = &process.name;
+            terminal.status("Left out", format_args!("{name}, which runs on `{host}`"));
+        }
+        let program = std::env::current_exe().map_err(|error| error.to_string())?;
+        let keeper = |process: &Process| {
+            let mut command = Command::new(&program);
+            // Ctrl-C reaches this process alone, which tells them once
+            command.process_group(0);
+            command.args(self.arguments(&process.name));
+            Keeper {
+                name: process.name.clone(),
+                command,
+                restarts: Restarts::new(plan.restart.clone()),
+                state: State::Due(Instant::now()),
+            }
+        };
+        Ok(mine.into_iter().map(keeper).collect())
+    }
+
+    /// What a process is started with.
+    fn arguments(&self, process: &str) -> Vec<OsString> {
+        let mut arguments: Vec<OsString> = vec!["run".into(), (&self.composite).into()];
+        let mut add = |key: &str, value: &str| arguments.extend([key.into(), value.into()]);
+        add("--process", process);
+        let optional = [
+            ("--profile", &self.profile),
+            ("--bus", &self.bus),
+            ("--robot", &self.robot),
+        ];
+        for (key, value) in optional {
+            if let Some(value) = value {
+                add(key, value);
+            }
+        }
+        self.set.iter().for_each(|set| add("--set", set));
+        arguments.extend(self.access.arguments());
+        arguments
+    }
+}
+
+/// A process that is kept running.
+struct Keeper {
+    name: String,
+    command: Command,
+    restarts: Restarts,
+    state: State,
+}
+
+/// How a process is.
+enum State {
+    /// It is started at this time.
+    Due(Instant),
+    Running(Child),
+    Ended {
+        well: bool,
+    },
+}
+
+/// Starts what is due and hears what ends, until all have ended.
+fn look_after(mut children: Vec<Keeper>, terminal: &mut Terminal) -> Exit {
+    let stop = Arc::new(AtomicBool::new(false));
+    let told = stop.clone();
+    // without the handler, Ctrl-C would end this process alone
+    let _ = ctrlc::set_handler(move || told.store(true, Ordering::Relaxed));
+    while !stop.load(Ordering::Relaxed) {
+        for child in &mut children {
+            child.look(terminal);
+        }
+        if children
+            .iter()
+            .all(|child| matches!(child.state, State::Ended { .. }))
+        {
+            break;
+        }
+        std::thread::sleep(LOOK);
+    }
+    let until = Instant::now() + GRACE;
+    children.iter_mut().for_each(Keeper::tell_to_end);
+    for child in &mut children {
+        child.see_end(until, terminal);
+    }
+    for child in &children {
+        let (name, all) = (&child.name, child.restarts.all);
+        let times = if all == 1 { "time" } else { "times" };
+        terminal.status("Ended", format_args!("{name}, started again {all} {times}"));
+    }
+    let well = |child: &Keeper| matches!(child.state, State::Ended { well: true });
+    match children.iter().all(well) {
+        true => Exit::Ok,
+        false => Exit::Findings,
+    }
+}
+
+impl Keeper {
+    /// Does what is due.
+    fn look(&mut self, terminal: &mut Terminal) {
+        let now = Instant::now();
+        match &mut self.state {
+            State::Due(at) if *at <= now => self.start(terminal),
+            State::Due(_) | State::Ended { .. } => {}
+            State::Running(child) => {
+                if let Ok(Some(status)) = child.try_wait() {
+                    self.ended(status, now, terminal);
+                }
+            }
+        }
+    }
+
+    fn start(&mut self, terminal: &mut Terminal) {
+        self.state = match self.command.spawn() {
+            Ok(child) => {
+                let (name, id) = (&self.name, child.id());
+                terminal.status("Started", format_args!("{name}, process {id}"));
+                State::Running(child)
+            }
+            Err(error) => {
+                terminal.error(format_args!("`{}` cannot be started: {error}", self.name));
+                State::Ended { well: false }
+            }
+        };
+    }
+
+    fn ended(&mut self, status: ExitStatus, now: Instant, terminal: &mut Terminal) {
+        let (name, well) = (&self.name, status.success());
+        self.state = match self.restarts.next(well, now) {
+            Next::Again(wait) => {
+                let count = self.restarts.all;
+                terminal.status(
+                    "Restarting",
+                    format_args!("{name}, the {count}. time, after {status}"),
+                );
+                State::Due(now + wait)
+            }
+            Next::Rest => State::Ended { well },
+            Next::GiveUp => {
+                terminal.error(format_args!(
+                    "`{name}` ended again ({status}), too often to be started once more"
+                ));
+                State::Ended { well: false }
+            }
+        };
+    }
+
+    /// Tells it to end, as Ctrl-C does.
+    fn tell_to_end(&mut self) {
+        match &self.state {
+            State::Running(child) => {
+                let id = i32::try_from(child.id()).ok().and_then(Pid::from_raw);
+                // it may have ended just now
+                let _ = id.map(|id| kill_process(id, Signal::TERM));
+            }
+            State::Due(_) => self.state = State::Ended { well: true },
+            State::Ended { .. } => {}
+        }
+    }
+
+    /// Waits for its end; what does not end in time is ended.
+    fn see_end(&mut self, until: Instant, terminal: &mut Terminal) {
+        let State::Running(child) = &mut self.state else {
+            return;
+        };
+        let status = loop {
+            match child.try_wait() {
+                Ok(Some(status)) => break Some(status),
+                Ok(None) if Instant::now() < until => std::thread::sleep(LOOK),
+                Ok(None) | Err(_) => {
+                    terminal.error(format_args!("`{}` does not end: it is killed", self.name));
+                    let _ = child.kill();
+                    break child.wait().ok();
+                }
+            }
+        };
+        let well = status.is_some_and(|status| status.success());
+        self.state = State::Ended { well };
+    }
+}
+
+/// When a process is started again.
+struct Restarts {
+    rule: Option<Restart>,
+    /// Those of the window, and how many there were in all.
+    recent: Vec<Instant>,
+    all: u64,
+}
+
+/// What follows an end.
+#[derive(Debug, PartialEq)]
+enum Next {
+    /// Another start, after this long.
+    Again(Duration),
+    /// Nothing: the composite wants no other start.
+    Rest,
+    /// Nothing: there were too many.
+    GiveUp,
+}
+
+impl Restarts {
+    fn new(rule: Option<Restart>) -> Self {
+        Self {
+            rule,
+            recent: Vec::new(),
+            all: 0,
+        }
+    }
+
+    fn next(&mut self, well: bool, now: Instant) -> Next {
+        let Some(rule) = &self.rule else {
+            return Next::Rest;
+        };
+        let again = match rule.policy {
+            RestartPolicy::Never => false,
+            RestartPolicy::OnFailure => !well,
+            RestartPolicy::Always => true,
+        };
+        if !again {
+            return Next::Rest;
+        }
+        let window = Duration::from_secs(rule.window_s);
+        self.recent.retain(|at| now.duration_since(*at) < window);
+        let count = self.recent.len();
+        if count as u64 >= rule.max {
+            return Next::GiveUp;
+        }
+        self.recent.push(now);
+        self.all += 1;
+        let waits = &rule.backoff_ms;
+        let wait = waits.get(count).or(waits.last());
+        Next::Again(wait.map_or(BACKOFF, |wait| Duration::from_millis(*wait)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn restarts(policy: RestartPolicy) -> Restarts {
+        Restarts::new(Some(Restart {
+            policy,
+            max: 2,
+            window_s: 10,
+            backoff_ms: vec![100, 300],
+        }))
+    }
+
+    #[test]
+    fn a_failure_is_followed_by_a_start_until_there_were_too_many() {
+        let now = Instant::now();
+        let at = |seconds| now + Duration::from_secs(seconds);
+        let wait = |ms| Next::Again(Duration::from_millis(ms));
+        let mut restarts = restarts(RestartPolicy::OnFailure);
+        assert_eq!(restarts.next(true, now), Next::Rest);
+        assert_eq!(restarts.next(false, at(0)), wait(100));
+        assert_eq!(restarts.next(false, at(1)), wait(300));
+        assert_eq!(restarts.next(false, at(2)), Next::GiveUp);
+        // the first is out of the window by now
+        assert_eq!(restarts.next(false, at(10)), wait(300));
+        assert_eq!(restarts.all, 3);
+    }
+
+    #[test]
+    fn always_and_never_are_what_they_say() {
+        let now = Instant::now();
+        assert_eq!(restarts(RestartPolicy::Never).next(false, now), Next::Rest);
+        assert_eq!(Restarts::new(None).next(false, now), Next::Rest);
+        let again = restarts(RestartPolicy::Always).next(true, now);
+        assert_eq!(again, Next::Again(Duration::from_millis(100)));
+    }
+}

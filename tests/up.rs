@@ -1,0 +1,143 @@
+//! All processes of a composite on one machine: what dies is started again, as often as the composite says.
+
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+/// Long enough for anything on a loaded machine.
+const LONG: Duration = Duration::from_secs(30);
+
+const WORKER: &str = "asm worker
+import StandardLibrary
+signature:
+	controlled n: Integer
+definitions:
+	main rule r_Main = n := n + 1
+default init s0:
+	function n = 0
+";
+
+/// One process here, one elsewhere.
+const COMPOSITE: &str = r#"
+schema = "composite/1"
+[composite]
+name = "workers"
+[components.Worker]
+implementation = { asm = "worker.asm" }
+task = { period_ms = 20 }
+[components.Other]
+implementation = { asm = "worker.asm" }
+task = { period_ms = 20 }
+[deploy]
+restart = { policy = "on_failure", max = 2, window_s = 600, backoff_ms = [20] }
+processes = [
+  { name = "near", host = "desk", components = ["Worker"] },
+  { name = "far", host = "robot", components = ["Other"] },
+]
+"#;
+
+fn up(folder: &Path, arguments: &[&str]) -> Command {
+    std::fs::write(folder.join("worker.asm"), WORKER).unwrap();
+    let composite = folder.join("workers.composite.toml");
+    std::fs::write(&composite, COMPOSITE).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    command.arg("up").arg(composite).args(arguments);
+    command.stdout(Stdio::null()).stderr(Stdio::piped());
+    command
+}
+
+/// The next line with these words.
+#[track_caller]
+fn said(lines: &Receiver<String>, words: &str) -> String {
+    let mut before = Vec::new();
+    while let Ok(line) = lines.recv_timeout(LONG) {
+        if line.contains(words) {
+            return line;
+        }
+        before.push(line);
+    }
+    panic!("`{words}` is not said: {before:#?}");
+}
+
+fn signal(signal: &str, id: &str) {
+    let told = Command::new("kill").args([signal, id]).status().unwrap();
+    assert!(told.success());
+}
+
+#[test]
+fn what_is_killed_is_started_again_until_it_was_too_often() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let url = format!(
+        "amqp://{}@{}/{}",
+        broker.user(),
+        broker.address(),
+        vhost.name()
+    );
+    let mut command = up(folder.path(), &["--host", "desk", "--bus", &url]);
+    command.env("ASMOTION_PASSWORD", broker.password());
+    let mut running = command.spawn().unwrap();
+    let stderr = BufReader::new(running.stderr.take().unwrap());
+    let (send, lines) = channel();
+    let reader = std::thread::spawn(move || {
+        for line in stderr.lines().map_while(Result::ok) {
+            let _ = send.send(line);
+        }
+    });
+    said(&lines, "far, which runs on `robot`");
+    for count in ["the 1. time", "the 2. time", "too often"] {
+        let started = said(&lines, "Started near, process ");
+        let (_, id) = started.rsplit_once(' ').unwrap();
+        signal("-KILL", id);
+        let line = said(&lines, count);
+        assert!(
+            line.contains("near") && line.contains("signal: 9"),
+            "{line}"
+        );
+    }
+    said(&lines, "near, started again 2 times");
+    assert_eq!(running.wait().unwrap().code(), Some(1));
+    reader.join().unwrap();
+}
+
+#[test]
+fn it_ends_its_processes_when_it_is_told_to_end() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let url = format!(
+        "amqp://{}@{}/{}",
+        broker.user(),
+        broker.address(),
+        vhost.name()
+    );
+    let mut command = up(folder.path(), &["--host", "robot", "--bus", &url]);
+    command.env("ASMOTION_PASSWORD", broker.password());
+    let running = command.spawn().unwrap();
+    crate::processes::queues(&vhost, "robots.services.workers.control.far");
+    signal("-TERM", &running.id().to_string());
+    let output = running.wait_with_output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(said.contains("far, started again 0 times"), "{said}");
+}
+
+#[test]
+fn a_machine_without_processes_and_processes_without_a_broker_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |arguments: &[&str]| {
+        let output = up(folder.path(), arguments).output().unwrap();
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let said = refused(&["--host", "moon", "--bus", "amqp://h"]);
+    assert!(
+        said.contains("no process runs on `moon`, but on `desk`, `robot`"),
+        "{said}"
+    );
+    let said = refused(&["--host", "desk"]);
+    assert!(said.contains("meet on a broker"), "{said}");
+}
