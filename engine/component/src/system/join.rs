@@ -10,6 +10,7 @@ use super::{BuildError, ComponentId, ConnectionId, End, System, Topic};
 use crate::activity::Drive;
 use crate::declaration::{Declaration, OperationDeclaration};
 use crate::door::Door;
+use crate::port::Link;
 use crate::property::suggestion_among;
 use crate::service::{Reference, Wire, Wiring};
 use crate::stream::{Incoming, Outgoing, Sink, Source};
