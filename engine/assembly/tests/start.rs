@@ -538,42 +538,6 @@ policy = { type = "buffer", size = 4 }
 fn o17_ports_join_over_a_message_queue() {
     let composite = QUEUED.replace("NAME", &format!("start-{}", std::process::id()));
     let files = files(&composite);
-const CHAIN: &str = r#"
-schema = "composite/1"
-[composite]
-name = "chain"
-
-[components.First]
-implementation = { rust = "test::Echo" }
-activity = { period_ms = 10, scheduler = "fifo", priority = 80, cpu = [0] }
-lifecycle = { on_exception = "reset", max_resets = 2 }
-subscribe = { number = "test/Number" }
-ports.out = { number = "test/Number" }
-
-[components.Second]
-implementation = { rust = "test::Echo" }
-activity = { master = "First" }
-ports.in = { number = "test/Number" }
-publish = { number = "test/Number" }
-rename = { number = "echo" }
-
-[[connections]]
-from = "First.number"
-to = "Second.number"
-policy = { type = "buffer", size = 2, lock = "unsync", buffer = "per_input_port", max_threads = 1 }
-
-[[promote]]
-topic = "number"
-as = "number"
-
-[[promote]]
-topic = "echo"
-as = "echo"
-"#;
-
-#[test]
-fn o3_o7_a_slave_cycles_after_its_master_over_a_connection_without_a_lock() {
-    let files = files(CHAIN);
     let opened = open(&files, &[]);
     let mut system = start(&files, opened.plan(None).expect("a plan")).expect("a system");
     let log = Log::new();
@@ -620,6 +584,49 @@ fn it_says_why_a_message_queue_cannot_be_made() {
         refused.contains("`sysctl fs.mqueue.msg_max=1000000`"),
         "{refused}"
     );
+}
+
+/// A master and its slave, in one thread.
+const CHAIN: &str = r#"
+schema = "composite/1"
+[composite]
+name = "chain"
+
+[components.First]
+implementation = { rust = "test::Echo" }
+activity = { period_ms = 10, scheduler = "fifo", priority = 80, cpu = [0] }
+lifecycle = { on_exception = "reset", max_resets = 2 }
+subscribe = { number = "test/Number" }
+ports.out = { number = "test/Number" }
+
+[components.Second]
+implementation = { rust = "test::Echo" }
+activity = { master = "First" }
+ports.in = { number = "test/Number" }
+publish = { number = "test/Number" }
+rename = { number = "echo" }
+
+[[connections]]
+from = "First.number"
+to = "Second.number"
+policy = { type = "buffer", size = 2, lock = "unsync", buffer = "per_input_port", max_threads = 1 }
+
+[[promote]]
+topic = "number"
+as = "number"
+
+[[promote]]
+topic = "echo"
+as = "echo"
+"#;
+
+#[test]
+fn o3_o7_a_slave_cycles_after_its_master_over_a_connection_without_a_lock() {
+    let files = files(CHAIN);
+    let opened = open(&files, &[]);
+    let mut system = start(&files, opened.plan(None).expect("a plan")).expect("a system");
+    let log = Log::new();
+    system.observe(log.clone());
     let mut run = system.simulate();
     run.run_for(5.ms());
     for n in 1..=3 {
@@ -635,5 +642,9 @@ fn it_says_why_a_message_queue_cannot_be_made() {
         ],
         "at the same instant; the third has no room"
     );
-    assert_eq!(log.lines_with("First.number -> Second.number: 1 dropped").len(), 1);
+    assert_eq!(
+        log.lines_with("First.number -> Second.number: 1 dropped")
+            .len(),
+        1
+    );
 }
