@@ -122,6 +122,9 @@ impl Story {
             Event::Overrun { component, missed } => Some(format!(
                 "{NOTE}overrun{NOTE:#} {component} missed {missed} periods"
             )),
+            Event::Denied { component, denied } => {
+                Some(format!("{NOTE}denied{NOTE:#} {component}: {denied}"))
+            }
             Event::Dropped {
                 component,
                 port,

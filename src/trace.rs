@@ -85,6 +85,7 @@ impl Trace {
             } => format!("life {component} {from:?} {to:?}"),
             Event::Fault { component, fault } => format!("fault {component} {fault}"),
             Event::Overrun { component, missed } => format!("overrun {component} {missed}"),
+            Event::Denied { component, denied } => format!("denied {component} {denied}"),
             Event::Dropped {
                 component,
                 port,

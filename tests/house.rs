@@ -14,7 +14,7 @@ const FLOORS: &[&[&str]] = &[
     &["asm-lang"],
     &["asm-properties"],
     // the engine
-    &["engine-datum", "engine-bus-broker"],
+    &["engine-datum", "engine-connection", "engine-bus-broker"],
     &["engine-bus"],
     &["engine-bus-amqp"],
     &["engine-component"],

@@ -148,7 +148,7 @@ mod tests {
         for (name, expected) in [
             (
                 "nav::TrajectoryAdapter",
-                "path: nav_msgs/Path, scan: sensor_msgs/LaserScan, odom: nav_msgs/Odometry, map: nav_msgs/OccupancyGrid | adapted: nav_msgs/Path, event: nav/Event, obstacles: nav/Obstacles |  | ",
+                "path: nav_msgs/Path, scan: sensor_msgs/LaserScan, odom: nav_msgs/Odometry, map: nav_msgs/OccupancyGrid, permit: std_msgs/Bool | adapted: nav_msgs/Path, event: nav/Event, obstacles: nav/Obstacles |  | ",
             ),
             (
                 "nav::TrajectoryFollower",

@@ -585,3 +585,66 @@ fn it_says_why_a_message_queue_cannot_be_made() {
         "{refused}"
     );
 }
+
+/// A master and its slave, in one thread.
+const CHAIN: &str = r#"
+schema = "composite/1"
+[composite]
+name = "chain"
+
+[components.First]
+implementation = { rust = "test::Echo" }
+activity = { period_ms = 10, scheduler = "fifo", priority = 80, cpu = [0] }
+lifecycle = { on_exception = "reset", max_resets = 2 }
+subscribe = { number = "test/Number" }
+ports.out = { number = "test/Number" }
+
+[components.Second]
+implementation = { rust = "test::Echo" }
+activity = { master = "First" }
+ports.in = { number = "test/Number" }
+publish = { number = "test/Number" }
+rename = { number = "echo" }
+
+[[connections]]
+from = "First.number"
+to = "Second.number"
+policy = { type = "buffer", size = 2, lock = "unsync", buffer = "per_input_port", max_threads = 1 }
+
+[[promote]]
+topic = "number"
+as = "number"
+
+[[promote]]
+topic = "echo"
+as = "echo"
+"#;
+
+#[test]
+fn o3_o7_a_slave_cycles_after_its_master_over_a_connection_without_a_lock() {
+    let files = files(CHAIN);
+    let opened = open(&files, &[]);
+    let mut system = start(&files, opened.plan(None).expect("a plan")).expect("a system");
+    let log = Log::new();
+    system.observe(log.clone());
+    let mut run = system.simulate();
+    run.run_for(5.ms());
+    for n in 1..=3 {
+        let now = run.now();
+        run.publish(now, "number", Number { n }).expect("a topic");
+    }
+    run.run_for(20.ms());
+    assert_eq!(
+        log.lines_with("Second.number #"),
+        [
+            "0.01 s Second.number #1 on echo = {n: 1}",
+            "0.01 s Second.number #2 on echo = {n: 2}"
+        ],
+        "at the same instant; the third has no room"
+    );
+    assert_eq!(
+        log.lines_with("First.number -> Second.number: 1 dropped")
+            .len(),
+        1
+    );
+}

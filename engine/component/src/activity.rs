@@ -13,13 +13,69 @@ pub struct Activity {
     pub drive: Drive,
     /// From start to the first cycle of a periodic activity, for phasing (TCA `delay`).
     pub delay: Duration,
-    /// Whether the component starts with the system (TCA `runOnStartup`).
+    /// Whether the component is configured with the system (RTT `AutoConf`).
+    pub configure_on_startup: bool,
+    /// Whether the component starts with the system (TCA `runOnStartup`, RTT `AutoStart`).
     pub run_on_startup: bool,
     /// Whether stopping tells a cycle under way to give up (TCA `mayInterruptIfRunning`);
     /// the cycle sees it in [`Cycle::interrupted`](crate::Cycle::interrupted), and is never torn.
     pub may_interrupt: bool,
     /// What happens to periods that a slow cycle missed.
     pub overrun: Overrun,
+    /// What happens when the component fails in a cycle.
+    pub on_exception: OnException,
+    /// The scheduling class of its thread.
+    pub scheduler: Scheduler,
+    /// The processors that its thread may run on; all, if none is named.
+    pub cpus: Vec<usize>,
+}
+
+/// The scheduling class of a thread, where the system permits it; where not, [`Event::Denied`](crate::Event::Denied)
+/// says so. A slave is in its master's thread, and so in its class.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scheduler {
+    /// As any program (RTT ORO_SCHED_OTHER).
+    #[default]
+    Other,
+    /// Before all others of a lower priority, until it waits (RTT ORO_SCHED_RT).
+    Fifo {
+        /// 1 to 99.
+        priority: u8,
+    },
+    /// By turns with others of its priority.
+    RoundRobin {
+        /// 1 to 99.
+        priority: u8,
+    },
+}
+
+/// Something of an activity that the system does not permit; the component runs without it.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{wish} is not permitted: {reason}; {help}")]
+pub struct Denied {
+    /// What was wanted: `FIFO 80`.
+    pub wish: String,
+    /// Why not.
+    pub reason: String,
+    /// A way out.
+    pub help: String,
+}
+
+/// What happens when a component fails in a cycle. In any case it is stopped and cleaned up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OnException {
+    /// It stays in its exception; the others go on.
+    #[default]
+    Stay,
+    /// It is reset, configured and started again.
+    Reset {
+        /// So often, in all its life; without end, if absent.
+        max: Option<u32>,
+    },
+    /// Everything stops, last things first.
+    Escalate,
 }
 
 /// What makes the next cycle due.
@@ -32,6 +88,8 @@ pub enum Drive {
     Event,
     /// Somebody who asks for it.
     Manual,
+    /// The end of the master's cycle ([`System::slave`](crate::System::slave)).
+    Slave,
 }
 
 /// What happens to periods that a slow cycle missed; they are counted in any case.
@@ -81,9 +139,13 @@ impl Activity {
         Self {
             drive,
             delay: Duration::ZERO,
+            configure_on_startup: true,
             run_on_startup: true,
             may_interrupt: false,
             overrun: Overrun::Skip,
+            on_exception: OnException::Stay,
+            scheduler: Scheduler::Other,
+            cpus: Vec::new(),
         }
     }
 
@@ -106,6 +168,15 @@ impl Activity {
     #[must_use]
     pub fn delay(self, delay: Duration) -> Self {
         Self { delay, ..self }
+    }
+
+    /// Configured with the system, or later by somebody.
+    #[must_use]
+    pub fn configure_on_startup(self, configure_on_startup: bool) -> Self {
+        Self {
+            configure_on_startup,
+            ..self
+        }
     }
 
     /// Started with the system, or later by somebody.
@@ -131,6 +202,30 @@ impl Activity {
     pub fn overrun(self, overrun: Overrun) -> Self {
         Self { overrun, ..self }
     }
+
+    /// In this scheduling class.
+    #[must_use]
+    pub fn scheduler(self, scheduler: Scheduler) -> Self {
+        Self { scheduler, ..self }
+    }
+
+    /// On these processors.
+    #[must_use]
+    pub fn cpus(self, cpus: impl Into<Vec<usize>>) -> Self {
+        Self {
+            cpus: cpus.into(),
+            ..self
+        }
+    }
+
+    /// With this answer to exceptions.
+    #[must_use]
+    pub fn on_exception(self, on_exception: OnException) -> Self {
+        Self {
+            on_exception,
+            ..self
+        }
+    }
 }
 
 impl Drive {
@@ -143,11 +238,19 @@ impl Drive {
         }
     }
 
+    /// Driven by this period from now on; a slave stays one.
+    pub(crate) fn with_period(self, period: Duration) -> Self {
+        match self {
+            Self::Period(_) | Self::Event | Self::Manual => Self::of_period(period),
+            Self::Slave => Self::Slave,
+        }
+    }
+
     /// The period, of what has one.
     pub fn period(self) -> Option<Duration> {
         match self {
             Self::Period(period) => Some(period),
-            Self::Event | Self::Manual => None,
+            Self::Event | Self::Manual | Self::Slave => None,
         }
     }
 }

@@ -63,11 +63,8 @@ impl Body {
         Self {
             owner: interface.owner,
             topics: declaration.outputs.iter().map(|_| None).collect(),
-            services: declaration
-                .services
-                .iter()
-                .cloned()
-                .map(Service::new)
+            services: (declaration.services.iter().cloned().zip(interface.handlers))
+                .map(|(declaration, handlers)| Service::new(declaration, handlers))
                 .collect(),
             references: (declaration.references.iter().cloned())
                 .map(|declaration| Reference {
@@ -90,8 +87,17 @@ impl Body {
     /// What came since the last cycle becomes visible to the next one.
     pub(crate) fn freeze(&mut self, leaving: &mut Leaving<'_>) {
         self.cause.freeze();
-        for input in &mut self.inputs {
-            input.freeze(leaving.now);
+        for (input, declared) in self.inputs.iter_mut().zip(&self.declaration.inputs) {
+            let unreadable = input.freeze(leaving.now);
+            if unreadable > 0 {
+                leaving.emit(&Event::Dropped {
+                    component: leaving.name,
+                    port: &declared.name,
+                    to: "what it takes",
+                    total: unreadable,
+                    reason: None,
+                });
+            }
         }
         for service in &mut self.services {
             service.freeze(leaving.now);

@@ -28,6 +28,10 @@ pub trait Component: Send {
     /// Gives back what `configure` took (RTT `cleanupHook`).
     fn cleanup(&mut self) {}
 
+    /// After an exception, when the component has been stopped and cleaned up, as far as it had been started and
+    /// configured (RTT `exceptionHook`).
+    fn exception(&mut self) {}
+
     /// The cycle of a component in [`State::RunTimeError`](crate::State::RunTimeError), instead of `update` (RTT
     /// `errorHook`). `Ok` means recovered, unless it calls [`Cycle::error`] again.
     fn recover(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {

@@ -6,14 +6,17 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use datum::{Datum, DatumError, Message, Sample};
+use datum::{Datum, Message, Sample};
 
 use crate::body::{Action, Body};
+use crate::face::Status;
 use crate::handle::{In, Out, Property, Provided, Required};
 use crate::port::{Flow, Input, Output};
 use crate::property::PropertyValue;
-use crate::service::{CallError, CallId, Operation, Reply, Request, RequestId, ServiceFault, Slot};
-use crate::unit::Status;
+use crate::service::{
+    CallError, CallId, Operation, Reply, Request, RequestId, SendStatus, ServiceFault, Slot,
+    unreadable,
+};
 use crate::{Fault, Losses, Time};
 
 /// What a handle that was not the component's stands for.
@@ -173,6 +176,34 @@ impl<'a> Cycle<'a> {
             .collect()
     }
 
+    /// What has become of one call, as of the beginning of the cycle; handed over once (RTT `collectIfDone`).
+    pub fn collect_if_done<O: Operation>(
+        &mut self,
+        reference: Required<O>,
+        call: CallId,
+    ) -> SendStatus<O::Response> {
+        let Some(slot) = self.required(reference) else {
+            return SendStatus::Unknown;
+        };
+        let Some(ended) = self.body.caller.take_one(slot, call) else {
+            let made = |action: &Action| matches!(action, Action::Call { call: made, .. } if *made == call);
+            let under_way =
+                self.body.caller.is_under_way(call) || self.body.journal.iter().any(made);
+            return match under_way {
+                true => SendStatus::NotReady,
+                false => SendStatus::Unknown,
+            };
+        };
+        self.body.cause.take(ended.cause);
+        let read = |response: Arc<dyn Sample>| {
+            (response.read()).map_err(|error| CallError::Fault(unreadable("BAD_REPLY", &error)))
+        };
+        match ended.result.and_then(read) {
+            Ok(response) => SendStatus::Success(response),
+            Err(error) => SendStatus::Failure(error),
+        }
+    }
+
     /// The value of a property, as of the beginning of the cycle: a copy, so big ones are better read in
     /// [`Component::configure`](crate::Component::configure).
     pub fn property<T: PropertyValue>(&self, property: Property<T>) -> T {
@@ -284,8 +315,4 @@ impl<'a> Cycle<'a> {
     fn refuse(&self, kind: Foreign) {
         self.foreign.set(Some(kind));
     }
-}
-
-fn unreadable(code: &str, error: &DatumError) -> ServiceFault {
-    ServiceFault::new(code, error.to_string())
 }

@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
+use connection::Delivery;
 use datum::{DatumError, Sample};
 
-use crate::connection::Delivery;
 use crate::outside::Outside;
 use crate::port::AnySender;
 use crate::property::suggestion_among;
 use crate::run::RunError;
-use crate::system::Topic;
+use crate::system::{ConnectionId, Joints, Topic};
 use crate::unit::Unit;
 use crate::{Event, Policy, Time};
 
@@ -48,27 +48,29 @@ pub(crate) enum Place {
 }
 
 impl Doors {
-    pub(crate) fn new(units: &mut [Unit], topics: &[Topic]) -> Self {
+    pub(crate) fn new(units: &mut [Unit], topics: &[Topic], joints: &mut Joints) -> Self {
         let mut ports = Vec::new();
         for unit in &mut *units {
             let inputs = unit.body.inputs.len();
+            let policy = Policy::buffer(WAITING);
             ports.extend(
-                (0..inputs).filter_map(|index| Door::open(unit, index, &Policy::buffer(WAITING))),
+                (0..inputs).filter_map(|index| Door::open(unit, index, &policy, joints.number())),
             );
         }
         Self {
             ports,
-            ..Self::of_topics(units, topics)
+            ..Self::of_topics(units, topics, joints)
         }
     }
 
     /// The doors of topics alone.
-    pub(crate) fn of_topics(units: &mut [Unit], topics: &[Topic]) -> Self {
+    pub(crate) fn of_topics(units: &mut [Unit], topics: &[Topic], joints: &mut Joints) -> Self {
         let topics = topics
             .iter()
             .map(|topic| {
                 let doors = topic.subscribers.iter().filter_map(|(end, policy)| {
-                    Door::open(units.get_mut(end.unit)?, end.index, policy)
+                    let unit = units.get_mut(end.unit)?;
+                    Door::open(unit, end.index, policy, joints.number())
                 });
                 (topic.name.clone(), doors.collect())
             })
@@ -169,9 +171,18 @@ impl Doors {
 
 impl Door {
     /// Opens a door. `None` if the policy asks for zeros that the type does not have, which joining has refused.
-    pub(crate) fn open(unit: &mut Unit, index: usize, policy: &Policy) -> Option<Self> {
+    pub(crate) fn open(
+        unit: &mut Unit,
+        index: usize,
+        policy: &Policy,
+        connection: ConnectionId,
+    ) -> Option<Self> {
         let port = unit.body.declaration.inputs.get(index)?;
-        let sender = unit.body.inputs.get_mut(index)?.open(policy).ok()?;
+        let input = unit.body.inputs.get_mut(index)?;
+        let (sender, incoming) = (input.inlet())
+            .open(connection, &policy.from_outside(), None)
+            .ok()?;
+        input.join(incoming);
         Some(Self {
             name: format!("{}.{}", unit.name, port.name),
             component: unit.index,

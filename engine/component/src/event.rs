@@ -7,7 +7,7 @@ pub(crate) use owned::Owned;
 
 use datum::{Datum, DatumError, Sample};
 
-use crate::{CallError, CallId, Fault, State, Time};
+use crate::{CallError, CallId, Denied, Fault, State, Time};
 
 /// Sees everything that happens, in order; changes nothing.
 ///
@@ -117,6 +117,13 @@ pub enum Event<'a> {
         component: &'a str,
         /// Periods missed by this cycle.
         missed: u64,
+    },
+    /// The system does not permit what the component's activity wants; it runs without.
+    Denied {
+        /// Whose activity.
+        component: &'a str,
+        /// What, why, and what to do about it.
+        denied: &'a Denied,
     },
     /// A connection was full, or could not carry the sample.
     Dropped {

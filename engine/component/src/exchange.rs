@@ -19,7 +19,7 @@ use crate::Time;
 use crate::door::Doors;
 use crate::health;
 use crate::outside::Outside;
-use crate::system::{Abroad, Topic};
+use crate::system::{Abroad, Joints, Topic};
 use crate::unit::Unit;
 
 pub(crate) use self::reached::Way;
@@ -47,6 +47,7 @@ impl Exchange {
     pub(crate) fn new(
         units: &mut [Unit],
         topics: &[Topic],
+        joints: &mut Joints,
         mut abroad: Abroad,
         buses: Vec<(Option<String>, Arc<dyn Bus>)>,
         incarnation: u64,
@@ -62,7 +63,14 @@ impl Exchange {
                 bell,
             });
             let name = name.as_deref();
-            lines.push(Line::new(units, topics, &mut abroad, name, membership)?);
+            lines.push(Line::new(
+                units,
+                topics,
+                joints,
+                &mut abroad,
+                name,
+                membership,
+            )?);
         }
         let homes = &abroad.homes;
         let is_inside = |unit| {
@@ -71,7 +79,7 @@ impl Exchange {
                 .any(|name| line::is_here(homes, unit, name.as_deref()))
         };
         let inside: Vec<Topic> = topics.iter().map(|topic| topic.of(is_inside)).collect();
-        let doors = Doors::of_topics(units, &inside);
+        let doors = Doors::of_topics(units, &inside, joints);
         Ok(Self {
             lines,
             inside: Some((inside, doors)),

@@ -2,6 +2,7 @@
 
 use std::any::Any;
 use std::fmt;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use serde::{Deserialize, Serialize};
 
@@ -50,7 +51,7 @@ impl Fault {
     }
 
     /// What a caught panic carried.
-    pub(crate) fn panicked(payload: &(dyn Any + Send)) -> Self {
+    fn panicked(payload: &(dyn Any + Send)) -> Self {
         let message = payload
             .downcast_ref::<&str>()
             .map(|text| (*text).to_owned())
@@ -84,4 +85,10 @@ impl fmt::Display for Fault {
             }
         }
     }
+}
+
+/// Runs a component's code; a panic is a fault like another.
+pub(crate) fn guarded<R>(code: impl FnOnce() -> Result<R, Fault>) -> Result<R, Fault> {
+    // After a panic the component is not called again but to stop and clean up; it sees what it left behind.
+    catch_unwind(AssertUnwindSafe(code)).unwrap_or_else(|payload| Err(Fault::panicked(&*payload)))
 }

@@ -1,8 +1,9 @@
 //! The interface: a component's constructor declares here, and keeps the handles.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use datum::{Datum, Message, Schema};
+use datum::{Datum, Message, Sample, Schema};
 
 use crate::declaration::{
     Declaration, DeclarationError, OperationDeclaration, PortDeclaration, ReferenceDeclaration,
@@ -11,7 +12,7 @@ use crate::declaration::{
 use crate::handle::{In, Out, Property, Provided, Required};
 use crate::port::{AnyInput, AnyOutput, Input, Output};
 use crate::property::{self, AnyProperty, PropertyValue, Setting};
-use crate::service::{Dynamic, Operation, Slot};
+use crate::service::{Dynamic, Handler, Operation, ServiceFault, Slot, unreadable};
 
 /// Takes a component's declarations. Construction is declaration: no IO happens in it.
 pub struct Interface {
@@ -24,6 +25,8 @@ pub struct Interface {
     pub(crate) properties: Vec<Box<dyn AnyProperty>>,
     /// What each `Provided` handle stands for.
     pub(crate) provided: Vec<Slot>,
+    /// For each service and its operations, what serves them in the caller's thread.
+    pub(crate) handlers: Vec<Vec<Option<Handler>>>,
     /// What each `Required` handle stands for.
     pub(crate) required: Vec<Slot>,
 }
@@ -40,6 +43,7 @@ impl Interface {
             outputs: Vec::new(),
             properties: Vec::new(),
             provided: Vec::new(),
+            handlers: Vec::new(),
             required: Vec::new(),
         }
     }
@@ -76,7 +80,27 @@ impl Interface {
 
     /// An operation that the component serves, under a service's name. A service may have several operations.
     pub fn serve<O: Operation>(&mut self, service: &str, doc: &str) -> Provided<O> {
-        self.add_provided(service, O::INTERFACE, operation::<O>(), doc)
+        self.add_provided(service, O::INTERFACE, operation::<O>(), None, doc)
+    }
+
+    /// An operation that each caller serves itself with, in its own thread and at once, whatever the component is doing
+    /// (RTT `ClientThread`).
+    pub fn serve_in_caller<O: Operation>(
+        &mut self,
+        service: &str,
+        doc: &str,
+        handler: impl Fn(O::Request) -> Result<O::Response, ServiceFault> + Send + Sync + 'static,
+    ) {
+        let handler = move |argument: Arc<dyn Sample>| {
+            let argument = argument.read();
+            let argument = argument.map_err(|error| unreadable("BAD_ARGUMENT", &error))?;
+            handler(argument).map(|response| Arc::new(response) as Arc<dyn Sample>)
+        };
+        let handler: Handler = Arc::new(handler);
+        let of: Provided<O> =
+            self.add_provided(service, O::INTERFACE, operation::<O>(), Some(handler), doc);
+        // No request comes to the component, so nobody needs the handle.
+        let _ = of;
     }
 
     /// An operation that the component serves, known by name only.
@@ -87,7 +111,7 @@ impl Interface {
         operation: &str,
         doc: &str,
     ) -> Provided<Dynamic> {
-        self.add_provided(service, interface, operation_of(operation), doc)
+        self.add_provided(service, interface, operation_of(operation), None, doc)
     }
 
     /// An operation that the component calls, under a reference's name. A reference may have several operations.
@@ -153,6 +177,7 @@ impl Interface {
         name: &str,
         interface: &str,
         operation: OperationDeclaration,
+        handler: Option<Handler>,
         doc: &str,
     ) -> Provided<O> {
         let services = &mut self.declaration.services;
@@ -165,7 +190,9 @@ impl Interface {
                 doc: doc.to_owned(),
                 operations: Vec::new(),
             });
+            self.handlers.push(Vec::new());
         }
+        self.handlers[port].push(handler);
         let service = &mut services[port];
         let problem = join(
             name,

@@ -8,12 +8,12 @@ mod activity;
 mod body;
 mod cause;
 mod component;
-mod connection;
 mod cycle;
 pub mod declaration;
 mod door;
 mod event;
 mod exchange;
+mod face;
 mod fault;
 mod handle;
 mod health;
@@ -22,6 +22,7 @@ mod life_cycle;
 mod live;
 mod log;
 mod outside;
+mod policy;
 mod port;
 mod property;
 mod run;
@@ -33,9 +34,9 @@ mod system;
 mod time;
 mod unit;
 
-pub use activity::{Activity, Drive, Overrun};
+pub use ::connection::{Delivery, Kind};
+pub use activity::{Activity, Denied, Drive, OnException, Overrun, Scheduler};
 pub use component::Component;
-pub use connection::{Delivery, Kind, OnStale, Policy};
 pub use cycle::Cycle;
 pub use declaration::Declaration;
 pub use event::{Event, Observer};
@@ -46,11 +47,13 @@ pub use interface::Interface;
 pub use life_cycle::{LifeCycleError, State, Transition};
 pub use live::Live;
 pub use log::Log;
+pub use policy::{Lock, OnStale, Policy, Sharing};
 pub use port::Flow;
 pub use property::{PropertyError, PropertyProblem, PropertyValue, Setting};
-pub use run::{Asked, Losses, Run, RunError};
+pub use run::{Asked, Losses, Reader, Run, RunError, Sent, Subscription, WriteError, Writer};
 pub use service::{
-    CallError, CallId, Dynamic, Operation, Reply, Request, RequestId, ServiceFault, Wire,
+    CallError, CallId, Dynamic, Operation, Reply, Request, RequestId, SendStatus, ServiceFault,
+    Wire,
 };
 pub use setup::Setup;
 pub use simulated::{Pace, Simulation};

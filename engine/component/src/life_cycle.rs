@@ -4,12 +4,14 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// Where a component is in its life. (RTT's `Init` is the constructor, before anyone can see it.)
+/// Where a component is in its life.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[repr(u8)]
 pub enum State {
-    /// Built, not configured.
+    /// Built, and in a system that does not run yet: nothing can be asked of it.
+    Init,
+    /// In a system that runs; not configured.
     PreOperational,
     /// Failed for good, even in its clean-up.
     FatalError,
@@ -25,7 +27,8 @@ pub enum State {
 
 impl State {
     /// All states, in RTT's order.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
+        Self::Init,
         Self::PreOperational,
         Self::FatalError,
         Self::Exception,
@@ -104,7 +107,13 @@ impl Transition {
                 | Self::Cleanup
                 | Self::Recover
                 | Self::ResetException,
-                _,
+                State::Init
+                | State::PreOperational
+                | State::FatalError
+                | State::Exception
+                | State::Stopped
+                | State::Running
+                | State::RunTimeError,
             ) => None,
         }
     }

@@ -1,4 +1,4 @@
-//! Live: a thread for each component, absolute deadlines on a monotonic clock.
+//! Live: a thread for each component and its slaves, absolute deadlines on a monotonic clock.
 //!
 //! A component's thread sleeps until its period has passed or until something new is there; it never waits for
 //! another component. Events reach the observers through a bounded queue; they are told when the owner of the run
@@ -6,11 +6,10 @@
 
 mod courier;
 mod events;
-mod run;
+mod schedule;
 mod wake;
 mod worker;
 
-use std::sync::atomic::Ordering;
 use std::sync::{Arc, mpsc};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -22,14 +21,14 @@ use self::events::Events;
 use self::wake::Wake;
 pub(crate) use self::wake::World;
 use self::worker::{Command, Worker};
-use crate::declaration::Declaration;
 use crate::door::{Doors, Place};
+use crate::face::Face;
 use crate::health;
-use crate::property::suggestion_among;
-use crate::run::{Asked, Run, RunError, Watch};
+use crate::run::{Act, Beyond, Executor, Watch};
 use crate::stream::Letting;
-use crate::unit::{Status, Unit};
-use crate::{LifeCycleError, Observer, State, System, Time, Transition};
+use crate::system::Joints;
+use crate::unit::Unit;
+use crate::{Observer, System, Time};
 
 /// The longest the owner's thread sleeps without looking for events.
 const NAP: Duration = Duration::from_millis(20);
@@ -39,7 +38,10 @@ pub struct Live {
     world: World,
     events: Arc<Events>,
     observers: Vec<Box<dyn Observer>>,
-    hosts: Vec<Host>,
+    faces: Vec<Face>,
+    joints: Joints,
+    /// One for each component that is nobody's slave.
+    threads: Vec<Thread>,
     doors: Doors,
     /// Samples from outside whose time has not come, latest first.
     planned: Vec<(Time, Place, Arc<dyn Sample>)>,
@@ -50,52 +52,45 @@ pub struct Live {
     letting: Option<Letting>,
 }
 
-/// What the owner keeps of a component whose unit its thread has.
-struct Host {
-    name: Arc<str>,
-    declaration: Declaration,
-    may_interrupt: bool,
-    status: Arc<Status>,
-    wake: Arc<Wake>,
+/// A thread, for a component and its slaves.
+struct Thread {
+    /// The component that is nobody's slave.
+    component: usize,
     commands: mpsc::Sender<Command>,
-    thread: Option<JoinHandle<()>>,
+    wake: Arc<Wake>,
+    handle: Option<JoinHandle<()>>,
 }
 
 impl Live {
-    pub(crate) fn new(system: System) -> Self {
+    pub(crate) fn new(mut system: System) -> Self {
+        let faces = system.take_up();
         let System {
             mut units,
             observers,
             topics,
             exchange,
             streams,
+            mut joints,
             ..
         } = system;
-        let doors = Doors::new(&mut units, &topics);
+        let doors = Doors::new(&mut units, &topics, &mut joints);
         let events = Arc::new(Events::new(!observers.is_empty()));
         let wakes: Arc<[Arc<Wake>]> = units.iter().map(|_| Arc::default()).collect();
-        let world = World::new(Instant::now(), Arc::clone(&wakes), Arc::clone(&events));
-        let start: Vec<_> = units
-            .iter()
-            .map(|unit| unit.activity.run_on_startup)
-            .collect();
-        let hosts = units
-            .into_iter()
-            .zip(wakes.iter())
-            .map(|(unit, wake)| Host::new(unit, wake, &world))
-            .collect();
+        let world = World::new(Instant::now(), wakes, Arc::clone(&events));
         let mut live = Self {
+            threads: threads(units, &faces, &world),
             world,
             events,
             observers,
-            hosts,
+            faces,
+            joints,
             doors,
             planned: Vec::new(),
             grace: Duration::from_secs(5),
             courier: None,
             letting: None,
         };
-        live.start_up(&start);
+        live.start_up();
         if exchange.is_none() {
             let now = live.world.now();
             health::tell_alone(&topics, &mut live.doors, now, &mut live.world);
@@ -105,19 +100,6 @@ impl Live {
             live.letting = Some(Letting::new(streams, &live.world));
         }
         live
-    }
-
-    /// Configures everything, one after the other, then starts what runs on start-up.
-    fn start_up(&mut self, start: &[bool]) {
-        for index in 0..self.hosts.len() {
-            // However long it takes: maps are loaded here. A failure is in the component's state.
-            let _ = self.take_through(index, Transition::Configure, Duration::MAX);
-        }
-        for (index, start) in start.iter().enumerate() {
-            if *start && self.hosts[index].status.state() == State::Stopped {
-                let _ = self.take_through(index, Transition::Start, self.grace);
-            }
-        }
     }
 
     /// Adds an observer; it sees everything from now on.
@@ -131,59 +113,111 @@ impl Live {
         self.grace = grace;
     }
 
-    fn take_through(
-        &mut self,
-        index: usize,
-        transition: Transition,
-        patience: Duration,
-    ) -> Result<(), LifeCycleError> {
-        let host = &self.hosts[index];
-        host.allow_interrupt(transition);
-        let busy = || LifeCycleError::Busy {
-            component: host.name.to_string(),
-            transition,
-        };
-        match host.ask(patience, |answer| Command::Transition(transition, answer)) {
-            Some(Err(RunError::LifeCycle(error))) => Err(error),
-            Some(Ok(())) => Ok(()),
-            // a transition ends in no other way
-            Some(Err(
-                RunError::Unknown { .. }
-                | RunError::Mismatch { .. }
-                | RunError::Property(_)
-                | RunError::Busy { .. },
-            ))
-            | None => Err(busy()),
+    fn give_planned(&mut self) {
+        let now = self.world.now();
+        while let Some((_, place, sample)) = self.planned.pop_if(|(at, ..)| *at <= now) {
+            self.doors.give(place, &sample, now, &mut self.world);
         }
     }
 
-    fn find(&self, component: &str) -> Result<usize, RunError> {
-        let found = (self.hosts.iter()).position(|host| *host.name == *component);
-        found.ok_or_else(|| RunError::Unknown {
-            what: "component",
-            name: component.to_owned(),
-            nearest: suggestion_among(component, self.hosts.iter().map(|host| &*host.name)),
-        })
+    /// Tells the observers what has happened. Says whether it was what is watched for.
+    fn tell(&mut self, watch: &mut Option<Watch<'_>>) -> bool {
+        let mut seen = false;
+        let observers = &mut self.observers;
+        self.events.drain(|at, event| {
+            for observer in observers.iter_mut() {
+                observer.observe(at, event);
+            }
+            if let Some(watch) = watch {
+                seen |= watch(at, event);
+            }
+        });
+        seen
+    }
+}
+
+/// Starts the threads: each has a component that is nobody's slave, and its slaves, in order of addition.
+fn threads(units: Vec<Unit>, faces: &[Face], world: &World) -> Vec<Thread> {
+    let mut groups: Vec<(usize, Vec<Unit>)> = Vec::new();
+    for unit in units {
+        let component = faces[unit.index].thread;
+        match groups.iter_mut().find(|(known, _)| *known == component) {
+            Some((_, group)) => group.push(unit),
+            None => groups.push((component, vec![unit])),
+        }
+    }
+    let groups = groups.into_iter();
+    groups
+        .map(|(component, group)| Thread::new(component, group, &faces[component].name, world))
+        .collect()
+}
+
+impl Thread {
+    fn new(component: usize, group: Vec<Unit>, name: &str, world: &World) -> Self {
+        let (commands, inbox) = mpsc::channel();
+        let wakes: Vec<_> = group.iter().map(|unit| world.wake(unit.index)).collect();
+        let worker = Worker::new(group, &wakes, inbox, world.clone());
+        let builder = std::thread::Builder::new().name(name.to_owned());
+        let handle = builder.spawn(move || worker.run()).ok();
+        if let Some(handle) = &handle {
+            for wake in &wakes {
+                wake.set_thread(handle.thread().clone());
+            }
+        }
+        Self {
+            component,
+            commands,
+            wake: world.wake(component),
+            handle,
+        }
     }
 
-    fn host(&self, component: &str) -> Option<&Host> {
-        self.hosts.iter().find(|host| *host.name == *component)
+    fn send(&self, command: Command) {
+        // A thread that is gone needs no telling.
+        let _ = self.commands.send(command);
+        self.wake.unpark();
+    }
+}
+
+impl Executor for Live {
+    fn clock(&self) -> Time {
+        self.world.now()
+    }
+
+    fn faces(&self) -> &[Face] {
+        &self.faces
+    }
+
+    fn joints(&mut self) -> (&mut Joints, &[Face]) {
+        (&mut self.joints, &self.faces)
+    }
+
+    fn doors(&self) -> &Doors {
+        &self.doors
+    }
+
+    fn beyond(&self) -> Arc<dyn Beyond> {
+        Arc::new(self.world.clone())
+    }
+
+    fn plan(&mut self, at: Time, place: Place, sample: Arc<dyn Sample>) {
+        // Those of one instant keep their order.
+        let position = self.planned.partition_point(|(other, ..)| *other > at);
+        self.planned.insert(position, (at, place, sample));
+        self.give_planned();
     }
 
     /// Lets time pass, tells the observers, gives out samples whose time has come.
     fn advance(&mut self, until: Time, mut watch: Option<Watch<'_>>) -> bool {
+        if watch.is_some() {
+            self.events.observe();
+        }
         loop {
             self.give_planned();
-            let mut seen = false;
-            let observers = &mut self.observers;
-            self.events.drain(|at, event| {
-                for observer in observers.iter_mut() {
-                    observer.observe(at, event);
-                }
-                if let Some(watch) = &mut watch {
-                    seen |= watch(at, event);
-                }
-            });
+            if self.world.take_escalation() {
+                self.stop_all();
+            }
+            let seen = self.tell(&mut watch);
             let now = self.world.now();
             if seen || now >= until {
                 return seen;
@@ -193,76 +227,23 @@ impl Live {
         }
     }
 
-    fn give_planned(&mut self) {
-        let now = self.world.now();
-        while let Some((_, place, sample)) = self.planned.pop_if(|(at, ..)| *at <= now) {
-            self.doors.give(place, &sample, now, &mut self.world);
-        }
+    fn call(&mut self, component: usize) {
+        self.world.wake(component).call();
     }
 
-    fn plan(&mut self, at: Time, place: Place, sample: Arc<dyn Sample>) {
-        // Those of one instant keep their order.
-        let position = self.planned.partition_point(|(other, ..)| *other > at);
-        self.planned.insert(position, (at, place, sample));
-        self.give_planned();
-    }
-}
-
-impl Host {
-    fn new(unit: Unit, wake: &Arc<Wake>, world: &World) -> Self {
-        let (commands, inbox) = mpsc::channel();
-        let name = Arc::clone(&unit.name);
-        let declaration = unit.body.declaration.clone();
-        let status = Arc::clone(&unit.status);
-        let may_interrupt = unit.activity.may_interrupt;
-        let worker = Worker::new(unit, Arc::clone(wake), inbox, world.clone());
-        let thread = std::thread::Builder::new()
-            .name(name.to_string())
-            .spawn(move || worker.run())
-            .ok();
-        if let Some(thread) = &thread {
-            wake.set_thread(thread.thread().clone());
-        }
-        Self {
-            name,
-            declaration,
-            may_interrupt,
-            status,
-            wake: Arc::clone(wake),
-            commands,
-            thread,
-        }
+    fn patience(&self) -> Duration {
+        self.grace
     }
 
-    /// Lets a long cycle know that the component shall stop.
-    fn allow_interrupt(&self, transition: Transition) {
-        if transition == Transition::Stop && self.may_interrupt {
-            self.status.interrupt.store(true, Ordering::Relaxed);
-        }
+    /// Whoever looks on does not wait for a long cycle.
+    fn glance(&self) -> Duration {
+        NAP
     }
 
-    /// Asks the component's thread, and waits for nothing.
-    fn begin(&self, command: impl FnOnce(mpsc::Sender<Result<(), RunError>>) -> Command) -> Asked {
-        let (answer, answered) = mpsc::channel();
-        // A thread that is gone answers nothing, which is an answer.
-        let _ = self.commands.send(command(answer));
-        self.wake.unpark();
-        Asked::of(&self.name, answered)
-    }
-
-    /// Asks the component's thread, and waits for the answer; `None` if none comes in time.
-    fn ask<R>(
-        &self,
-        patience: Duration,
-        command: impl FnOnce(mpsc::Sender<R>) -> Command,
-    ) -> Option<R> {
-        let (answer, answered) = mpsc::channel();
-        self.commands.send(command(answer)).ok()?;
-        self.wake.unpark();
-        if patience == Duration::MAX {
-            answered.recv().ok()
-        } else {
-            answered.recv_timeout(patience).ok()
+    fn post(&mut self, component: usize, act: Act) {
+        let thread = self.faces[component].thread;
+        if let Some(thread) = (self.threads.iter()).find(|one| one.component == thread) {
+            thread.send(Command::Act(component, act));
         }
     }
 }
@@ -272,16 +253,16 @@ impl Drop for Live {
     fn drop(&mut self) {
         self.courier = None;
         self.letting = None;
-        let late = self.stop();
-        for host in &self.hosts {
-            // A thread that is gone needs no telling.
-            let _ = host.commands.send(Command::End);
-            host.wake.unpark();
+        let late = self.stop_all();
+        self.tell(&mut None);
+        self.world.end();
+        for thread in &self.threads {
+            thread.send(Command::End);
         }
         let patience = if late.is_empty() { self.grace } else { NAP };
         let until = self.world.now() + patience;
-        let ended = |host: &Host| host.thread.as_ref().is_none_or(JoinHandle::is_finished);
-        while !self.hosts.iter().all(ended) && self.world.now() < until {
+        let ended = |thread: &Thread| thread.handle.as_ref().is_none_or(JoinHandle::is_finished);
+        while !self.threads.iter().all(ended) && self.world.now() < until {
             std::thread::sleep(Duration::from_millis(1));
         }
     }

@@ -15,8 +15,28 @@ pub(crate) trait Outside {
     /// A call of a component ends at this time, if no answer comes.
     fn wake_at(&mut self, component: usize, at: Time);
 
+    /// A component has failed, and all are to stop for it.
+    fn escalate(&mut self, component: usize);
+
     /// The next place among all samples of the run.
     fn next_order(&mut self) -> u64;
+}
+
+/// No world: for those who want nothing of it.
+pub(crate) struct Nowhere;
+
+impl Outside for Nowhere {
+    fn emit(&mut self, _: Time, _: &Event<'_>) {}
+
+    fn trigger(&mut self, _: usize) {}
+
+    fn wake_at(&mut self, _: usize, _: Time) {}
+
+    fn escalate(&mut self, _: usize) {}
+
+    fn next_order(&mut self) -> u64 {
+        0
+    }
 }
 
 /// A component in the act of committing: who, when, and into which world.

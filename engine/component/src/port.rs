@@ -1,17 +1,23 @@
 //! Ports at run time: typed inside, joined without knowing the type.
 
+mod channel;
 mod input;
+mod one_thread;
+mod outlet;
 mod output;
 
 use std::sync::Arc;
 
 use datum::{DatumError, Message, Sample};
 
-pub(crate) use input::{AnyInput, Input};
-pub(crate) use output::{AnyOutput, Link, Output};
+use connection::{Delivery, Sender};
+
+pub(crate) use self::channel::{Incoming, Inlet, OpenError, Queue, Stamped};
+pub(crate) use self::input::{AnyInput, Input};
+pub(crate) use self::outlet::Outlet;
+pub(crate) use self::output::{AnyOutput, Link, News, Output, Reader};
 
 use crate::Time;
-use crate::connection::{Delivery, Sender, Stamped};
 
 /// What an input port shows (RTT `FlowStatus`; TCA `receiveLast`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,7 +72,8 @@ pub(crate) trait AnySender: std::any::Any + Send {
     ) -> Result<Delivery, DatumError>;
 }
 
-impl<T: Message> AnySender for Sender<T> {
+/// A way into a port of this type.
+impl<T: Message> AnySender for Sender<Stamped<T>> {
     fn accepts(&self, sample: &Arc<dyn Sample>) -> Result<(), DatumError> {
         Arc::clone(sample).read::<T>().map(drop)
     }
@@ -79,5 +86,23 @@ impl<T: Message> AnySender for Sender<T> {
     ) -> Result<Delivery, DatumError> {
         let value = sample.read()?;
         Ok(self.send(Stamped { at, order, value }))
+    }
+}
+
+/// A way on which samples stay as they are: the reader reads them as what it takes.
+struct Unread(Sender<Stamped<Arc<dyn Sample>>>);
+
+impl AnySender for Unread {
+    fn accepts(&self, _: &Arc<dyn Sample>) -> Result<(), DatumError> {
+        Ok(())
+    }
+
+    fn send_sample(
+        &mut self,
+        value: Arc<dyn Sample>,
+        at: Time,
+        order: u64,
+    ) -> Result<Delivery, DatumError> {
+        Ok(self.0.send(Stamped { at, order, value }))
     }
 }

@@ -1,5 +1,15 @@
 //! A running system, whichever executor drives it.
 
+mod executor;
+mod operation;
+mod reader;
+mod writer;
+
+pub(crate) use self::executor::{Act, Executor};
+pub use self::operation::Sent;
+pub use self::reader::{Reader, Subscription};
+pub use self::writer::{WriteError, Writer};
+
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
@@ -8,10 +18,27 @@ use serde::{Deserialize, Serialize};
 
 use crate::declaration::Declaration;
 use crate::property::{PropertyError, suggestion};
-use crate::{Event, Fault, LifeCycleError, State, Time, Transition};
+use crate::{
+    BuildError, CallError, Event, Fault, LifeCycleError, Operation, Policy, State, Time, Transition,
+};
 
 /// Somebody who waits for an event, and says whether this is it.
 pub(crate) type Watch<'a> = &'a mut dyn FnMut(Time, &Event<'_>) -> bool;
+
+/// The system, as it is for those outside who write and read by themselves.
+pub(crate) trait Beyond: Send + Sync {
+    /// The present time.
+    fn now(&self) -> Time;
+
+    /// The next place among all samples of the run.
+    fn next_order(&self) -> u64;
+
+    /// Something new is there for a component; one that is event-driven runs.
+    fn news(&self, component: usize);
+
+    /// Whether the system still runs.
+    fn is_there(&self) -> bool;
+}
 
 /// A running system: time passes, samples come from outside, components are looked at and told to start or stop.
 pub trait Run {
@@ -44,6 +71,14 @@ pub trait Run {
         topic: &str,
         sample: Arc<dyn Sample>,
     ) -> Result<(), RunError>;
+
+    /// Connects an output to an input while both run: the reader has the connection from its next cycle on, then the
+    /// writer.
+    fn connect(&mut self, from: &str, to: &str, policy: Policy) -> Result<(), BuildError>;
+
+    /// Ends a direct connection of an output and an input, after the cycles under way. What came through it and was not
+    /// read is gone; an input whose last sample came through it has no data then, as in RTT.
+    fn disconnect(&mut self, from: &str, to: &str) -> Result<(), BuildError>;
 
     /// Takes a component through a transition of its life cycle.
     fn transition(&mut self, component: &str, transition: Transition)
@@ -82,6 +117,10 @@ pub trait Run {
     /// A component's state.
     fn state(&self, component: &str) -> Option<State>;
 
+    /// The state that a transition under way leads to, as long as its hook is at work (RTT `getTargetState`); without
+    /// one, the component's state.
+    fn target_state(&self, component: &str) -> Option<State>;
+
     /// How many cycles a component has begun; none for one that does not exist.
     fn cycles(&self, component: &str) -> u64;
 
@@ -102,6 +141,33 @@ pub trait Run {
 
     /// Stops every running component, in reverse order of addition. Names those that did not stop in time.
     fn stop(&mut self) -> Vec<String>;
+
+    /// Writes to an input port from outside, by a connection of one's own: from any thread, without the run.
+    fn writer<T: Message>(&mut self, port: &str, policy: Policy) -> Result<Writer<T>, BuildError>
+    where
+        Self: Sized;
+
+    /// Reads an output port from outside, by a connection of one's own: from any thread, without the run. How slowly
+    /// it reads is nothing to the writer, nor to other readers.
+    fn reader<T: Message>(&mut self, port: &str, policy: Policy) -> Result<Reader<T>, BuildError>
+    where
+        Self: Sized;
+
+    /// Calls an operation of a service from outside, and does not wait (RTT `send`): the answer is collected from what
+    /// this returns, within `patience`.
+    fn send<O: Operation>(
+        &mut self,
+        service: &str,
+        argument: O::Request,
+        patience: Duration,
+    ) -> Result<Sent<O>, BuildError>
+    where
+        Self: Sized;
+
+    /// Lets time pass until an operation that was called is done (RTT `collect`).
+    fn collect<O: Operation>(&mut self, sent: Sent<O>) -> Result<O::Response, CallError>
+    where
+        Self: Sized;
 
     /// Lets time pass.
     fn run_for(&mut self, duration: Duration) {
@@ -152,14 +218,6 @@ impl Asked {
     pub(crate) fn of(component: &str, answer: mpsc::Receiver<Result<(), RunError>>) -> Self {
         let component = component.to_owned();
         Self { component, answer }
-    }
-
-    /// What is done already.
-    pub(crate) fn done(component: &str, result: Result<(), RunError>) -> Self {
-        let (answer, answered) = mpsc::channel();
-        // The other end is here.
-        let _ = answer.send(result);
-        Self::of(component, answered)
     }
 
     /// How it went, once it is over.

@@ -4,14 +4,14 @@ mod caller;
 mod post;
 mod provider;
 
-use datum::{Datum, Message};
+use datum::{Datum, DatumError, Message};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Duration;
 
 pub(crate) use caller::{Caller, Mailbox, Reference, Slot, Wiring};
 pub(crate) use post::{Answer, AnswerTo, Ask, CallKey, Post};
-pub(crate) use provider::{Inbox, Service};
+pub(crate) use provider::{Handler, Inbox, Service};
 
 use crate::Time;
 
@@ -104,6 +104,24 @@ pub enum CallError {
     /// The caller took it back.
     #[error("cancelled by the caller")]
     Cancelled,
+}
+
+/// What has become of a call that was sent (RTT `SendStatus`).
+#[derive(Debug, Clone, PartialEq)]
+pub enum SendStatus<T> {
+    /// It is under way.
+    NotReady,
+    /// It is done.
+    Success(T),
+    /// It has no response.
+    Failure(CallError),
+    /// No such call is under way: what became of it has been collected.
+    Unknown,
+}
+
+/// The fault of an argument or response that is of another type.
+pub(crate) fn unreadable(code: &str, error: &DatumError) -> ServiceFault {
+    ServiceFault::new(code, error.to_string())
 }
 
 /// How a reference is joined to a service.

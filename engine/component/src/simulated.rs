@@ -5,10 +5,11 @@
 
 mod pacer;
 mod queue;
-mod run;
+mod shore;
 mod world;
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use datum::Sample;
 
@@ -18,16 +19,18 @@ use self::queue::{Due, What};
 use self::world::World;
 use crate::door::{Doors, Place};
 use crate::exchange::Exchange;
+use crate::face::Face;
 use crate::health;
-use crate::outside::Outside;
-use crate::property::suggestion_among;
-use crate::run::{RunError, Watch};
+use crate::run::{Act, Beyond, Executor, Watch};
+use crate::system::Joints;
 use crate::unit::Unit;
-use crate::{LifeCycleError, Observer, State, System, Time, Transition};
+use crate::{Observer, System, Time};
 
 /// A system in simulated time.
 pub struct Simulation {
     units: Vec<Unit>,
+    faces: Vec<Face>,
+    joints: Joints,
     world: World,
     doors: Doors,
     exchange: Option<Exchange>,
@@ -35,18 +38,22 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    pub(crate) fn new(system: System) -> Self {
+    pub(crate) fn new(mut system: System) -> Self {
+        let faces = system.take_up();
         let System {
             mut units,
             observers,
             topics,
             exchange,
+            mut joints,
             ..
         } = system;
-        let doors = Doors::new(&mut units, &topics);
+        let doors = Doors::new(&mut units, &topics, &mut joints);
         let mut simulation = Self {
             world: World::new(&units, observers),
             units,
+            faces,
+            joints,
             doors,
             exchange,
             pacer: None,
@@ -58,19 +65,6 @@ impl Simulation {
             health::tell_alone(&topics, &mut simulation.doors, now, &mut stepping);
         }
         simulation
-    }
-
-    fn start_up(&mut self) {
-        for index in 0..self.units.len() {
-            // A failure is in the component's state and told to the observers.
-            let _ = self.take_through(index, Transition::Configure);
-        }
-        for index in 0..self.units.len() {
-            let unit = &self.units[index];
-            if unit.activity.run_on_startup && unit.state() == State::Stopped {
-                let _ = self.take_through(index, Transition::Start);
-            }
-        }
     }
 
     /// Makes virtual time keep pace with real time from now on.
@@ -99,30 +93,14 @@ impl Simulation {
         self.world.queue.next()
     }
 
-    /// Runs what is due up to a time, and says whether the event waited for has happened.
-    fn advance(&mut self, until: Time, mut watch: Option<Watch<'_>>) -> bool {
-        loop {
-            self.let_in();
-            let Some(due) = self.world.queue.pop_until(until) else {
-                break;
-            };
-            let watch = watch.as_mut().map(|watch| &mut **watch as Watch<'_>);
-            if self.act(due, watch) {
-                return true;
-            }
-        }
-        self.set_time(until);
-        false
-    }
-
-    /// Lets in what has come over the bus.
+    /// Lets in what has come over the bus, and lets those cycle for whom somebody outside has written.
     fn let_in(&mut self) {
-        let Some(exchange) = &mut self.exchange else {
-            return;
-        };
         let now = self.world.now;
         let mut stepping = self.world.stepping(None);
-        exchange.deliver(now, &mut stepping);
+        stepping.hear();
+        if let Some(exchange) = &mut self.exchange {
+            exchange.deliver(now, &mut stepping);
+        }
     }
 
     fn set_time(&mut self, at: Time) {
@@ -132,7 +110,7 @@ impl Simulation {
         if let Some(pacer) = &self.pacer {
             pacer.wait(at);
         }
-        self.world.now = at;
+        self.world.set_now(at);
         for driven in &mut self.world.each {
             driven.cycles = 0;
         }
@@ -169,45 +147,86 @@ impl Simulation {
                 }
             }
         }
-        stepping.seen
-    }
-
-    /// Runs something of a unit that is not a cycle: a transition, a change of properties.
-    fn attend<R>(
-        &mut self,
-        index: usize,
-        act: impl FnOnce(&mut Unit, Time, &mut dyn Outside) -> R,
-    ) -> R {
-        let now = self.world.now;
-        let mut stepping = self.world.stepping(None);
-        act(&mut self.units[index], now, &mut stepping)
-    }
-
-    fn take_through(&mut self, index: usize, transition: Transition) -> Result<(), LifeCycleError> {
-        let result = self.attend(index, |unit, now, outside| {
-            unit.transition(transition, now, outside)
-        });
-        if result.is_ok() && transition == Transition::Start {
-            self.world.begin(&self.units[index]);
+        let seen = stepping.seen;
+        if std::mem::take(&mut self.world.escalated) {
+            self.stop_all();
         }
-        result
+        seen
+    }
+}
+
+impl Executor for Simulation {
+    fn clock(&self) -> Time {
+        self.world.now
     }
 
-    fn find(&self, component: &str) -> Result<usize, RunError> {
-        let found = (self.units.iter()).position(|unit| *unit.name == *component);
-        found.ok_or_else(|| RunError::Unknown {
-            what: "component",
-            name: component.to_owned(),
-            nearest: suggestion_among(component, self.units.iter().map(|unit| &*unit.name)),
-        })
+    fn faces(&self) -> &[Face] {
+        &self.faces
     }
 
-    fn unit(&self, component: &str) -> Option<&Unit> {
-        self.units.iter().find(|unit| *unit.name == *component)
+    fn joints(&mut self) -> (&mut Joints, &[Face]) {
+        (&mut self.joints, &self.faces)
     }
 
-    fn enqueue(&mut self, at: Time, place: Place, sample: Arc<dyn Sample>) {
+    fn doors(&self) -> &Doors {
+        &self.doors
+    }
+
+    fn beyond(&self) -> Arc<dyn Beyond> {
+        self.world.beyond()
+    }
+
+    fn plan(&mut self, at: Time, place: Place, sample: Arc<dyn Sample>) {
         let at = at.max(self.world.now);
         self.world.queue.push(at, What::Sample { place, sample });
+    }
+
+    /// Runs what is due up to a time, and says whether the event waited for has happened.
+    fn advance(&mut self, until: Time, mut watch: Option<Watch<'_>>) -> bool {
+        loop {
+            self.let_in();
+            let Some(due) = self.world.queue.pop_until(until) else {
+                break;
+            };
+            let watch = watch.as_mut().map(|watch| &mut **watch as Watch<'_>);
+            if self.act(due, watch) {
+                return true;
+            }
+        }
+        self.set_time(until);
+        false
+    }
+
+    fn call(&mut self, component: usize) {
+        let now = self.world.now;
+        self.world.trigger(component, now);
+    }
+
+    /// No cycle is ever under way.
+    fn patience(&self) -> Duration {
+        Duration::MAX
+    }
+
+    fn glance(&self) -> Duration {
+        Duration::MAX
+    }
+
+    fn post(&mut self, component: usize, act: Act) {
+        let now = self.world.now;
+        let mut stepping = self.world.stepping(None);
+        let unit = &mut self.units[component];
+        let ran = unit.state().is_running();
+        act(unit, now, &mut stepping);
+        match !ran && unit.state().is_running() {
+            true => self.world.begin(unit),
+            false => self.world.follow(unit),
+        }
+    }
+}
+
+/// Those outside learn that the system is gone.
+impl Drop for Simulation {
+    fn drop(&mut self) {
+        self.world.end();
     }
 }

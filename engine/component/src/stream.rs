@@ -5,10 +5,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
+use connection::Delivery;
 use datum::{DatumError, Sample};
 
 use crate::Time;
-use crate::connection::Delivery;
 use crate::door::Door;
 use crate::live::World;
 use crate::port::AnySender;

@@ -1,8 +1,10 @@
 //! The builder of a system: components, properties, connections, topics, wires. It reads no file.
 
 mod abroad;
+mod ends;
 mod error;
 mod join;
+mod joints;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -12,16 +14,18 @@ use datum::Datum;
 
 pub use abroad::port_topic;
 pub(crate) use abroad::{Abroad, Offered, address, is_on};
+pub(crate) use ends::{End, Table, find, inputs, outputs, services};
 pub use error::BuildError;
-pub(crate) use join::End;
+pub(crate) use joints::{ConnectionId, Joints};
 
 use crate::body::Body;
 use crate::declaration::Declaration;
 use crate::exchange::Exchange;
+use crate::face::Face;
 use crate::property::{PropertyError, PropertyProblem};
 use crate::stream::Incoming;
 use crate::unit::Unit;
-use crate::{Activity, Component, Interface, Live, Observer, Policy, Simulation};
+use crate::{Activity, Component, Interface, Live, Observer, Policy, Simulation, State};
 
 /// A system in the making.
 ///
@@ -63,8 +67,7 @@ pub struct System {
     pub(crate) observers: Vec<Box<dyn Observer>>,
     pub(crate) topics: Vec<Topic>,
     pub(crate) exchange: Option<Exchange>,
-    /// Direct connections, so that none is made twice.
-    connections: Vec<(End, End)>,
+    pub(crate) joints: Joints,
     /// What is joined over a bus.
     abroad: Abroad,
     /// Inputs that sources lead to.
@@ -201,9 +204,31 @@ impl System {
         incarnation: u64,
     ) -> Result<(), BusError> {
         let abroad = std::mem::take(&mut self.abroad);
-        let exchange = Exchange::new(&mut self.units, &self.topics, abroad, buses, incarnation)?;
+        let exchange = Exchange::new(
+            &mut self.units,
+            &self.topics,
+            &mut self.joints,
+            abroad,
+            buses,
+            incarnation,
+        )?;
         self.exchange = Some(exchange);
         Ok(())
+    }
+
+    /// The state of a component: [`State::Init`], until the system runs.
+    pub fn state(&self, component: ComponentId) -> Option<State> {
+        self.units.get(component.0).map(Unit::state)
+    }
+
+    /// The system begins to run. What everybody may know of the components, and their place in their threads.
+    pub(crate) fn take_up(&mut self) -> Vec<Face> {
+        self.units.iter_mut().for_each(Unit::take_up);
+        let threads: Vec<_> = (0..self.units.len())
+            .map(|unit| self.thread(unit))
+            .collect();
+        let units = self.units.iter().zip(threads);
+        units.map(|(unit, thread)| unit.face(thread)).collect()
     }
 
     /// Starts the system in simulated time: every component is configured, then those that run on start-up start,

@@ -1,17 +1,18 @@
 //! A unit: a component with its runtime state, taken through its life and its cycles. Executors drive units.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
+use std::time::Duration;
 
 use datum::Datum;
 
-use crate::activity::Drive;
 use crate::body::Body;
+use crate::face::{Face, Status};
+use crate::fault::guarded;
 use crate::outside::{Leaving, Outside};
 use crate::property::PropertyError;
 use crate::{
-    Activity, Component, Cycle, Event, Fault, LifeCycleError, Losses, Setup, State, Time,
+    Activity, Component, Cycle, Event, Fault, LifeCycleError, OnException, Setup, State, Time,
     Transition,
 };
 
@@ -21,42 +22,16 @@ pub(crate) struct Unit {
     /// Its place in the system.
     pub index: usize,
     pub activity: Activity,
+    /// In whose thread, and after whom, it cycles.
+    pub master: Option<usize>,
     pub body: Body,
     component: Box<dyn Component>,
     state: State,
-    /// The last fault.
-    pub fault: Option<Fault>,
-    pub status: Arc<Status>,
-}
-
-/// What others may know of a unit while its thread has it.
-pub(crate) struct Status {
-    state: AtomicU8,
-    pub cycles: AtomicU64,
-    /// Periods missed.
-    pub overruns: AtomicU64,
-    /// Somebody wants the present cycle to end.
-    pub interrupt: AtomicBool,
-    dropped: AtomicU64,
-    misfits: AtomicU64,
-}
-
-impl Status {
-    pub(crate) fn state(&self) -> State {
-        State::from_number(self.state.load(Ordering::Acquire))
-    }
-
-    pub(crate) fn losses(&self) -> Losses {
-        Losses {
-            dropped: self.dropped.load(Ordering::Relaxed),
-            misfits: self.misfits.load(Ordering::Relaxed),
-        }
-    }
-
-    pub(crate) fn set_losses(&self, losses: Losses) {
-        self.dropped.store(losses.dropped, Ordering::Relaxed);
-        self.misfits.store(losses.misfits, Ordering::Relaxed);
-    }
+    /// It has failed in the last cycle.
+    fell: bool,
+    /// How often it has been brought back.
+    resets: u32,
+    status: Arc<Status>,
 }
 
 impl Unit {
@@ -71,18 +46,37 @@ impl Unit {
             name,
             index,
             activity,
+            master: None,
             body,
             component,
-            state: State::PreOperational,
-            fault: None,
-            status: Arc::new(Status {
-                state: AtomicU8::new(State::PreOperational as u8),
-                cycles: AtomicU64::new(0),
-                overruns: AtomicU64::new(0),
-                interrupt: AtomicBool::new(false),
-                dropped: AtomicU64::new(0),
-                misfits: AtomicU64::new(0),
-            }),
+            state: State::Init,
+            fell: false,
+            resets: 0,
+            status: Arc::new(Status::new(State::Init)),
+        }
+    }
+
+    /// Its system begins to run: an executor has it.
+    pub(crate) fn take_up(&mut self) {
+        self.state = State::PreOperational;
+        self.status.enter(self.state);
+    }
+
+    /// What everybody may know of it.
+    pub(crate) fn face(&self, thread: usize) -> Face {
+        let services = self.body.services.iter();
+        Face {
+            name: Arc::clone(&self.name),
+            declaration: self.body.declaration.clone(),
+            thread,
+            inlets: (self.body.inputs.iter())
+                .map(|input| input.inlet())
+                .collect(),
+            inboxes: services.map(|service| Arc::clone(&service.inbox)).collect(),
+            configure_on_startup: self.activity.configure_on_startup,
+            run_on_startup: self.activity.run_on_startup,
+            may_interrupt: self.activity.may_interrupt,
+            status: Arc::clone(&self.status),
         }
     }
 
@@ -133,7 +127,7 @@ impl Unit {
         let drive = &mut self.activity.drive;
         let committed = self.body.commit(
             &mut leaving(&self.name, self.index, now, outside),
-            |period| *drive = Drive::of_period(period),
+            |period| *drive = drive.with_period(period),
         );
         match error.or(committed.err()) {
             Some(fault) => {
@@ -152,6 +146,7 @@ impl Unit {
         self.body.discard();
         self.note(fault, now, outside);
         let before = self.state;
+        self.fell |= before.is_running();
         self.enter(State::Exception, now, outside);
         let component = &mut self.component;
         let tidied = guarded(|| {
@@ -161,12 +156,39 @@ impl Unit {
             if before.is_configured() {
                 component.cleanup();
             }
+            component.exception();
             Ok(())
         });
         self.close(now, outside);
         if let Err(fault) = tidied {
             self.note(fault, now, outside);
             self.enter(State::FatalError, now, outside);
+        }
+    }
+
+    /// After a cycle: a component that has failed is brought back, if its activity says so. Says whether it runs again.
+    pub(crate) fn come_back(&mut self, now: Time, outside: &mut dyn Outside) -> bool {
+        if !std::mem::take(&mut self.fell) {
+            return false;
+        }
+        match self.activity.on_exception {
+            OnException::Stay => false,
+            OnException::Escalate => {
+                outside.escalate(self.index);
+                false
+            }
+            OnException::Reset { max } if max.is_some_and(|max| self.resets >= max) => false,
+            OnException::Reset { .. } => {
+                self.resets += 1;
+                let way = [
+                    Transition::ResetException,
+                    Transition::Configure,
+                    Transition::Start,
+                ];
+                // What fails on the way is in its state and told to the observers.
+                way.iter()
+                    .all(|step| self.transition(*step, now, outside).is_ok())
+            }
         }
     }
 
@@ -184,6 +206,7 @@ impl Unit {
                 state: self.state,
             });
         };
+        self.status.aim(target);
         match self.hook(transition, now, outside) {
             Ok(()) => {
                 self.arrive(transition, target, now, outside);
@@ -266,9 +289,15 @@ impl Unit {
             return self.fail(fault.clone(), now, outside);
         }
         self.note(fault.clone(), now, outside);
-        if transition == Transition::Configure {
-            self.enter(State::PreOperational, now, outside);
-        }
+        let to = match transition {
+            Transition::Configure => State::PreOperational,
+            Transition::Start
+            | Transition::Stop
+            | Transition::Cleanup
+            | Transition::Recover
+            | Transition::ResetException => self.state,
+        };
+        self.enter(to, now, outside);
     }
 
     /// Whoever waits for the component learns that it does not run.
@@ -278,7 +307,7 @@ impl Unit {
 
     fn enter(&mut self, to: State, now: Time, outside: &mut dyn Outside) {
         let from = std::mem::replace(&mut self.state, to);
-        self.status.state.store(to as u8, Ordering::Release);
+        self.status.enter(to);
         if from != to {
             let component = &self.name;
             outside.emit(
@@ -301,7 +330,7 @@ impl Unit {
                 fault: &fault,
             },
         );
-        self.fault = Some(fault);
+        *self.status.fault() = Some(fault);
     }
 
     /// Counts periods that were missed.
@@ -309,6 +338,11 @@ impl Unit {
         self.status.overruns.fetch_add(missed, Ordering::Relaxed);
         let component = &self.name;
         outside.emit(now, &Event::Overrun { component, missed });
+    }
+
+    /// Changes the period of a component that has one or is event-driven; zero means event-driven.
+    pub(crate) fn set_period(&mut self, period: Duration) {
+        self.activity.drive = self.activity.drive.with_period(period);
     }
 
     /// Ends calls that have waited too long. Says whether anything waits for the next cycle.
@@ -345,10 +379,4 @@ fn leaving<'a>(
         name,
         outside,
     }
-}
-
-/// Runs a component's code; a panic is a fault like another.
-fn guarded<R>(code: impl FnOnce() -> Result<R, Fault>) -> Result<R, Fault> {
-    // After a panic the component is not called again but to stop and clean up; it sees what it left behind.
-    catch_unwind(AssertUnwindSafe(code)).unwrap_or_else(|payload| Err(Fault::panicked(&*payload)))
 }

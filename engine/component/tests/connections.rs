@@ -315,7 +315,7 @@ fn t8_t22_what_does_not_fit_is_an_error_before_anything_runs() {
             "`It.opaque` and `Driver.twist` differ: test/Number here, test/Twist there",
             "there is no component `Countr`; did you mean `Counter`?",
             "there is no output `Counter.m`",
-            "there is no output `It.in`",
+            "`It.in` is an input, not an output",
             "there is no service `It.sum`; did you mean `It.sums`?",
             "`It.opaque` is joined already: to `It.in`",
             "`It.others` is joined already: to `Nested.Doubler.sums`",

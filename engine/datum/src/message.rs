@@ -1,11 +1,13 @@
 //! Messages: Rust structs with a ROS name and a schema.
 
+use std::any::Any;
 use std::fmt::Debug;
+use std::sync::Arc;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::{Datum, Schema, Shape};
+use crate::{Datum, Sample, Schema, Shape};
 
 /// A type that travels: named as ROS names it, described by a schema. The [`message!`](crate::message!) macro writes one.
 pub trait Message:
@@ -16,6 +18,34 @@ pub trait Message:
 
     /// The type's shape.
     fn schema() -> &'static Schema;
+
+    /// The message that this one points to, if it is a pointer.
+    fn behind(&self) -> Option<Arc<dyn Sample>> {
+        None
+    }
+
+    /// A pointer to a message, if that is what the type is.
+    fn pointing_to(_: &Arc<dyn Sample>) -> Option<Self> {
+        None
+    }
+}
+
+/// Large messages go by pointer: many readers, one message.
+impl<T: Message> Message for Arc<T> {
+    const NAME: &'static str = T::NAME;
+
+    fn schema() -> &'static Schema {
+        T::schema()
+    }
+
+    fn behind(&self) -> Option<Arc<dyn Sample>> {
+        Some(Arc::clone(self) as Arc<dyn Sample>)
+    }
+
+    fn pointing_to(sample: &Arc<dyn Sample>) -> Option<Self> {
+        let any: Arc<dyn Any + Send + Sync> = Arc::clone(sample) as _;
+        any.downcast().ok()
+    }
 }
 
 /// A datum is the message whose type is known at run time only.

@@ -16,6 +16,9 @@ pub trait Sample: Any + Debug + Send + Sync {
 
     /// A shared copy of its own.
     fn to_shared(&self) -> Arc<dyn Sample>;
+
+    /// The message that this one points to, if it is a pointer.
+    fn behind(&self) -> Option<Arc<dyn Sample>>;
 }
 
 impl<T: Message> Sample for T {
@@ -30,6 +33,10 @@ impl<T: Message> Sample for T {
     fn to_shared(&self) -> Arc<dyn Sample> {
         Arc::new(self.clone())
     }
+
+    fn behind(&self) -> Option<Arc<dyn Sample>> {
+        Message::behind(self)
+    }
 }
 
 impl dyn Sample {
@@ -40,15 +47,19 @@ impl dyn Sample {
 
     /// The message as a type: itself if it is one, else read from its data.
     pub fn read<T: Message>(self: Arc<Self>) -> Result<T, DatumError> {
-        let any: Arc<dyn Any + Send + Sync> = self.clone();
+        let sample = Sample::behind(&*self).unwrap_or(self);
+        if let Some(pointer) = T::pointing_to(&sample) {
+            return Ok(pointer);
+        }
+        let any: Arc<dyn Any + Send + Sync> = sample.clone();
         match any.downcast::<T>() {
             Ok(same) => {
-                drop(self);
+                drop(sample);
                 Ok(Arc::unwrap_or_clone(same))
             }
-            Err(_) => match self.downcast_ref::<Datum>() {
+            Err(_) => match sample.downcast_ref::<Datum>() {
                 Some(datum) => datum.to(),
-                None => self.to_datum()?.to(),
+                None => sample.to_datum()?.to(),
             },
         }
     }

@@ -68,11 +68,27 @@ fn names(scene: &Scene<'_>, component: &Component, report: &mut Report) {
         return;
     };
     scene.broker(None, pace.broker.as_ref(), report);
-    if let Some(master) = &pace.master
-        && scene.composite.component(master).is_none()
-    {
-        scene.unknown_component(master, report);
+    if let Some(master) = &pace.master {
+        if scene.composite.component(master).is_none() {
+            scene.unknown_component(master, report);
+        } else if masters(scene, &component.name.value).any(|one| one == component.name.value) {
+            report.found(ComponentError::OwnMaster {
+                component: component.name.value.clone(),
+                at: master.span,
+            });
+        }
     }
+}
+
+/// The master of a component, its master, and so on; in a circle, each of it once.
+pub(crate) fn masters<'s>(scene: &Scene<'s>, name: &'s str) -> impl Iterator<Item = &'s str> {
+    let master = |name: &&str| {
+        let component = scene.composite.component(name)?;
+        let master = component.pace.as_ref()?.master.as_ref()?;
+        Some(master.value.as_str())
+    };
+    let most = scene.composite.components.len();
+    std::iter::successors(master(&name), master).take(most)
 }
 
 fn face(

@@ -19,6 +19,8 @@ pub(crate) enum ComponentError {
     },
     #[error("two components have the id `{id}`")]
     SameId { id: String, at: Span, first: Span },
+    #[error("`{component}` would cycle after itself")]
+    OwnMaster { component: String, at: Span },
     #[error("this build has no {what} `{name}`")]
     UnknownImplementation {
         what: &'static str,
@@ -80,6 +82,9 @@ impl Finding for ComponentError {
                 .label(*at, "again here")
                 .label(*first, "first here")
                 .help("the id names the component's queue, log and metrics; without `task.id` it is the component's name"),
+            Self::OwnMaster { at, .. } => Diagnostic::error("C035", self)
+                .label(*at, "leads back to it")
+                .help("leave `master` out of one of them: it drives the others"),
             Self::UnknownImplementation { at, nearest, .. } => Diagnostic::error("C024", self)
                 .label(*at, "not known")
                 .suggest(*at, nearest),

@@ -189,7 +189,7 @@ fn pair(
 ) {
     match (source.terminal, target.terminal) {
         (Terminal::Port(from), Terminal::Port(to)) => {
-            threads(scene, &connection.policy, from, to, report);
+            threads(scene, connection, from, to, report);
             let (Some(from_kind), Some(to_kind)) = (&source.kind, &target.kind) else {
                 return;
             };
@@ -315,22 +315,14 @@ fn undriven(part: &Part<'_>, drivers: &Drivers, report: &mut Report) {
     }
 }
 
-/// Without any lock both ends must run one after the other.
-fn threads(scene: &Scene<'_>, policy: &Policy, from: &End, to: &End, report: &mut Report) {
-    let Some(lock) = policy
-        .lock
-        .as_ref()
-        .filter(|lock| lock.value == Lock::Unsync)
-    else {
-        return;
-    };
-    let thread = |name: &str| {
-        let component = scene.composite.component(name);
-        let pace = component.and_then(|component| component.pace.as_ref());
-        pace.and_then(|pace| pace.master.clone())
-            .map_or(name.to_owned(), |master| master.value)
-    };
-    if thread(&from.component) != thread(&to.component) {
+/// Without any lock both ends must run one after the other; with one, no more threads than allowed.
+fn threads(scene: &Scene<'_>, connection: &Connection, from: &End, to: &End, report: &mut Report) {
+    let policy = &connection.policy;
+    let [writer, reader] = [from, to].map(|end| thread(scene, &end.component.value));
+    if let Some(lock) = &policy.lock
+        && lock.value == Lock::Unsync
+        && writer != reader
+    {
         report.found(ConnectionError::Threads {
             from: from.component.value.clone(),
             to: to.component.value.clone(),
@@ -338,6 +330,24 @@ fn threads(scene: &Scene<'_>, policy: &Policy, from: &End, to: &End, report: &mu
             ends: to.span(),
         });
     }
+    let threads = if writer == reader { 1 } else { 2 };
+    if let Some(max) = &policy.max_threads
+        && max.value < threads
+    {
+        report.found(ConnectionError::Crowded {
+            threads,
+            max: max.value,
+            at: max.span,
+            ends: to.span(),
+        });
+    }
+}
+
+/// The component in whose thread a component cycles.
+fn thread<'s>(scene: &Scene<'s>, name: &'s str) -> &'s str {
+    super::component::masters(scene, name)
+        .last()
+        .unwrap_or(name)
 }
 
 /// Keys that belong together stand together.

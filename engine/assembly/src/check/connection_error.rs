@@ -65,6 +65,13 @@ pub(crate) enum ConnectionError {
         at: Span,
         ends: Span,
     },
+    #[error("{threads} threads would use a connection that allows {max}")]
+    Crowded {
+        threads: i64,
+        max: i64,
+        at: Span,
+        ends: Span,
+    },
     #[error("`{key}` says nothing here")]
     Idle {
         key: &'static str,
@@ -170,6 +177,14 @@ impl Finding for ConnectionError {
                 .help(format!(
                     "use `lock_free`, or cycle one after the other: `activity.master` of `{to}` \
                      or `{from}`"
+                )),
+            Self::Crowded {
+                threads, at, ends, ..
+            } => Diagnostic::error("C058", self)
+                .label(*at, "too few")
+                .label(*ends, "read in a thread of its own")
+                .help(format!(
+                    "allow {threads}, or leave `max_threads` out: no connection of ours needs it"
                 )),
             Self::Idle { at, reason, .. } => Diagnostic::warning("C048", self)
                 .label(*at, *reason)

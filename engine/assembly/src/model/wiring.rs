@@ -150,7 +150,7 @@ pub struct Policy {
     pub mandatory: Option<At<bool>>,
     /// Who shares the queue.
     pub buffer: Option<At<Sharing>>,
-    /// How many threads may use a lock-free connection.
+    /// How many threads may use a connection.
     pub max_threads: Option<At<i64>>,
     /// Bytes of the largest message in a queue `mqueue:/name`.
     pub data_size: Option<At<i64>>,
@@ -197,7 +197,7 @@ choice! {
         PerInputPort = "per_input_port",
         /// All connections from one output port.
         PerOutputPort = "per_output_port",
-        /// All of them.
+        /// All connections of the entry.
         Shared = "shared",
     }
 }

@@ -8,7 +8,7 @@ use super::{Connection, End, Policy, Promoted, Terminal, Wire};
 use crate::At;
 use crate::check;
 use crate::finding::Findings;
-use crate::model::{self, Delivery, Flow, Transport};
+use crate::model::{self, Delivery, Flow, Sharing, Transport};
 
 impl<'p> Flattener<'p, '_> {
     /// Adds the connections and wires of a composite.
@@ -29,17 +29,23 @@ impl<'p> Flattener<'p, '_> {
     }
 
     fn connection(&mut self, index: usize, connection: &model::Connection) {
-        let policy = policy(&connection.policy);
-        for from in &connection.from {
-            for to in &connection.to {
-                let source = self.terminal(index, from);
-                let target = self.terminal(index, to);
-                if let (Some(source), Some(target)) = (source, target) {
-                    let (from, to) = (source, target);
-                    self.poll(&from, &to, &policy, connection.policy.span);
-                    let policy = policy.clone();
-                    self.plan.connections.push(Connection { from, to, policy });
-                }
+        let mut policy = policy(&connection.policy);
+        let ends = |terminals: &[model::Terminal]| -> Vec<Terminal> {
+            let ends = terminals.iter();
+            ends.filter_map(|end| self.terminal(index, end)).collect()
+        };
+        let (from, to) = (ends(&connection.from), ends(&connection.to));
+        if policy.buffer == Sharing::Shared {
+            policy.queue = Some(format!("{} -> {}", listed(&from), listed(&to)));
+        }
+        for from in &from {
+            for to in &to {
+                self.poll(from, to, &policy, connection.policy.span);
+                self.plan.connections.push(Connection {
+                    from: from.clone(),
+                    to: to.clone(),
+                    policy: policy.clone(),
+                });
             }
         }
     }
@@ -195,6 +201,11 @@ impl<'p> Flattener<'p, '_> {
     }
 }
 
+fn listed(ends: &[Terminal]) -> String {
+    let names: Vec<String> = ends.iter().map(Terminal::to_string).collect();
+    names.join(", ")
+}
+
 fn policy(policy: &model::Policy) -> Policy {
     let kind = given(&policy.kind);
     Policy {
@@ -208,7 +219,8 @@ fn policy(policy: &model::Policy) -> Policy {
         pull: given(&policy.pull),
         mandatory: given(&policy.mandatory),
         buffer: given(&policy.buffer),
-        max_threads: number(&policy.max_threads).unwrap_or(2),
+        queue: None,
+        max_threads: number(&policy.max_threads),
         data_size: number(&policy.data_size),
         max_age_ms: number(&policy.max_age_ms),
         on_stale: given(&policy.on_stale),

@@ -79,8 +79,11 @@ pub struct Policy {
     pub mandatory: bool,
     /// Who shares the queue.
     pub buffer: Sharing,
-    /// How many threads may use it.
-    pub max_threads: u64,
+    /// The queue that they share, if all of them do: the connection's ends.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub queue: Option<String>,
+    /// How many threads may use it; as many as there are ends, if absent.
+    pub max_threads: Option<u64>,
     /// Bytes of the largest message in a message queue.
     pub data_size: Option<u64>,
     /// How old data may be.

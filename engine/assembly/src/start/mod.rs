@@ -2,6 +2,7 @@
 
 mod coordinator;
 mod part;
+mod policy;
 mod queue;
 mod sending;
 mod workshop;
@@ -10,8 +11,8 @@ use std::time::Duration;
 
 use component::declaration::Declaration;
 use component::{
-    Activity, BuildError, Component, ComponentId, Interface, Kind, OnStale, Overrun, Policy,
-    PropertyError, System, Wire, port_topic,
+    Activity, BuildError, Component, ComponentId, Interface, OnException, Overrun, Policy,
+    PropertyError, Scheduler, System, Wire, port_topic,
 };
 
 use crate::model::{self, Transport};
@@ -105,6 +106,11 @@ pub fn start_part(
         building.component(component, workshop)?;
     }
     for component in plan.components.iter().filter(here) {
+        if let Some(master) = &component.pace.master {
+            building.system.slave(&component.name, master)?;
+        }
+    }
+    for component in plan.components.iter().filter(here) {
         building.topics(component)?;
         building.services(component)?;
     }
@@ -170,6 +176,7 @@ impl Building<'_> {
         };
         Activity::periodic(Duration::from_millis(period_ms))
             .delay(Duration::from_millis(pace.delay_ms))
+            .configure_on_startup(component.lifecycle.autoconf)
             .run_on_startup(pace.run_on_startup && component.lifecycle.autostart)
             .may_interrupt(pace.may_interrupt_if_running)
             .overrun(match pace.overrun {
@@ -177,6 +184,9 @@ impl Building<'_> {
                 model::Overrun::CatchUp => Overrun::CatchUp,
                 model::Overrun::Fail => Overrun::Fail,
             })
+            .on_exception(on_exception(&component.lifecycle))
+            .scheduler(scheduler(pace))
+            .cpus(processors(pace))
     }
 
     /// How often a component looks that has no period of its own but polls a connection.
@@ -247,7 +257,7 @@ impl Building<'_> {
 
     fn connection(&mut self, connection: &plan::Connection) -> Result<(), StartError> {
         let joint = &connection.policy;
-        let policy = policy(joint);
+        let policy = policy::of(joint);
         match (&connection.from, &connection.to) {
             (Terminal::Port(from), Terminal::Port(to)) => self.ports(from, to, policy)?,
             (Terminal::Port(from), Terminal::Mqueue(queue)) if self.part.has(&from.component) => {
@@ -322,23 +332,32 @@ impl Building<'_> {
     }
 }
 
-fn policy(policy: &plan::Policy) -> Policy {
-    let size = usize::try_from(policy.size).unwrap_or(usize::MAX);
-    Policy {
-        kind: match policy.kind {
-            model::Flow::Data => Kind::Data,
-            model::Flow::Buffer => Kind::Buffer(size),
-            model::Flow::Circular => Kind::Circular(size),
+fn on_exception(lifecycle: &plan::Lifecycle) -> OnException {
+    match lifecycle.on_exception {
+        model::OnException::Stop => OnException::Stay,
+        model::OnException::Reset => OnException::Reset {
+            max: u32::try_from(lifecycle.max_resets).ok(),
         },
-        max_age: policy.max_age_ms.map(Duration::from_millis),
-        on_stale: match policy.on_stale {
-            model::OnStale::Hold => OnStale::Keep,
-            model::OnStale::Zero => OnStale::Zero,
-            model::OnStale::NoData => OnStale::Forget,
-        },
-        mandatory: policy.mandatory,
-        trigger: policy.delivery == model::Delivery::Event,
+        model::OnException::Escalate => OnException::Escalate,
     }
+}
+
+/// The lowest priority of a class, where the composite names none.
+const LOWEST_PRIORITY: u8 = 1;
+
+fn scheduler(pace: &plan::Pace) -> Scheduler {
+    let given = pace.priority.and_then(|given| u8::try_from(given).ok());
+    let priority = given.unwrap_or(LOWEST_PRIORITY);
+    match pace.scheduler {
+        model::Scheduler::Other => Scheduler::Other,
+        model::Scheduler::Fifo => Scheduler::Fifo { priority },
+        model::Scheduler::RoundRobin => Scheduler::RoundRobin { priority },
+    }
+}
+
+fn processors(pace: &plan::Pace) -> Vec<usize> {
+    let cpus = pace.cpu.iter();
+    cpus.filter_map(|cpu| usize::try_from(*cpu).ok()).collect()
 }
 
 /// Stands in for a component that could not be made, until that is reported.

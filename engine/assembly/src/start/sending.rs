@@ -48,7 +48,7 @@ fn of_connections<'p>(
     publisher: Option<&End>,
 ) -> Sending {
     let init = (connections.clone()).any(|connection| connection.policy.init);
-    let kinds = connections.map(|connection| policy(&connection.policy).kind);
+    let kinds = connections.map(|connection| policy::of(&connection.policy).kind);
     of(kinds).init(init).by(codec(plan, publisher))
 }
 

@@ -71,6 +71,7 @@ impl fmt::Display for Event<'_> {
             Self::Overrun { component, missed } => {
                 write!(f, "{component}: missed {missed} periods")
             }
+            Self::Denied { component, denied } => write!(f, "{component}: {denied}"),
             Self::Dropped {
                 component,
                 port,

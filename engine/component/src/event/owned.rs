@@ -5,7 +5,7 @@ use std::sync::Arc;
 use datum::{Datum, DatumError, Sample};
 
 use super::Event;
-use crate::{CallError, CallId, Fault, State};
+use crate::{CallError, CallId, Denied, Fault, State};
 
 /// An [`Event`] with everything it borrowed.
 pub(crate) enum Owned {
@@ -58,6 +58,10 @@ pub(crate) enum Owned {
     Overrun {
         component: String,
         missed: u64,
+    },
+    Denied {
+        component: String,
+        denied: Denied,
     },
     Dropped {
         component: String,
@@ -162,6 +166,10 @@ impl Owned {
             Event::Overrun { component, missed } => Self::Overrun {
                 component: component.into(),
                 missed,
+            },
+            Event::Denied { component, denied } => Self::Denied {
+                component: component.into(),
+                denied: denied.clone(),
             },
             Event::Dropped {
                 component,
@@ -277,6 +285,7 @@ impl Owned {
                 component,
                 missed: *missed,
             },
+            Self::Denied { component, denied } => Event::Denied { component, denied },
             Self::Dropped {
                 component,
                 port,

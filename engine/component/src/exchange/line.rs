@@ -11,7 +11,7 @@ use super::reached::Reached;
 use super::topics::Topics;
 use crate::Time;
 use crate::outside::Outside;
-use crate::system::{Abroad, Topic, is_on};
+use crate::system::{Abroad, Joints, Topic, is_on};
 use crate::unit::Unit;
 
 /// What of a system is on one bus.
@@ -32,6 +32,7 @@ impl Line {
     pub(super) fn new(
         units: &mut [Unit],
         topics: &[Topic],
+        joints: &mut Joints,
         abroad: &mut Abroad,
         name: Option<&str>,
         membership: Arc<Membership>,
@@ -42,7 +43,7 @@ impl Line {
         let of_line: Vec<Topic> = topics.iter().map(of_line).collect();
         let exposed = abroad.exposed.iter();
         let exposed = exposed.filter(|(end, _)| is_here(homes, end.unit, name));
-        let topics = Topics::new(units, &of_line, exposed, abroad.topics, &membership)?;
+        let topics = Topics::new(units, &of_line, joints, exposed, abroad.topics, &membership)?;
         let offered = abroad.offered.iter();
         let offered = offered.filter(|offered| is_on(offered.bus.as_deref(), name));
         let offers = Offers::new(units, offered, &membership)?;

@@ -10,7 +10,7 @@ use datum::Schema;
 use super::Membership;
 use crate::Time;
 use crate::outside::Outside;
-use crate::service::{AnswerTo, Ask, CallKey, Inbox, Post};
+use crate::service::{AnswerTo, Ask, CallKey, Inbox};
 use crate::system::{Offered, address};
 use crate::unit::Unit;
 
@@ -105,7 +105,7 @@ impl Offer {
             answer_to: answered.then_some(AnswerTo::Bus(Box::new(call))),
         };
         // A caller whose request is not taken learns it when the request is dropped.
-        if self.inbox.post(Post::Ask(ask)).is_ok() {
+        if self.inbox.ask(ask, outside) == Ok(true) {
             outside.trigger(self.provider);
         }
     }

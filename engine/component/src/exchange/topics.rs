@@ -5,16 +5,16 @@ use std::sync::Arc;
 use bus::{
     Bus, BusError, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription,
 };
+use connection::Delivery;
 use datum::{DatumError, Problem, Sample, Schema};
 
 use super::Membership;
 use crate::cause::Cause;
-use crate::connection::Delivery;
 use crate::door::{Doors, Place};
 use crate::health::{HEALTH_TOPIC, HealthTeller};
 use crate::outside::Outside;
 use crate::port::{AnySender, Link};
-use crate::system::{End, Topic, port_topic};
+use crate::system::{End, Joints, Topic, port_topic};
 use crate::unit::Unit;
 use crate::{Kind, Time};
 
@@ -49,6 +49,7 @@ impl Topics {
     pub(super) fn new<'e>(
         units: &mut [Unit],
         topics: &[Topic],
+        joints: &mut Joints,
         exposed: impl Iterator<Item = &'e (End, Sending)>,
         abroad: bool,
         membership: &Membership,
@@ -61,7 +62,7 @@ impl Topics {
         for (end, sending) in exposed {
             publish(units, end, &port_topic(&end.name), *sending, membership)?;
         }
-        let doors = Doors::of_topics(units, topics);
+        let doors = Doors::of_topics(units, topics, joints);
         let mut incoming = Vec::new();
         for (index, topic) in topics.iter().enumerate() {
             if topic.name == HEALTH_TOPIC {

@@ -62,6 +62,11 @@ impl Events {
         }
     }
 
+    /// Ends a sleep.
+    pub(crate) fn ring(&self) {
+        self.bell.ring();
+    }
+
     /// Sleeps until an event comes, or so long.
     pub(crate) fn wait(&self, at_most: Duration) {
         self.bell.wait(at_most);

@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use super::events::Events;
 use crate::outside::Outside;
+use crate::run::Beyond;
 use crate::{Event, Time};
 
 /// How others get at a component's thread.
@@ -68,6 +69,9 @@ pub(crate) struct World {
     wakes: Arc<[Arc<Wake>]>,
     events: Arc<Events>,
     order: Arc<AtomicU64>,
+    ended: Arc<AtomicBool>,
+    /// All are to stop.
+    escalated: Arc<AtomicBool>,
 }
 
 impl World {
@@ -77,6 +81,32 @@ impl World {
             wakes,
             events,
             order: Arc::default(),
+            ended: Arc::default(),
+            escalated: Arc::default(),
+        }
+    }
+
+    /// How others get at the thread of the component at this place of the system.
+    pub(crate) fn wake(&self, component: usize) -> Arc<Wake> {
+        self.wakes
+            .get(component)
+            .map(Arc::clone)
+            .unwrap_or_default()
+    }
+
+    /// The system runs no more.
+    pub(crate) fn end(&self) {
+        self.ended.store(true, Ordering::Release);
+    }
+
+    /// Whether all are to stop, as of now.
+    pub(crate) fn take_escalation(&self) -> bool {
+        self.escalated.load(Ordering::Relaxed) && self.escalated.swap(false, Ordering::AcqRel)
+    }
+
+    fn news(&self, component: usize) {
+        if let Some(wake) = self.wakes.get(component) {
+            wake.news();
         }
     }
 
@@ -91,9 +121,12 @@ impl Outside for World {
     }
 
     fn trigger(&mut self, component: usize) {
-        if let Some(wake) = self.wakes.get(component) {
-            wake.news();
-        }
+        self.news(component);
+    }
+
+    fn escalate(&mut self, _: usize) {
+        self.escalated.store(true, Ordering::Release);
+        self.events.ring();
     }
 
     /// The component's own thread looks at its deadlines before it sleeps.
@@ -101,5 +134,23 @@ impl Outside for World {
 
     fn next_order(&mut self) -> u64 {
         self.order.fetch_add(1, Ordering::Relaxed) + 1
+    }
+}
+
+impl Beyond for World {
+    fn now(&self) -> Time {
+        World::now(self)
+    }
+
+    fn next_order(&self) -> u64 {
+        self.order.fetch_add(1, Ordering::Relaxed) + 1
+    }
+
+    fn news(&self, component: usize) {
+        World::news(self, component);
+    }
+
+    fn is_there(&self) -> bool {
+        !self.ended.load(Ordering::Acquire)
     }
 }

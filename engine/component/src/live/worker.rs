@@ -1,190 +1,220 @@
-//! A component's thread: commands, then the cycle that is due, then sleep.
+//! A thread for a component and its slaves: commands, then the cycle that is due, then sleep.
 
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
-use datum::Datum;
-
+use super::schedule;
 use super::wake::{Wake, World};
 use crate::activity::{Drive, Overrun};
-use crate::run::RunError;
+use crate::outside::Outside;
+use crate::run::Act;
 use crate::unit::Unit;
-use crate::{Fault, LifeCycleError, Time, Transition};
+use crate::{Event, Fault, Time};
 
-/// What the run's owner wants of a component.
+/// What the run's owner wants.
 pub(crate) enum Command {
-    Transition(Transition, mpsc::Sender<Result<(), RunError>>),
-    SetProperties(Vec<(String, Datum)>, mpsc::Sender<Result<(), RunError>>),
-    SetPeriod(Duration, mpsc::Sender<()>),
-    Properties(mpsc::Sender<Vec<(String, Datum)>>),
-    Fault(mpsc::Sender<Option<Fault>>),
+    /// Something to be done to the component at this place of the system.
+    Act(usize, Act),
     End,
 }
 
-/// What a thread does next.
+/// What a component needs next.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Next {
     Cycle,
-    /// Until woken.
-    Sleep,
-    /// Until woken, or until then.
+    /// Look again then, unless woken before.
     SleepUntil(Time),
+    /// Nothing, until woken.
+    Sleep,
 }
 
-/// A component and its thread.
+/// A thread's components.
 pub(crate) struct Worker {
-    unit: Unit,
-    wake: Arc<Wake>,
+    members: Vec<Member>,
     inbox: mpsc::Receiver<Command>,
     world: World,
+}
+
+/// A component of a thread.
+struct Member {
+    unit: Unit,
+    wake: Arc<Wake>,
     /// When the next periodic cycle is due, or the first of an event-driven component.
     due: Time,
 }
 
 impl Worker {
     pub(crate) fn new(
-        unit: Unit,
-        wake: Arc<Wake>,
+        units: Vec<Unit>,
+        wakes: &[Arc<Wake>],
         inbox: mpsc::Receiver<Command>,
         world: World,
     ) -> Self {
-        Self {
+        let member = |(unit, wake): (Unit, &Arc<Wake>)| Member {
             unit,
-            wake,
+            wake: Arc::clone(wake),
+            due: Time::ZERO,
+        };
+        Self {
+            members: units.into_iter().zip(wakes).map(member).collect(),
             inbox,
             world,
-            due: Time::ZERO,
         }
     }
 
     pub(crate) fn run(mut self) {
+        self.adopt_schedule();
         while self.attend() {
-            match self.next() {
-                Next::Cycle => self.cycle(),
-                Next::Sleep => std::thread::park(),
-                Next::SleepUntil(at) => {
+            let mut soonest = (Next::Sleep, 0);
+            for (index, member) in self.members.iter_mut().enumerate() {
+                soonest = soonest.min((member.next(&mut self.world), index));
+            }
+            match soonest {
+                (Next::Cycle, index) => self.cycle(index),
+                (Next::SleepUntil(at), _) => {
                     std::thread::park_timeout(at.since(self.world.now()));
                 }
+                (Next::Sleep, _) => std::thread::park(),
             }
+        }
+    }
+
+    /// Takes the scheduling class and the processors of the first component: the others are its slaves.
+    fn adopt_schedule(&mut self) {
+        let masters = |member: &&Member| member.unit.master.is_none();
+        let Some(Member { unit, .. }) = self.members.iter().find(masters) else {
+            return;
+        };
+        for denied in schedule::adopt(&unit.activity) {
+            let component = &*unit.name;
+            let denied = &denied;
+            let event = Event::Denied { component, denied };
+            self.world.emit(self.world.now(), &event);
         }
     }
 
     /// Carries out what is asked. Says whether to go on.
     fn attend(&mut self) -> bool {
         loop {
-            // An owner who has gone does not read answers.
             match self.inbox.try_recv() {
                 Err(mpsc::TryRecvError::Empty) => return true,
                 Err(mpsc::TryRecvError::Disconnected) | Ok(Command::End) => return false,
-                Ok(Command::Transition(transition, answer)) => {
-                    let taken = self.take_through(transition);
-                    let _ = answer.send(taken.map_err(RunError::from));
-                }
-                Ok(Command::SetProperties(values, answer)) => {
-                    let now = self.world.now();
-                    let set = (self.unit).set_properties(&values, now, &mut self.world);
-                    let _ = answer.send(set.map_err(RunError::from));
-                }
-                Ok(Command::SetPeriod(period, answer)) => {
-                    self.set_drive(Drive::of_period(period));
-                    let _ = answer.send(());
-                }
-                Ok(Command::Properties(answer)) => {
-                    let _ = answer.send(self.unit.body.values());
-                }
-                Ok(Command::Fault(answer)) => {
-                    let _ = answer.send(self.unit.fault.clone());
+                Ok(Command::Act(component, act)) => {
+                    let mut members = self.members.iter_mut();
+                    if let Some(member) = members.find(|one| one.unit.index == component) {
+                        member.attend(act, &mut self.world);
+                    }
                 }
             }
         }
     }
 
-    fn take_through(&mut self, transition: Transition) -> Result<(), LifeCycleError> {
-        let now = self.world.now();
-        let result = self.unit.transition(transition, now, &mut self.world);
-        if result.is_ok() && transition == Transition::Start {
-            self.due = now + self.unit.activity.delay;
-            let event_driven = self.unit.activity.drive == Drive::Event;
-            self.wake.set_event_driven(event_driven);
-            if event_driven {
-                // RTT triggers on start.
-                self.wake.news();
+    /// One cycle of a component; then its slaves cycle, and theirs.
+    fn cycle(&mut self, index: usize) {
+        self.members[index].cycle(&mut self.world);
+        let master = Some(self.members[index].unit.index);
+        for slave in 0..self.members.len() {
+            let unit = &self.members[slave].unit;
+            if unit.master == master && unit.state().is_running() {
+                self.cycle(slave);
             }
         }
-        result
+    }
+}
+
+impl Member {
+    /// Has something done, and plans by what has become of the component.
+    fn attend(&mut self, act: Act, world: &mut World) {
+        let (drive, ran) = (self.unit.activity.drive, self.unit.state().is_running());
+        let now = world.now();
+        act(&mut self.unit, now, world);
+        if !ran && self.unit.state().is_running() {
+            self.begin(now);
+        } else if self.unit.activity.drive != drive {
+            // The next cycle is a new period after the last one.
+            let last = drive.period().map_or(now, |period| self.due - period);
+            self.adopt(last, world);
+        }
     }
 
-    /// The next cycle is a new period after the last one.
-    fn set_drive(&mut self, drive: Drive) {
-        let before = std::mem::replace(&mut self.unit.activity.drive, drive);
-        let now = self.world.now();
-        self.adopt(before.period().map_or(now, |period| self.due - period));
+    /// Plans the first cycle after a start; an event-driven component has one too (RTT triggers on start).
+    fn begin(&mut self, now: Time) {
+        self.due = now + self.unit.activity.delay;
+        let event_driven = self.unit.activity.drive == Drive::Event;
+        self.wake.set_event_driven(event_driven);
+        if event_driven {
+            self.wake.news();
+        }
     }
 
     /// Plans by a drive that is new since the last cycle.
-    fn adopt(&mut self, last: Time) {
+    fn adopt(&mut self, last: Time, world: &World) {
         let drive = self.unit.activity.drive;
         self.wake.set_event_driven(drive == Drive::Event);
         if let Some(period) = drive.period() {
-            self.due = (last + period).max(self.world.now());
+            self.due = (last + period).max(world.now());
         }
     }
 
-    fn next(&mut self) -> Next {
+    fn next(&mut self, world: &mut World) -> Next {
         if !self.unit.state().is_running() {
             return Next::Sleep;
         }
         if self.wake.take_call() {
             return Next::Cycle;
         }
-        let now = self.world.now();
+        let now = world.now();
         match self.unit.activity.drive {
+            Drive::Slave => self.await_replies(now, world),
             _ if now < self.due => Next::SleepUntil(self.due),
             Drive::Period(_) => Next::Cycle,
             Drive::Event if self.wake.take_news() => Next::Cycle,
-            Drive::Event | Drive::Manual => self.await_replies(now),
+            Drive::Event | Drive::Manual => self.await_replies(now, world),
         }
     }
 
     /// Nothing to do but to wait, for news or for the end of a call.
-    fn await_replies(&mut self, now: Time) -> Next {
+    fn await_replies(&mut self, now: Time, world: &mut World) -> Next {
         match self.unit.body.caller.deadline() {
             None => Next::Sleep,
             Some(deadline) if now < deadline => Next::SleepUntil(deadline),
             Some(_) => {
                 // Ends the call, which is news to an event-driven component.
-                self.unit.settle(now, &mut self.world);
+                self.unit.settle(now, world);
                 Next::SleepUntil(now)
             }
         }
     }
 
-    fn cycle(&mut self) {
-        let begin = self.world.now();
+    fn cycle(&mut self, world: &mut World) {
+        let begin = world.now();
         let before = self.unit.activity.drive;
-        self.unit.cycle(begin, &mut self.world);
+        self.unit.cycle(begin, world);
         if self.unit.activity.drive != before {
-            return self.adopt(begin);
-        }
-        if let Drive::Period(period) = before
+            self.adopt(begin, world);
+        } else if let Drive::Period(period) = before
             && begin >= self.due
         {
-            self.plan(begin, period);
+            self.plan(begin, period, world);
+        }
+        if self.unit.come_back(world.now(), world) {
+            self.begin(world.now());
         }
     }
 
     /// Plans the next periodic cycle; counts the periods this one has missed.
-    fn plan(&mut self, begin: Time, period: Duration) {
-        let end = self.world.now();
+    fn plan(&mut self, begin: Time, period: Duration, world: &mut World) {
+        let end = world.now();
         let overrun = self.unit.activity.overrun;
         let (missed, next) = overrun.after_cycle(self.due, period, begin, end);
         self.due = next;
         if missed == 0 {
             return;
         }
-        self.unit.overrun(missed, end, &mut self.world);
+        self.unit.overrun(missed, end, world);
         if overrun == Overrun::Fail {
             let fault = Fault::Overrun { missed };
-            self.unit.fail(fault, end, &mut self.world);
+            self.unit.fail(fault, end, world);
         }
     }
 }

@@ -1,18 +1,21 @@
 //! Input ports: what came since the last cycle is frozen for the next one.
 
 use std::any::Any;
-use std::time::Duration;
+use std::marker::PhantomData;
+use std::sync::Arc;
 
-use datum::{Datum, DatumError, Message, Schema};
+use datum::{Message, Schema};
 
-use super::{AnySender, Flow};
+use super::Flow;
+use super::channel::{Incoming, Inlet, Of, Stamped, Way};
 use crate::Time;
-use crate::connection::{OnStale, Policy, Receiver, Stamped, channel};
+use crate::policy::OnStale;
+use crate::system::ConnectionId;
 
 /// An input port at run time.
 pub(crate) struct Input<T> {
     schema: Schema,
-    channels: Vec<Incoming<T>>,
+    ways: Vec<Way<T>>,
     /// Samples come since the last cycle, in the order in which they came.
     fresh: Vec<T>,
     /// The newest sample of earlier cycles, while there is no newer one.
@@ -20,22 +23,14 @@ pub(crate) struct Input<T> {
     newest: Option<Newest>,
     stale: bool,
     /// Scratch space of `freeze`.
-    arrived: Vec<(usize, Stamped<T>)>,
-}
-
-struct Incoming<T> {
-    receiver: Receiver<T>,
-    max_age: Option<Duration>,
-    on_stale: OnStale,
-    /// What stands for a stale sample, if zeros do.
-    zero: Option<T>,
+    arrived: Vec<(ConnectionId, Stamped<T>)>,
 }
 
 /// Where the newest sample came from.
 #[derive(Clone, Copy)]
 struct Newest {
     at: Time,
-    channel: usize,
+    connection: ConnectionId,
     /// Whether zeros have taken its place.
     zeroed: bool,
 }
@@ -44,7 +39,7 @@ impl<T: Message> Input<T> {
     pub(crate) fn new(schema: Schema) -> Self {
         Self {
             schema,
-            channels: Vec::new(),
+            ways: Vec::new(),
             fresh: Vec::new(),
             last: None,
             newest: None,
@@ -65,23 +60,29 @@ impl<T: Message> Input<T> {
         &self.fresh
     }
 
-    fn collect(&mut self) {
-        for (index, channel) in self.channels.iter_mut().enumerate() {
-            let arrived = &mut self.arrived;
-            (channel.receiver).drain(|sample| arrived.push((index, sample)));
+    /// Takes in what has come. Counts what cannot be read.
+    fn collect(&mut self) -> u64 {
+        let mut unreadable = 0;
+        for way in &mut self.ways {
+            let (arrived, connection) = (&mut self.arrived, way.connection);
+            unreadable += way.drain(|sample| arrived.push((connection, sample)));
         }
-        if self.channels.len() > 1 {
+        if self.ways.len() > 1 {
             // Unstable: orders are unique, and no scratch memory is taken.
             (self.arrived).sort_unstable_by_key(|(_, sample)| sample.order);
         }
-        for (channel, sample) in self.arrived.drain(..) {
+        for (connection, sample) in self.arrived.drain(..) {
             self.newest = Some(Newest {
                 at: sample.at,
-                channel,
+                connection,
                 zeroed: false,
             });
             self.fresh.push(sample.value);
         }
+        // As long as the newest sample is from there, its connection says how old it may grow.
+        let newest = self.newest.map(|newest| newest.connection);
+        (self.ways).retain(|way| Some(way.connection) == newest || !way.is_abandoned());
+        unreadable
     }
 
     /// Compares the newest sample's age with what its connection promises.
@@ -90,17 +91,18 @@ impl<T: Message> Input<T> {
         let Some(newest) = &mut self.newest else {
             return;
         };
-        let Some(channel) = self.channels.get(newest.channel) else {
+        let mut ways = self.ways.iter();
+        let Some(way) = ways.find(|way| way.connection == newest.connection) else {
             return;
         };
-        let Some(max_age) = channel.max_age else {
+        let Some(max_age) = way.policy.max_age else {
             return;
         };
         if now.since(newest.at) <= max_age {
             return;
         }
         self.stale = true;
-        match channel.on_stale {
+        match way.policy.on_stale {
             OnStale::Keep => {}
             OnStale::Forget => {
                 self.fresh.clear();
@@ -109,7 +111,7 @@ impl<T: Message> Input<T> {
             OnStale::Zero if newest.zeroed => {}
             OnStale::Zero => {
                 newest.zeroed = true;
-                self.fresh.extend(channel.zero.clone());
+                self.fresh.extend(way.zero.clone());
             }
         }
     }
@@ -120,8 +122,11 @@ pub(crate) trait AnyInput: Any + Send {
     /// Name and shape of what it takes.
     fn schema(&self) -> &Schema;
 
-    /// Makes what came since the last time visible, and what is visible old.
-    fn freeze(&mut self, now: Time);
+    /// Its type, to open ways into it.
+    fn inlet(&self) -> Arc<dyn Inlet>;
+
+    /// Makes what came since the last time visible, and what is visible old. Says how many samples could not be read.
+    fn freeze(&mut self, now: Time) -> u64;
 
     /// Whether the newest sample is older than its connection promises.
     fn is_stale(&self) -> bool;
@@ -129,8 +134,11 @@ pub(crate) trait AnyInput: Any + Send {
     /// When the newest sample was written.
     fn written_at(&self) -> Option<Time>;
 
-    /// Opens another way in.
-    fn open(&mut self, policy: &Policy) -> Result<Box<dyn AnySender>, DatumError>;
+    /// Takes the reading end of a connection.
+    fn join(&mut self, incoming: Incoming);
+
+    /// Ends a connection. What came through it is gone, as in RTT: old data of nobody looks like good data.
+    fn part(&mut self, connection: ConnectionId);
 }
 
 impl<T: Message> AnyInput for Input<T> {
@@ -138,13 +146,18 @@ impl<T: Message> AnyInput for Input<T> {
         &self.schema
     }
 
-    fn freeze(&mut self, now: Time) {
+    fn inlet(&self) -> Arc<dyn Inlet> {
+        Arc::new(Of::<T>(PhantomData))
+    }
+
+    fn freeze(&mut self, now: Time) -> u64 {
         if let Some(sample) = self.fresh.pop() {
             self.last = Some(sample);
             self.fresh.clear();
         }
-        self.collect();
+        let unreadable = self.collect();
         self.grow_stale(now);
+        unreadable
     }
 
     fn is_stale(&self) -> bool {
@@ -155,19 +168,18 @@ impl<T: Message> AnyInput for Input<T> {
         self.newest.map(|newest| newest.at)
     }
 
-    fn open(&mut self, policy: &Policy) -> Result<Box<dyn AnySender>, DatumError> {
-        let zero = match policy.on_stale {
-            // All fields of a message have an initial value.
-            OnStale::Zero => Some(Datum::Record(Vec::new()).to()?),
-            OnStale::Keep | OnStale::Forget => None,
-        };
-        let (sender, receiver) = channel::<T>(policy.kind);
-        self.channels.push(Incoming {
-            receiver,
-            max_age: policy.max_age,
-            on_stale: policy.on_stale,
-            zero,
-        });
-        Ok(Box::new(sender))
+    fn join(&mut self, incoming: Incoming) {
+        // It came from this port's own inlet.
+        let way = incoming.0.downcast::<Way<T>>();
+        self.ways.extend(way.ok().map(|way| *way));
+    }
+
+    fn part(&mut self, connection: ConnectionId) {
+        self.ways.retain(|way| way.connection != connection);
+        if (self.newest).is_some_and(|newest| newest.connection == connection) {
+            self.newest = None;
+            self.last = None;
+            self.fresh.clear();
+        }
     }
 }

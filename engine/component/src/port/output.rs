@@ -2,43 +2,56 @@
 
 use std::any::Any;
 use std::collections::VecDeque;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Weak};
 
+use bus::Bell;
+use connection::Delivery;
 use datum::{DatumError, Message, Sample, Schema};
 
-use super::AnySender;
-use crate::connection::{Delivery, Sender, Stamped};
-use crate::outside::Leaving;
-use crate::{Event, Fault, Time};
+use super::channel::Stamped;
+use super::{AnySender, Outlet};
+use crate::outside::{Leaving, Outside};
+use crate::system::ConnectionId;
+use crate::{Event, Fault, Policy};
 
 /// An output port at run time.
 pub(crate) struct Output<T> {
     schema: Schema,
     pending: VecDeque<T>,
-    links: Vec<(Way<T>, Link)>,
+    links: Vec<(Outlet<T>, Link)>,
     /// Number of the last sample that left.
     sequence: u64,
+    /// The last sample that left, for readers to come (RTT `keepLastWrittenValue`).
+    last: Option<Stamped<T>>,
 }
 
-/// How samples get into a connection.
-enum Way<T> {
-    /// The reader has the same type: the sample itself.
-    Same(Sender<T>),
-    /// The reader has another type, or is a bus: the sample behind a pointer, for the other end to read.
-    Shared(Box<dyn AnySender>),
-}
-
-/// What the writer knows of a connection.
+/// What the writer knows of a connection, or of several that have a queue in common.
 pub(crate) struct Link {
-    /// The reader's place in the system.
-    pub reader: usize,
+    /// Who may read; nobody inside, for a link to a bus.
+    pub readers: Vec<Reader>,
     /// The other end's name: `Follower.path`.
     pub to: String,
-    /// Whether samples trigger the reader.
-    pub trigger: bool,
     pub mandatory: bool,
+    /// The queue, if it is one that connections have in common.
+    pub queue: Option<usize>,
     pub dropped: Arc<AtomicU64>,
+}
+
+/// The reading end of a connection, as the writer knows it.
+pub(crate) struct Reader {
+    pub connection: ConnectionId,
+    pub news: News,
+}
+
+/// How a reader learns that there is something to read.
+pub(crate) enum News {
+    /// It looks by itself.
+    Silent,
+    /// The component at this place of the system is triggered.
+    Trigger(usize),
+    /// Somebody outside listens, as long as somebody is there.
+    Bell(Weak<Bell>),
 }
 
 impl<T: Message> Output<T> {
@@ -48,6 +61,7 @@ impl<T: Message> Output<T> {
             pending: VecDeque::new(),
             links: Vec::new(),
             sequence: 0,
+            last: None,
         }
     }
 
@@ -55,41 +69,20 @@ impl<T: Message> Output<T> {
         self.pending.push_back(sample);
     }
 
-    /// Sends one sample through every connection; the last one gets the original, the others get copies.
+    /// Sends one sample through every connection.
     fn deliver(&mut self, sample: T, port: &str, leaving: &mut Leaving<'_>) -> Result<(), Fault> {
+        self.links.retain(|(_, link)| link.is_there());
+        let sample = self.last.insert(Stamped {
+            at: leaving.now,
+            order: leaving.outside.next_order(),
+            value: sample,
+        });
         let mut result = Ok(());
-        let Some((last, others)) = self.links.split_last_mut() else {
-            return result;
-        };
-        let at = leaving.now;
-        let order = leaving.outside.next_order();
-        for (way, link) in others {
-            let delivery = way.copy(&sample, at, order);
+        for (outlet, link) in &mut self.links {
+            let delivery = outlet.send(sample);
             result = result.and(link.settle(delivery, port, leaving));
         }
-        let (way, link) = last;
-        let delivery = way.hand_over(sample, at, order);
-        result.and(link.settle(delivery, port, leaving))
-    }
-}
-
-impl<T: Message> Way<T> {
-    fn copy(&mut self, sample: &T, at: Time, order: u64) -> Result<Delivery, DatumError> {
-        match self {
-            Self::Same(sender) => Ok(sender.send(Stamped {
-                at,
-                order,
-                value: sample.clone(),
-            })),
-            Self::Shared(sender) => sender.send_sample(sample.to_shared(), at, order),
-        }
-    }
-
-    fn hand_over(&mut self, value: T, at: Time, order: u64) -> Result<Delivery, DatumError> {
-        match self {
-            Self::Same(sender) => Ok(sender.send(Stamped { at, order, value })),
-            Self::Shared(sender) => sender.send_sample(Arc::new(value), at, order),
-        }
+        result
     }
 }
 
@@ -97,11 +90,47 @@ impl Link {
     /// To a bus: nobody inside is triggered.
     pub(crate) fn to_bus(to: String) -> Self {
         Self {
-            reader: usize::MAX,
+            readers: Vec::new(),
             to,
-            trigger: false,
             mandatory: false,
+            queue: None,
             dropped: Arc::default(),
+        }
+    }
+
+    /// To a reader outside of the system, and the bell that is rung for it.
+    pub(crate) fn to_outside(connection: ConnectionId, policy: &Policy) -> (Arc<Bell>, Self) {
+        let bell = Arc::new(Bell::new());
+        let news = News::Bell(Arc::downgrade(&bell));
+        let link = Self {
+            readers: vec![Reader { connection, news }],
+            mandatory: policy.mandatory,
+            ..Self::to_bus("a reader outside".to_owned())
+        };
+        (bell, link)
+    }
+
+    /// Whether anybody may still read.
+    fn is_there(&self) -> bool {
+        let gone = |reader: &Reader| match &reader.news {
+            News::Bell(bell) => bell.strong_count() == 0,
+            News::Silent | News::Trigger(_) => false,
+        };
+        self.readers.is_empty() || !self.readers.iter().all(gone)
+    }
+
+    /// Tells the readers that there is something.
+    fn tell(&self, outside: &mut dyn Outside) {
+        for reader in &self.readers {
+            match &reader.news {
+                News::Silent => {}
+                News::Trigger(component) => outside.trigger(*component),
+                News::Bell(bell) => {
+                    if let Some(bell) = bell.upgrade() {
+                        bell.ring();
+                    }
+                }
+            }
         }
     }
 
@@ -112,12 +141,13 @@ impl Link {
         port: &str,
         leaving: &mut Leaving<'_>,
     ) -> Result<(), Fault> {
-        let stored = !matches!(delivery, Ok(Delivery::DroppedNewest) | Err(_));
-        if stored && self.trigger {
-            leaving.outside.trigger(self.reader);
-        }
         if delivery == Ok(Delivery::Stored) {
+            self.tell(leaving.outside);
             return Ok(());
+        }
+        let stored = delivery == Ok(Delivery::DroppedOldest);
+        if stored {
+            self.tell(leaving.outside);
         }
         let total = self.dropped.fetch_add(1, Ordering::Relaxed) + 1;
         leaving.emit(&Event::Dropped {
@@ -127,7 +157,7 @@ impl Link {
             total,
             reason: delivery.as_ref().err(),
         });
-        if !self.mandatory {
+        if stored || !self.mandatory {
             return Ok(());
         }
         Err(Fault::NotDelivered {
@@ -144,6 +174,12 @@ pub(crate) trait AnyOutput: Any + Send {
 
     /// Joins it to a way into an input port.
     fn join(&mut self, sender: Box<dyn AnySender>, link: Link);
+
+    /// Sends what was last written to a reader that is new (RTT `init`).
+    fn greet(&mut self, connection: ConnectionId, outside: &mut dyn Outside);
+
+    /// Ends a connection.
+    fn part(&mut self, connection: ConnectionId);
 
     /// Sends the oldest pending sample.
     fn flush(
@@ -163,16 +199,34 @@ impl<T: Message> AnyOutput for Output<T> {
     }
 
     fn join(&mut self, sender: Box<dyn AnySender>, link: Link) {
-        let same = (&*sender as &dyn Any).is::<Sender<T>>();
-        let way = if same {
-            (sender as Box<dyn Any>)
-                .downcast()
-                .map(|sender| Way::Same(*sender))
-                .ok()
-        } else {
-            Some(Way::Shared(sender))
-        };
-        self.links.extend(way.map(|way| (way, link)));
+        let known = (self.links.iter_mut())
+            .find(|(_, known)| link.queue.is_some() && known.queue == link.queue);
+        match known {
+            Some((_, known)) => known.readers.extend(link.readers),
+            None => self
+                .links
+                .extend(Outlet::of(sender).map(|outlet| (outlet, link))),
+        }
+    }
+
+    fn greet(&mut self, connection: ConnectionId, outside: &mut dyn Outside) {
+        let new = |link: &Link| (link.readers.iter()).any(|reader| reader.connection == connection);
+        let link = self.links.iter_mut().find(|(_, link)| new(link));
+        if let (Some((outlet, link)), Some(last)) = (link, &self.last)
+            && outlet.send(last) == Ok(Delivery::Stored)
+        {
+            link.tell(outside);
+        }
+    }
+
+    fn part(&mut self, connection: ConnectionId) {
+        self.links.retain_mut(|(_, link)| {
+            let before = link.readers.len();
+            link.readers
+                .retain(|reader| reader.connection != connection);
+            let lost = link.readers.len() < before;
+            !(lost && link.readers.is_empty())
+        });
     }
 
     fn flush(

@@ -53,8 +53,9 @@ pub(crate) struct Wiring {
 impl Wiring {
     /// Leaves a question with the provider.
     fn ask(&self, ask: Ask, leaving: &mut Leaving<'_>) -> Result<(), CallError> {
-        self.inbox.post(Post::Ask(ask))?;
-        self.trigger(leaving);
+        if self.inbox.ask(ask, leaving.outside)? {
+            self.trigger(leaving);
+        }
         Ok(())
     }
 
@@ -313,6 +314,20 @@ impl Caller {
         self.frozen
             .extract_if(.., |ended| ended.slot == slot)
             .collect()
+    }
+
+    /// Hands over one ended call of an operation.
+    pub(crate) fn take_one(&mut self, slot: Slot, call: CallId) -> Option<Ended> {
+        let found =
+            (self.frozen.iter()).position(|ended| ended.slot == slot && ended.number == call.0)?;
+        Some(self.frozen.remove(found))
+    }
+
+    /// Whether a call has not come to its end, or to where a cycle can see it.
+    pub(crate) fn is_under_way(&self, call: CallId) -> bool {
+        let outstanding = self.outstanding.iter().map(|one| one.number);
+        let ended = self.ended.iter().map(|one| one.number);
+        outstanding.chain(ended).any(|number| number == call.0)
     }
 
     /// Forgets all calls: the component ends running, and nobody waits for the answers.

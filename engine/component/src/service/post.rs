@@ -1,6 +1,6 @@
 //! What travels between caller and provider.
 
-use std::sync::Arc;
+use std::sync::{Arc, mpsc};
 
 use bus::{Call, CallFailure, Payload, Refusal, Trace};
 use datum::Sample;
@@ -45,14 +45,16 @@ pub(crate) enum AnswerTo {
     Here(Arc<Mailbox>),
     /// To a caller on the bus.
     Bus(Box<Call>),
+    /// To somebody outside of the system.
+    Outside(mpsc::Sender<Result<Arc<dyn Sample>, CallError>>),
 }
 
 impl AnswerTo {
     /// Whether the caller still waits, as far as that is known here.
     pub(crate) fn is_awaited(&self) -> bool {
         match self {
-            // It posts a cancellation when it does not.
-            Self::Here(_) => true,
+            // The one posts a cancellation when it does not, the other has a deadline.
+            Self::Here(_) | Self::Outside(_) => true,
             Self::Bus(call) => call.is_awaited(),
         }
     }
@@ -66,6 +68,8 @@ impl AnswerTo {
     ) {
         match self {
             Self::Here(mailbox) => mailbox.put(Answer { number, result }, outside),
+            // Whoever has lost patience does not read it.
+            Self::Outside(answer) => drop(answer.send(result)),
             Self::Bus(call) => call.end(result.map(Payload::Sample).map_err(failure)),
         }
     }

@@ -9,11 +9,16 @@ use datum::Sample;
 
 use super::{AnswerTo, Ask, CallError, CallKey, Post, RequestId, ServiceFault};
 use crate::declaration::ServiceDeclaration;
-use crate::outside::Leaving;
+use crate::fault::guarded;
+use crate::outside::{Leaving, Outside};
 use crate::{Event, Time};
 
 /// How many requests may wait for a provider; more find it unavailable.
 const WAITING: usize = 128;
+
+/// Serves an operation in its caller's thread (RTT `ClientThread`).
+pub(crate) type Handler =
+    Arc<dyn Fn(Arc<dyn Sample>) -> Result<Arc<dyn Sample>, ServiceFault> + Send + Sync>;
 
 /// The way into a service, shared with its callers.
 pub(crate) struct Inbox {
@@ -22,14 +27,17 @@ pub(crate) struct Inbox {
     open: AtomicBool,
     /// Rung for what comes, if the provider is beyond the bus.
     bell: Option<Arc<Bell>>,
+    /// Of the operations that callers serve themselves with, by position.
+    handlers: Vec<Option<Handler>>,
 }
 
 impl Inbox {
-    fn new() -> Arc<Self> {
+    fn new(handlers: Vec<Option<Handler>>) -> Arc<Self> {
         Arc::new(Self {
             queue: ArrayQueue::new(WAITING),
             open: AtomicBool::new(false),
             bell: None,
+            handlers,
         })
     }
 
@@ -39,12 +47,27 @@ impl Inbox {
             queue: ArrayQueue::new(WAITING),
             open: AtomicBool::new(true),
             bell: Some(bell),
+            handlers: Vec::new(),
         })
     }
 
     /// What came first.
     pub(crate) fn next(&self) -> Option<Post> {
         self.queue.pop()
+    }
+
+    /// Asks: at once, if the operation is served in the caller's thread, whatever the provider is doing; or leaves the
+    /// question for the provider's next cycle. Says whether it did that.
+    pub(crate) fn ask(&self, ask: Ask, outside: &mut dyn Outside) -> Result<bool, CallError> {
+        let Some(Some(handler)) = self.handlers.get(ask.operation) else {
+            return self.post(Post::Ask(ask)).map(|()| true);
+        };
+        let result = guarded(|| Ok(handler(ask.argument)))
+            .unwrap_or_else(|fault| Err(ServiceFault::new("PANIC", fault.to_string())));
+        if let Some(answer_to) = ask.answer_to {
+            answer_to.send(ask.key.number, result.map_err(CallError::Fault), outside);
+        }
+        Ok(false)
     }
 
     /// Leaves something for the provider's next cycle.
@@ -84,10 +107,10 @@ struct Open {
 }
 
 impl Service {
-    pub(crate) fn new(declaration: ServiceDeclaration) -> Self {
+    pub(crate) fn new(declaration: ServiceDeclaration, handlers: Vec<Option<Handler>>) -> Self {
         Self {
             declaration,
-            inbox: Inbox::new(),
+            inbox: Inbox::new(handlers),
             waiting: Vec::new(),
             open: Vec::new(),
             cancelled: Vec::new(),

@@ -1,9 +1,12 @@
 //! The world around simulated components: the clock, the queue, the observers, who is due when.
 
+use std::sync::Arc;
+
 use super::queue::{Queue, What};
+use super::shore::Shore;
 use crate::activity::Drive;
 use crate::outside::Outside;
-use crate::run::Watch;
+use crate::run::{Beyond, Watch};
 use crate::unit::Unit;
 use crate::{Event, Fault, Observer, Time};
 
@@ -16,9 +19,11 @@ pub(super) struct World {
     pub now: Time,
     pub queue: Queue,
     pub observers: Vec<Box<dyn Observer>>,
-    /// Place of the last sample among all samples.
-    order: u64,
     pub each: Vec<Driven>,
+    /// All are to stop.
+    pub escalated: bool,
+    /// What those outside share.
+    shore: Arc<Shore>,
 }
 
 /// What the executor keeps of each unit.
@@ -64,9 +69,12 @@ impl Outside for Stepping<'_, '_> {
         self.world.queue.push(at, What::Deadline { component });
     }
 
+    fn escalate(&mut self, _: usize) {
+        self.world.escalated = true;
+    }
+
     fn next_order(&mut self) -> u64 {
-        self.world.order += 1;
-        self.world.order
+        self.world.shore.next_order()
     }
 }
 
@@ -82,9 +90,25 @@ impl World {
             now: Time::ZERO,
             queue: Queue::default(),
             observers,
-            order: 0,
             each: units.iter().map(each).collect(),
+            escalated: false,
+            shore: Arc::new(Shore::new(units.len())),
         }
+    }
+
+    pub(super) fn set_now(&mut self, now: Time) {
+        self.now = now;
+        self.shore.set_now(now);
+    }
+
+    /// The system, for those outside.
+    pub(super) fn beyond(&self) -> Arc<dyn Beyond> {
+        Arc::clone(&self.shore) as Arc<dyn Beyond>
+    }
+
+    /// The system runs no more.
+    pub(super) fn end(&self) {
+        self.shore.end();
     }
 
     /// The world while one step is under way.
@@ -108,6 +132,12 @@ impl Driven {
 }
 
 impl Stepping<'_, '_> {
+    /// Triggers those for whom somebody outside has written.
+    pub(super) fn hear(&mut self) {
+        let shore = Arc::clone(&self.world.shore);
+        shore.take_news(|component| self.trigger(component));
+    }
+
     /// One cycle of a unit, unless it has had too many at this instant.
     pub(super) fn cycle(&mut self, units: &mut [Unit], component: usize) {
         let now = self.world.now;
@@ -118,8 +148,24 @@ impl Stepping<'_, '_> {
             units[component].fail(fault, now, self);
             return;
         }
+        let ran = units[component].state().is_running();
         units[component].cycle(now, self);
-        self.world.follow(&units[component]);
+        match units[component].come_back(now, self) {
+            true => self.world.begin(&units[component]),
+            false => self.world.follow(&units[component]),
+        }
+        if ran {
+            self.slaves(units, component);
+        }
+    }
+
+    /// The slaves of a unit that has cycled do so, too, at the same instant.
+    fn slaves(&mut self, units: &mut [Unit], master: usize) {
+        for slave in 0..units.len() {
+            if units[slave].master == Some(master) && units[slave].state().is_running() {
+                self.cycle(units, slave);
+            }
+        }
     }
 
     /// Plans the next periodic cycle: at an absolute time, so that nothing drifts.
@@ -149,7 +195,7 @@ impl World {
         let generation = driven.renew(unit.activity.drive);
         let first = self.now + unit.activity.delay;
         match unit.activity.drive {
-            Drive::Manual => {}
+            Drive::Manual | Drive::Slave => {}
             Drive::Event => self.trigger(component, first),
             Drive::Period(_) => {
                 let what = What::Period {

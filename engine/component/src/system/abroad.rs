@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use bus::{Bell, Sending};
 
-use super::join::{outputs, references, services};
+use super::ends::{outputs, references, services};
 use super::{BuildError, ComponentId, End, System};
 use crate::Wire;
 use crate::exchange::Way;

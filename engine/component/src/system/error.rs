@@ -1,6 +1,6 @@
 //! What can be wrong with a system's construction.
 
-use datum::{DatumError, Difference};
+use datum::{DatumError, Difference, Schema};
 
 use crate::declaration::DeclarationError;
 use crate::property::{PropertyError, suggestion};
@@ -31,6 +31,64 @@ pub enum BuildError {
         name: String,
         /// A name like it.
         nearest: Option<String>,
+    },
+    /// A port, service or reference on the wrong side.
+    #[error("`{end}` is {} {is}, not {} {wanted}", article(is), article(wanted))]
+    Direction {
+        /// The end.
+        end: String,
+        /// What it is.
+        is: &'static str,
+        /// What it would have to be.
+        wanted: &'static str,
+    },
+    /// Two ends in two threads, and nothing to keep them apart.
+    #[error(
+        "`{from}` and `{to}` cycle in two threads, and their connection is `unsync`: make one the other's slave, or use a lock-free connection"
+    )]
+    Threads {
+        /// The writing end.
+        from: String,
+        /// The reading end.
+        to: String,
+    },
+    /// More threads than the connection allows.
+    #[error("{threads} threads would use the queue of `{to}`, which allows {max}")]
+    Crowded {
+        /// The reading end.
+        to: String,
+        /// How many it would be.
+        threads: usize,
+        /// How many it may be.
+        max: usize,
+    },
+    /// A queue in common that is of another kind.
+    #[error(
+        "`{from}` and `{to}` cannot have their queue in common with the others: those have {what}"
+    )]
+    OtherQueue {
+        /// The writing end.
+        from: String,
+        /// The reading end.
+        to: String,
+        /// What the others have.
+        what: &'static str,
+    },
+    /// No such connection.
+    #[error("`{from}` is not connected to `{to}`")]
+    NotJoined {
+        /// The writing end.
+        from: String,
+        /// The reading end.
+        to: String,
+    },
+    /// A component that would be its own master.
+    #[error("`{slave}` cannot cycle after `{master}`: it would cycle after itself")]
+    OwnMaster {
+        /// The slave.
+        slave: String,
+        /// The master.
+        master: String,
     },
     /// Two ends of different types.
     #[error("`{from}` and `{to}` differ: {difference}")]
@@ -92,4 +150,27 @@ pub enum BuildError {
     /// A property that cannot have its value.
     #[error(transparent)]
     Property(#[from] PropertyError),
+}
+
+impl BuildError {
+    /// Compares the types of two ends.
+    pub(crate) fn compare(
+        written: &Schema,
+        from: &str,
+        taken: &Schema,
+        to: &str,
+    ) -> Result<(), Self> {
+        written.compare(taken).map_err(|difference| Self::Types {
+            from: from.to_owned(),
+            to: to.to_owned(),
+            difference: Box::new(difference),
+        })
+    }
+}
+
+fn article(what: &str) -> &'static str {
+    match what.starts_with(['i', 'o']) {
+        true => "an",
+        false => "a",
+    }
 }

@@ -1,14 +1,14 @@
 //! Joining: port to port, port to topic, reference to service.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicU64;
 
 use bus::Sending;
 use datum::{DatumError, Message, Problem, Schema};
 
-use super::{BuildError, System, Topic};
-use crate::body::Body;
-use crate::declaration::{OperationDeclaration, PortDeclaration};
+use super::ends::{self, Table, inputs, outputs, references, services};
+use super::{BuildError, ComponentId, ConnectionId, End, System, Topic};
+use crate::activity::Drive;
+use crate::declaration::{Declaration, OperationDeclaration};
 use crate::door::Door;
 use crate::port::Link;
 use crate::property::suggestion_among;
@@ -16,72 +16,40 @@ use crate::service::{Reference, Wire, Wiring};
 use crate::stream::{Incoming, Outgoing, Sink, Source};
 use crate::{BusHealth, HEALTH_TOPIC, Policy};
 
-/// One end of a connection.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct End {
-    /// `component.port`.
-    pub name: String,
-    /// The component's place in the system.
-    pub unit: usize,
-    /// The port's, service's or reference's place in the component.
-    pub index: usize,
-}
-
-/// A table of a component's named things.
-pub(super) struct Table<'a> {
-    what: &'static str,
-    names: Vec<&'a str>,
-}
-
-fn inputs(body: &Body) -> Table<'_> {
-    ports("input", &body.declaration.inputs)
-}
-
-pub(super) fn outputs(body: &Body) -> Table<'_> {
-    ports("output", &body.declaration.outputs)
-}
-
-fn ports<'a>(what: &'static str, ports: &'a [PortDeclaration]) -> Table<'a> {
-    Table {
-        what,
-        names: ports.iter().map(|port| &*port.name).collect(),
-    }
-}
-
-pub(super) fn services(body: &Body) -> Table<'_> {
-    let services = &body.declaration.services;
-    Table {
-        what: "service",
-        names: services.iter().map(|service| &*service.name).collect(),
-    }
-}
-
-pub(super) fn references(body: &Body) -> Table<'_> {
-    let references = &body.declaration.references;
-    Table {
-        what: "reference",
-        names: references
-            .iter()
-            .map(|reference| &*reference.name)
-            .collect(),
-    }
-}
-
 impl System {
     /// Connects an output to an input: `connect("TrajectoryFollower.twist", "RoverDriver.twist", Policy::data())`.
     pub fn connect(&mut self, from: &str, to: &str, policy: Policy) -> Result<(), BuildError> {
         let from = self.end(from, outputs)?;
         let to = self.end(to, inputs)?;
-        let connection = (from, to);
-        if self.connections.contains(&connection) {
-            return Err(BuildError::Joined {
-                end: connection.0.name,
-                to: format!("`{}`", connection.1.name),
+        self.joints.refuse_twice(&from, &to)?;
+        let connection = self.join(&from, &to, &policy)?;
+        self.joints.remember(connection, from, to);
+        Ok(())
+    }
+
+    /// Lets a component cycle in the thread of another one, right after it (RTT `SlaveActivity`). Its own period means
+    /// nothing then.
+    pub fn slave(&mut self, slave: &str, master: &str) -> Result<(), BuildError> {
+        let [slave_index, master_index] = [self.component(slave)?.0, self.component(master)?.0];
+        if self.thread(master_index) == slave_index {
+            return Err(BuildError::OwnMaster {
+                slave: slave.to_owned(),
+                master: master.to_owned(),
             });
         }
-        self.join(&connection.0, &connection.1, &policy)?;
-        self.connections.push(connection);
+        let unit = &mut self.units[slave_index];
+        unit.activity.drive = Drive::Slave;
+        unit.master = Some(master_index);
         Ok(())
+    }
+
+    /// The component whose thread a component cycles in: its master's master, or itself.
+    pub(super) fn thread(&self, unit: usize) -> usize {
+        let mut unit = unit;
+        while let Some(master) = self.units[unit].master {
+            unit = master;
+        }
+        unit
     }
 
     /// Lets an output publish to a topic. An output has one topic; a topic may have several publishers.
@@ -146,9 +114,11 @@ impl System {
     ) -> Result<(), BuildError> {
         let to = self.end(to, inputs)?;
         let unit = &mut self.units[to.unit];
-        let door = Door::open(unit, to.index, policy).ok_or_else(|| BuildError::NoZero {
-            to: to.name,
-            source: DatumError::new(Problem::Mismatch("it is no record".to_owned())),
+        let door = Door::open(unit, to.index, policy, self.joints.number()).ok_or_else(|| {
+            BuildError::NoZero {
+                to: to.name,
+                source: DatumError::new(Problem::Mismatch("it is no record".to_owned())),
+            }
         })?;
         self.streams.push(Incoming { source, door });
         Ok(())
@@ -230,7 +200,7 @@ impl System {
     fn join_topic(&mut self, from: &End, to: &End, policy: &Policy) -> Result<(), BuildError> {
         match self.abroad.topics {
             true => self.compare(from, to),
-            false => self.join(from, to, policy),
+            false => self.join(from, to, policy).map(drop),
         }
     }
 
@@ -241,57 +211,37 @@ impl System {
 
     fn compare_types(&self, written: &Schema, from: &str, to: &End) -> Result<(), BuildError> {
         let input = self.units[to.unit].body.inputs[to.index].schema();
-        written
-            .compare(input)
-            .map_err(|difference| BuildError::Types {
-                from: from.to_owned(),
-                to: to.name.clone(),
-                difference: Box::new(difference),
-            })
+        BuildError::compare(written, from, input, &to.name)
     }
 
-    fn join(&mut self, from: &End, to: &End, policy: &Policy) -> Result<(), BuildError> {
+    fn join(&mut self, from: &End, to: &End, policy: &Policy) -> Result<ConnectionId, BuildError> {
         self.compare(from, to)?;
+        let threads = [from.unit, to.unit].map(|unit| self.thread(unit));
         let input = &mut self.units[to.unit].body.inputs[to.index];
-        let sender = input.open(policy).map_err(|source| BuildError::NoZero {
-            to: to.name.clone(),
-            source,
-        })?;
-        let link = Link {
-            reader: to.unit,
-            to: to.name.clone(),
-            trigger: policy.trigger,
-            mandatory: policy.mandatory,
-            dropped: Arc::new(AtomicU64::new(0)),
-        };
-        self.units[from.unit].body.outputs[from.index].join(sender, link);
-        Ok(())
+        let joint = (self.joints).make((from, to), threads, policy, &*input.inlet())?;
+        input.join(joint.incoming);
+        self.units[from.unit].body.outputs[from.index].join(joint.sender, joint.link);
+        Ok(joint.connection)
     }
 
-    /// Finds `component.port`. Components may have dots in their names, ports have none.
-    pub(super) fn end(&self, path: &str, table: fn(&Body) -> Table<'_>) -> Result<End, BuildError> {
-        let (component, port) = path.rsplit_once('.').unwrap_or((path, ""));
-        let Some(id) = self.id(component) else {
-            let names = self.units.iter().map(|unit| &*unit.name);
-            return Err(BuildError::Unknown {
-                what: "component",
-                name: component.to_owned(),
-                nearest: suggestion_among(component, names),
-            });
-        };
-        let table = table(&self.units[id.0].body);
-        let Some(index) = table.names.iter().position(|name| *name == port) else {
-            let nearest = suggestion_among(port, table.names.iter().copied());
-            return Err(BuildError::Unknown {
-                what: table.what,
-                name: path.to_owned(),
-                nearest: nearest.map(|port| format!("{component}.{port}")),
-            });
-        };
-        Ok(End {
-            name: path.to_owned(),
-            unit: id.0,
-            index,
+    pub(super) fn end(
+        &self,
+        path: &str,
+        table: fn(&Declaration) -> Table<'_>,
+    ) -> Result<End, BuildError> {
+        let units = self.units.iter();
+        ends::find(
+            units.map(|unit| (&*unit.name, &unit.body.declaration)),
+            path,
+            table,
+        )
+    }
+
+    fn component(&self, name: &str) -> Result<ComponentId, BuildError> {
+        self.id(name).ok_or_else(|| BuildError::Unknown {
+            what: "component",
+            name: name.to_owned(),
+            nearest: suggestion_among(name, self.units.iter().map(|unit| &*unit.name)),
         })
     }
 }

@@ -1,14 +1,13 @@
-//! The life cycle against Orocos RTT's table (rtt/base/TaskCore.cpp), and what becomes of components that fail.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
-
-mod common;
+//! O2: the life cycle against Orocos RTT's table (rtt/base/TaskCore.cpp), and what becomes of components that fail.
 
 use std::sync::{Arc, Mutex};
 
 use component::{
-    Activity, Component, Cycle, Fault, LifeCycleError, Log, Run, Setup, Simulation, Span, State,
-    System, Transition,
+    Activity, Component, Cycle, Fault, LifeCycleError, Log, OnException, Run, Setup, Simulation,
+    Span, State, System, Transition,
 };
+
+use crate::common::Behaviour;
 
 /// What a component's hooks are to do, and what was called.
 #[derive(Clone, Default)]
@@ -77,6 +76,10 @@ impl Component for Script {
         let _ = self.hook("cleanup");
     }
 
+    fn exception(&mut self) {
+        let _ = self.hook("exception");
+    }
+
     fn recover(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         self.cycle("recover", cycle)
     }
@@ -97,6 +100,8 @@ fn brought_to(state: State) -> (Simulation, Script) {
         run.run_for(1.ms());
     };
     match state {
+        // Where it was before there was a run: see `o2_until_the_system_runs_it_is_in_init`.
+        State::Init => {}
         State::PreOperational => run.transition("It", Transition::Cleanup).unwrap(),
         State::Stopped => {}
         State::Running => cycle(|_| {}),
@@ -128,7 +133,7 @@ fn o2_every_state_and_call_does_what_rtt_does() {
         (Exception, Recover, PreOperational, &[]),
         (Exception, ResetException, PreOperational, &[]),
     ];
-    for from in State::ALL {
+    for from in State::ALL.into_iter().filter(|state| *state != State::Init) {
         for transition in Transition::ALL {
             let (mut run, script) = brought_to(from);
             let result = run.transition("It", transition);
@@ -199,19 +204,21 @@ fn o2_an_exception_in_a_cycle_stops_and_cleans_up() {
         }
         run.trigger("It").unwrap();
         run.run_for(1.ms());
-        assert_eq!(script.calls(), ["update", "stop", "cleanup"]);
+        assert_eq!(script.calls(), ["update", "stop", "cleanup", "exception"]);
         assert_eq!(run.state("It"), Some(State::Exception));
     }
 }
 
 #[test]
-fn o2_a_panic_while_cleaning_up_is_fatal() {
-    let (mut run, script) = brought_to(State::Running);
-    script.plan().fail = Some("update");
-    script.plan().panic = Some("cleanup");
-    run.trigger("It").unwrap();
-    run.run_for(1.ms());
-    assert_eq!(run.state("It"), Some(State::FatalError));
+fn o2_a_panic_while_stopping_cleaning_up_or_in_the_exception_hook_is_fatal() {
+    for hook in ["stop", "cleanup", "exception"] {
+        let (mut run, script) = brought_to(State::Running);
+        script.plan().fail = Some("update");
+        script.plan().panic = Some(hook);
+        run.trigger("It").unwrap();
+        run.run_for(1.ms());
+        assert_eq!(run.state("It"), Some(State::FatalError), "{hook}");
+    }
 }
 
 #[test]
@@ -275,4 +282,120 @@ fn an_unknown_component_is_an_error() {
         error.to_string(),
         "there is no component `It2`; did you mean `It`?"
     );
+}
+
+#[test]
+fn o2_until_the_system_runs_it_is_in_init_and_nothing_can_be_asked() {
+    let mut system = System::new();
+    let activity = Activity::manual().configure_on_startup(false);
+    let it = system
+        .add("It", activity, |_| Box::new(Script::default()))
+        .unwrap();
+    assert_eq!(system.state(it), Some(State::Init));
+    for transition in Transition::ALL {
+        assert_eq!(transition.target(State::Init), None, "{transition}");
+    }
+    // Without RTT's `AutoConf` it waits where RTT's components begin.
+    let run = system.simulate();
+    assert_eq!(run.state("It"), Some(State::PreOperational));
+}
+
+#[test]
+fn o2_while_a_hook_is_at_work_its_target_is_seen_from_outside() {
+    /// Waits in its start hook until it is let go.
+    struct Waiting(std::sync::mpsc::Receiver<()>);
+    impl Component for Waiting {
+        fn update(&mut self, _: &mut Cycle<'_>) -> Result<(), Fault> {
+            Ok(())
+        }
+
+        fn start(&mut self) -> Result<(), Fault> {
+            Ok(self.0.recv()?)
+        }
+    }
+    let (let_go, wait) = std::sync::mpsc::channel();
+    let mut system = System::new();
+    let activity = Activity::manual().run_on_startup(false);
+    system
+        .add("It", activity, |_| Box::new(Waiting(wait)))
+        .unwrap();
+    let mut run = system.live();
+    assert_eq!(run.target_state("It"), Some(State::Stopped));
+    run.set_grace(50.ms());
+    let busy = run.transition("It", Transition::Start);
+    assert!(matches!(busy, Err(LifeCycleError::Busy { .. })));
+    assert_eq!(run.state("It"), Some(State::Stopped));
+    assert_eq!(run.target_state("It"), Some(State::Running));
+    let_go.send(()).unwrap();
+    while run.state("It") != Some(State::Running) {
+        run.run_for(1.ms());
+    }
+    assert_eq!(run.target_state("It"), Some(State::Running));
+}
+
+/// A component that fails in every third of its cycles, and its neighbour.
+fn failing_often(on_exception: OnException) -> System {
+    let mut system = System::new();
+    let failing = |cycle: &mut Cycle<'_>| match cycle.number() % 3 {
+        0 => Err(Fault::new("the third")),
+        _ => Ok(()),
+    };
+    let activity = Activity::periodic(10.ms()).on_exception(on_exception);
+    system
+        .add("It", activity, |_| Box::new(Behaviour(failing)))
+        .unwrap();
+    let quiet = |_: &mut Cycle<'_>| Ok(());
+    let activity = Activity::periodic(10.ms());
+    system
+        .add("Neighbour", activity, |_| Box::new(Behaviour(quiet)))
+        .unwrap();
+    system
+}
+
+#[test]
+fn o2_after_an_exception_it_stays_is_reset_so_often_or_stops_everything() {
+    for (on_exception, cycles, state, neighbour) in [
+        (OnException::Stay, 3, State::Exception, State::Running),
+        (
+            OnException::Reset { max: Some(2) },
+            9,
+            State::Exception,
+            State::Running,
+        ),
+        (
+            OnException::Reset { max: None },
+            20,
+            State::Running,
+            State::Running,
+        ),
+        (OnException::Escalate, 3, State::Exception, State::Stopped),
+    ] {
+        let mut run = failing_often(on_exception).simulate();
+        run.run_for(200.ms());
+        assert!(
+            run.cycles("It") >= cycles,
+            "{on_exception:?}: {}",
+            run.cycles("It")
+        );
+        if state == State::Exception {
+            assert_eq!(run.cycles("It"), cycles, "{on_exception:?}");
+        }
+        assert_eq!(run.state("It"), Some(state), "{on_exception:?}");
+        assert_eq!(run.state("Neighbour"), Some(neighbour), "{on_exception:?}");
+    }
+}
+
+#[test]
+fn o2_live_a_component_is_brought_back_or_everything_stops() {
+    let mut run = failing_often(OnException::Reset { max: Some(2) }).live();
+    run.run_for(500.ms());
+    assert_eq!(
+        (run.cycles("It"), run.state("It")),
+        (9, Some(State::Exception))
+    );
+    assert!(run.is_running("Neighbour"));
+    let mut run = failing_often(OnException::Escalate).live();
+    run.run_for(200.ms());
+    assert_eq!(run.state("It"), Some(State::Exception));
+    assert_eq!(run.state("Neighbour"), Some(State::Stopped));
 }

@@ -7,13 +7,8 @@
     unsafe_code,
     reason = "the hand-over of slots between two threads; argued at each block, checked by loom"
 )]
-#![allow(unexpected_cfgs, reason = "loom is switched on by a compiler flag")]
 
-#[cfg(loom)]
-use loom::{cell::UnsafeCell, sync::Arc, sync::atomic::AtomicU8};
-use std::sync::atomic::Ordering;
-#[cfg(not(loom))]
-use std::{cell::UnsafeCell, sync::Arc, sync::atomic::AtomicU8};
+use crate::sync::{Arc, AtomicU8, Ordering, UnsafeCell};
 
 /// Bits of `middle` that name a slot.
 const SLOT: u8 = 0b011;
@@ -64,13 +59,10 @@ impl<T> Slots<T> {
     /// # Safety
     /// The slot is the caller's own: see the argument at `Sync`.
     unsafe fn with<R>(&self, slot: u8, act: impl FnOnce(&mut Option<T>) -> R) -> R {
-        let cell = &self.slots[usize::from(slot)];
-        #[cfg(loom)]
-        // SAFETY: the caller owns the slot, so nobody else refers to its content.
-        return cell.with_mut(|content| act(unsafe { &mut *content }));
-        #[cfg(not(loom))]
-        // SAFETY: as above.
-        act(unsafe { &mut *cell.get() })
+        self.slots[usize::from(slot)].with_mut(|content| {
+            // SAFETY: the caller owns the slot, so nobody else refers to its content.
+            act(unsafe { &mut *content })
+        })
     }
 }
 
@@ -89,6 +81,11 @@ impl<T> Writer<T> {
 }
 
 impl<T> Reader<T> {
+    /// Whether the writer is gone.
+    pub(crate) fn is_abandoned(&self) -> bool {
+        Arc::strong_count(&self.shared) == 1
+    }
+
     /// Takes the newest value, if it has not been taken yet.
     pub(crate) fn take(&mut self) -> Option<T> {
         // Only the writer sets FRESH; a stale answer here is the same as having come a moment earlier.
@@ -102,7 +99,7 @@ impl<T> Reader<T> {
     }
 }
 
-#[cfg(all(test, not(loom)))]
+#[cfg(all(test, not(feature = "loom")))]
 mod tests {
     use super::*;
 
@@ -116,31 +113,6 @@ mod tests {
         assert_eq!(reader.take(), None);
         assert!(!writer.write(3));
         assert_eq!(reader.take(), Some(3));
-    }
-
-    #[test]
-    fn o5_a_million_writes_are_never_torn_and_never_go_back() {
-        const WRITES: u64 = 1_000_000;
-        let (mut writer, mut reader) = triple();
-        let writing = std::thread::spawn(move || {
-            for n in 1..=WRITES {
-                writer.write([n; 16]);
-            }
-        });
-        let mut newest = 0;
-        while newest < WRITES {
-            let Some(value) = reader.take() else {
-                std::hint::spin_loop();
-                continue;
-            };
-            assert!(
-                value.iter().all(|part| *part == value[0]),
-                "torn: {value:?}"
-            );
-            assert!(value[0] > newest, "{} after {newest}", value[0]);
-            newest = value[0];
-        }
-        assert!(writing.join().is_ok());
     }
 
     #[test]
@@ -166,7 +138,7 @@ mod tests {
     }
 }
 
-#[cfg(all(test, loom))]
+#[cfg(all(test, feature = "loom"))]
 mod exhaustively {
     use super::*;
 

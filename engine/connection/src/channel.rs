@@ -1,0 +1,276 @@
+//! The two ends of a connection: typed, bounded.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use crossbeam_queue::ArrayQueue;
+
+use crate::store::Store;
+use crate::unsync::Unsync;
+use crate::{Kind, Pool, ring, triple};
+
+/// What became of a sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Delivery {
+    /// It lies where its reader finds it.
+    Stored,
+    /// The new one did not fit.
+    DroppedNewest,
+    /// It fits, an older one had to go.
+    DroppedOldest,
+}
+
+/// The writing end.
+pub struct Sender<T>(Writing<T>);
+
+enum Writing<T> {
+    Newest(triple::Writer<T>),
+    Buffer(ring::Writer<T>),
+    Shared(Shared<T>),
+}
+
+/// The reading end.
+pub struct Receiver<T>(Reading<T>);
+
+enum Reading<T> {
+    Newest(triple::Reader<T>),
+    Buffer(ring::Reader<T>),
+    Shared(Shared<T>),
+}
+
+/// A queue that several ends share.
+pub(crate) enum Shared<T> {
+    Newest(Arc<ArrayQueue<T>>),
+    Buffer(Arc<ArrayQueue<T>>),
+    Circular(Arc<ArrayQueue<T>>),
+    Locked(Arc<Mutex<Store<T>>>),
+    Unsync(Unsync<Store<T>>),
+}
+
+/// A connection of one writer and one reader, lock-free.
+pub fn channel<T>(kind: Kind) -> (Sender<T>, Receiver<T>) {
+    match kind {
+        Kind::Data => {
+            let (writer, reader) = triple::triple();
+            (
+                Sender(Writing::Newest(writer)),
+                Receiver(Reading::Newest(reader)),
+            )
+        }
+        Kind::Buffer(size) => {
+            let (writer, reader) = ring::ring(size);
+            (
+                Sender(Writing::Buffer(writer)),
+                Receiver(Reading::Buffer(reader)),
+            )
+        }
+        // The writer, too, takes from the front.
+        Kind::Circular(_) => {
+            let pool = Pool::lock_free(kind);
+            (pool.sender(), pool.receiver())
+        }
+    }
+}
+
+impl<T> Sender<T> {
+    pub(crate) fn shared(shared: Shared<T>) -> Self {
+        Self(Writing::Shared(shared))
+    }
+
+    /// Sends a sample.
+    #[inline(always)]
+    pub fn send(&mut self, sample: T) -> Delivery {
+        match &mut self.0 {
+            Writing::Newest(writer) => {
+                writer.write(sample);
+                Delivery::Stored
+            }
+            Writing::Buffer(writer) => match writer.push(sample) {
+                true => Delivery::Stored,
+                false => Delivery::DroppedNewest,
+            },
+            Writing::Shared(shared) => shared.push(sample),
+        }
+    }
+}
+
+impl<T> Receiver<T> {
+    pub(crate) fn shared(shared: Shared<T>) -> Self {
+        Self(Reading::Shared(shared))
+    }
+
+    /// Takes the oldest sample that is there; of a data connection, the newest.
+    #[inline(always)]
+    pub fn take(&mut self) -> Option<T> {
+        match &mut self.0 {
+            Reading::Newest(reader) => reader.take(),
+            Reading::Buffer(reader) => reader.pop(),
+            Reading::Shared(shared) => shared.pop(),
+        }
+    }
+
+    /// Whether it is the last end: nobody writes any more.
+    pub fn is_abandoned(&self) -> bool {
+        match &self.0 {
+            Reading::Newest(reader) => reader.is_abandoned(),
+            Reading::Buffer(reader) => reader.is_abandoned(),
+            Reading::Shared(shared) => shared.is_last(),
+        }
+    }
+
+    /// How many samples there are to take now, at the most.
+    fn len(&mut self) -> usize {
+        match &mut self.0 {
+            Reading::Newest(_) => 1,
+            Reading::Buffer(reader) => reader.len(),
+            Reading::Shared(shared) => shared.len(),
+        }
+    }
+
+    /// Hands over what is there now; a writer faster than the reader cannot keep it here for ever.
+    pub fn drain(&mut self, mut give: impl FnMut(T)) {
+        for _ in 0..self.len() {
+            let Some(sample) = self.take() else { return };
+            give(sample);
+        }
+    }
+}
+
+impl<T> Shared<T> {
+    fn push(&self, sample: T) -> Delivery {
+        match self {
+            Self::Newest(queue) => {
+                queue.force_push(sample);
+                Delivery::Stored
+            }
+            Self::Buffer(queue) => match queue.push(sample) {
+                Ok(()) => Delivery::Stored,
+                Err(_) => Delivery::DroppedNewest,
+            },
+            Self::Circular(queue) => match queue.force_push(sample) {
+                None => Delivery::Stored,
+                Some(_) => Delivery::DroppedOldest,
+            },
+            // What had to go is dropped when nobody waits for the lock any more.
+            Self::Locked(store) => {
+                let (delivery, gone) = locked(store).push(sample);
+                drop(gone);
+                delivery
+            }
+            Self::Unsync(store) => {
+                let (delivery, gone) = store.with(|store| store.push(sample));
+                drop(gone);
+                delivery
+            }
+        }
+    }
+
+    fn pop(&self) -> Option<T> {
+        match self {
+            Self::Newest(queue) | Self::Buffer(queue) | Self::Circular(queue) => queue.pop(),
+            Self::Locked(store) => locked(store).pop(),
+            Self::Unsync(store) => store.with(Store::pop),
+        }
+    }
+
+    fn is_last(&self) -> bool {
+        let shares = match self {
+            Self::Newest(queue) | Self::Buffer(queue) | Self::Circular(queue) => {
+                Arc::strong_count(queue)
+            }
+            Self::Locked(store) => Arc::strong_count(store),
+            Self::Unsync(store) => store.shares(),
+        };
+        shares == 1
+    }
+
+    fn len(&self) -> usize {
+        match self {
+            Self::Newest(queue) | Self::Buffer(queue) | Self::Circular(queue) => queue.len(),
+            Self::Locked(store) => locked(store).len(),
+            Self::Unsync(store) => store.with(|store| store.len()),
+        }
+    }
+}
+
+impl<T> Clone for Shared<T> {
+    fn clone(&self) -> Self {
+        match self {
+            Self::Newest(queue) => Self::Newest(Arc::clone(queue)),
+            Self::Buffer(queue) => Self::Buffer(Arc::clone(queue)),
+            Self::Circular(queue) => Self::Circular(Arc::clone(queue)),
+            Self::Locked(store) => Self::Locked(Arc::clone(store)),
+            Self::Unsync(store) => Self::Unsync(store.clone()),
+        }
+    }
+}
+
+/// A queue is whole between any two of its changes, whatever its users did.
+fn locked<T>(store: &Mutex<Store<T>>) -> MutexGuard<'_, Store<T>> {
+    store.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(all(test, not(feature = "loom")))]
+mod tests {
+    use super::*;
+
+    /// Every way there is to keep samples of a kind, with one writer and one reader.
+    fn every_way(kind: Kind) -> [(Sender<u64>, Receiver<u64>); 4] {
+        let ends = |pool: Pool<u64>| (pool.sender(), pool.receiver());
+        [
+            channel(kind),
+            ends(Pool::lock_free(kind)),
+            ends(Pool::locked(kind)),
+            ends(crate::unsync::tests::in_this_thread(kind)),
+        ]
+    }
+
+    fn send_and_drain(kind: Kind, count: u64, kept: &[u64], dropped: usize) {
+        for (mut sender, mut receiver) in every_way(kind) {
+            let deliveries = (0..count).map(|n| sender.send(n));
+            let lost = deliveries.filter(|delivery| *delivery != Delivery::Stored);
+            assert_eq!(lost.count(), dropped, "{kind:?}");
+            let mut got = Vec::new();
+            receiver.drain(|sample| got.push(sample));
+            assert_eq!(got, kept, "{kind:?}");
+            assert_eq!(receiver.take(), None, "{kind:?}");
+        }
+    }
+
+    #[test]
+    fn o6_a_buffer_keeps_the_oldest() {
+        send_and_drain(Kind::Buffer(3), 5, &[0, 1, 2], 2);
+    }
+
+    #[test]
+    fn o6_a_circular_buffer_keeps_the_newest() {
+        send_and_drain(Kind::Circular(3), 5, &[2, 3, 4], 2);
+    }
+
+    #[test]
+    fn o5_data_keeps_the_last_and_counts_nothing_lost() {
+        send_and_drain(Kind::Data, 5, &[4], 0);
+    }
+
+    #[test]
+    fn a_queue_of_size_zero_holds_one() {
+        send_and_drain(Kind::Buffer(0), 2, &[0], 1);
+    }
+
+    #[test]
+    fn o8_those_who_share_a_queue_share_its_size_and_each_sample_has_one_reader() {
+        for pool in [
+            Pool::lock_free(Kind::Buffer(4)),
+            Pool::locked(Kind::Buffer(4)),
+        ] {
+            let (mut a, mut b) = (pool.sender(), pool.sender());
+            let (mut x, mut y) = (pool.receiver(), pool.receiver());
+            for n in 0..2 {
+                assert_eq!(a.send(n), Delivery::Stored);
+                assert_eq!(b.send(n + 10), Delivery::Stored);
+            }
+            assert_eq!(a.send(9), Delivery::DroppedNewest);
+            assert_eq!([x.take(), y.take()], [Some(0), Some(10)]);
+            assert_eq!([y.take(), x.take(), x.take()], [Some(1), Some(11), None]);
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! How samples get from a writer to a reader: the newest one, or a queue of them (Orocos RTT's data, buffer and circular
+//! buffer).
+//!
+//! A [`channel`] has one writer and one reader, and neither ever waits. A [`Pool`] has as many as want to share it, and
+//! keeps them apart by no lock, by a lock, or not at all where all run in one thread.
+
+mod channel;
+mod kind;
+mod pool;
+mod ring;
+mod store;
+mod sync;
+mod triple;
+mod unsync;
+
+pub use channel::{Delivery, Receiver, Sender, channel};
+pub use kind::Kind;
+pub use pool::Pool;

@@ -1,0 +1,214 @@
+//! The ring of a buffer connection: one writer, one reader, every value in its order, nobody ever waits.
+//!
+//! Both ends count what they have done since the beginning; a value's number, without its high bits, is its slot. Each
+//! end remembers how far it has last seen the other one, and looks again only when that does not suffice.
+#![allow(
+    unsafe_code,
+    reason = "the hand-over of slots between two threads; argued at each block, checked by loom"
+)]
+
+use std::mem::MaybeUninit;
+
+use crate::sync::{Arc, AtomicUsize, Ordering, UnsafeCell};
+
+/// Alone on its cache lines, so that the two ends do not slow each other.
+#[repr(align(128))]
+struct Padded<T>(T);
+
+struct Ring<T> {
+    /// A power of two of them, so that counting may wrap around.
+    slots: Box<[UnsafeCell<MaybeUninit<T>>]>,
+    /// How many values may lie in it.
+    size: usize,
+    /// How many values have been written.
+    written: Padded<AtomicUsize>,
+    /// How many values have been taken.
+    taken: Padded<AtomicUsize>,
+}
+
+// SAFETY: a slot is reached by one end at a time. The writer reaches slot `written` only while fewer than `size` values
+// lie in the ring, so that the reader has taken what was there before, and tells the reader by a release store of
+// `written`; the reader reaches slot `taken` only after an acquire load has shown it that `written` is beyond it, and
+// gives it back by a release store of `taken`, which the writer loads with acquire before it writes there again.
+// Values are moved between threads, never shared: `T: Send` suffices.
+unsafe impl<T: Send> Sync for Ring<T> {}
+// SAFETY: as above; the ring owns its values.
+unsafe impl<T: Send> Send for Ring<T> {}
+
+/// The writing end.
+pub(crate) struct Writer<T> {
+    ring: Arc<Ring<T>>,
+    written: usize,
+    /// At least so many have been taken.
+    taken: usize,
+}
+
+/// The reading end.
+pub(crate) struct Reader<T> {
+    ring: Arc<Ring<T>>,
+    taken: usize,
+    /// At least so many have been written.
+    written: usize,
+}
+
+/// A new ring, empty, for so many values.
+pub(crate) fn ring<T>(size: usize) -> (Writer<T>, Reader<T>) {
+    let size = size.max(1);
+    let slots = (0..size.next_power_of_two()).map(|_| UnsafeCell::new(MaybeUninit::uninit()));
+    let ring = Arc::new(Ring {
+        slots: slots.collect(),
+        size,
+        written: Padded(AtomicUsize::new(0)),
+        taken: Padded(AtomicUsize::new(0)),
+    });
+    let reader = Reader {
+        ring: Arc::clone(&ring),
+        taken: 0,
+        written: 0,
+    };
+    let writer = Writer {
+        ring,
+        written: 0,
+        taken: 0,
+    };
+    (writer, reader)
+}
+
+impl<T> Ring<T> {
+    #[inline(always)]
+    fn slot(&self, number: usize) -> &UnsafeCell<MaybeUninit<T>> {
+        let mask = self.slots.len() - 1;
+        // SAFETY: the number of slots is a power of two, so one less is a mask, and what it lets through is less.
+        unsafe { self.slots.get_unchecked(number & mask) }
+    }
+}
+
+impl<T> Writer<T> {
+    /// Appends a value, if there is room. Says whether there was.
+    #[inline(always)]
+    pub(crate) fn push(&mut self, value: T) -> bool {
+        let ring = &*self.ring;
+        if self.written.wrapping_sub(self.taken) == ring.size {
+            self.taken = ring.taken.0.load(Ordering::Acquire);
+            if self.written.wrapping_sub(self.taken) == ring.size {
+                return false;
+            }
+        }
+        ring.slot(self.written).with_mut(|slot| {
+            // SAFETY: there is room, so the slot is the writer's; `&mut self` keeps other writers away.
+            unsafe { (*slot).write(value) };
+        });
+        self.written = self.written.wrapping_add(1);
+        ring.written.0.store(self.written, Ordering::Release);
+        true
+    }
+}
+
+impl<T> Reader<T> {
+    /// Takes the oldest value.
+    #[inline(always)]
+    pub(crate) fn pop(&mut self) -> Option<T> {
+        let ring = &*self.ring;
+        if self.taken == self.written {
+            self.written = ring.written.0.load(Ordering::Acquire);
+            if self.taken == self.written {
+                return None;
+            }
+        }
+        let slot = ring.slot(self.taken);
+        self.taken = self.taken.wrapping_add(1);
+        slot.with(|slot| {
+            // SAFETY: it has been written and not been taken, so the slot is the reader's and holds a value, which is
+            // moved out once: `taken` grows below, and `&mut self` keeps other readers away.
+            let value = Some(unsafe { (*slot).assume_init_read() });
+            ring.taken.0.store(self.taken, Ordering::Release);
+            value
+        })
+    }
+
+    /// Whether the writer is gone.
+    pub(crate) fn is_abandoned(&self) -> bool {
+        Arc::strong_count(&self.ring) == 1
+    }
+
+    /// How many values lie there now.
+    pub(crate) fn len(&mut self) -> usize {
+        self.written = self.ring.written.0.load(Ordering::Acquire);
+        self.written.wrapping_sub(self.taken)
+    }
+}
+
+impl<T> Drop for Ring<T> {
+    fn drop(&mut self) {
+        let written = self.written.0.load(Ordering::Relaxed);
+        let mut number = self.taken.0.load(Ordering::Relaxed);
+        while number != written {
+            self.slot(number).with_mut(|slot| {
+                // SAFETY: both ends are gone, and what was written and not taken is still there.
+                unsafe { (*slot).assume_init_drop() };
+            });
+            number = number.wrapping_add(1);
+        }
+    }
+}
+
+#[cfg(all(test, not(feature = "loom")))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn o6_values_come_in_their_order_and_what_has_no_room_is_refused() {
+        let (mut writer, mut reader) = ring(3);
+        for n in 0..3 {
+            assert!(writer.push(n));
+        }
+        assert!(!writer.push(3), "three, though four slots are there");
+        assert_eq!((reader.len(), reader.pop()), (3, Some(0)));
+        assert!(writer.push(4));
+        let rest: Vec<_> = std::iter::from_fn(|| reader.pop()).collect();
+        assert_eq!(rest, [1, 2, 4]);
+    }
+
+    #[test]
+    fn what_nobody_takes_is_dropped_with_the_ring() {
+        let value = std::sync::Arc::new(());
+        let (mut writer, mut reader) = ring(4);
+        for _ in 0..3 {
+            assert!(writer.push(std::sync::Arc::clone(&value)));
+        }
+        drop(reader.pop());
+        drop((writer, reader));
+        assert_eq!(std::sync::Arc::strong_count(&value), 1);
+    }
+}
+
+#[cfg(all(test, feature = "loom"))]
+mod exhaustively {
+    use super::*;
+
+    /// Every interleaving of three writes into two slots and as many reads.
+    #[test]
+    fn o6_no_interleaving_tears_loses_repeats_or_turns_values_around() {
+        loom::model(|| {
+            let (mut writer, mut reader) = ring(2);
+            let writing = loom::thread::spawn(move || {
+                let sent = (1..=3_usize).filter(|n| writer.push(Box::new([*n; 2])));
+                sent.collect::<Vec<_>>()
+            });
+            let mut seen = Vec::new();
+            let mut look = |reader: &mut Reader<Box<[usize; 2]>>| {
+                if let Some(value) = reader.pop() {
+                    assert_eq!(value[0], value[1], "torn");
+                    seen.push(value[0]);
+                }
+            };
+            look(&mut reader);
+            look(&mut reader);
+            let sent = writing.join().unwrap_or_default();
+            for _ in 0..3 {
+                look(&mut reader);
+            }
+            assert_eq!(seen, sent);
+        });
+    }
+}

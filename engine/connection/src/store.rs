@@ -1,0 +1,49 @@
+//! What lies between writers and readers that take turns: a queue of bounded length.
+
+use std::collections::VecDeque;
+
+use crate::{Delivery, Kind};
+
+/// A queue for one thread at a time.
+pub(crate) struct Store<T> {
+    kind: Kind,
+    queue: VecDeque<T>,
+}
+
+impl<T> Store<T> {
+    pub(crate) fn new(kind: Kind) -> Self {
+        Self {
+            kind,
+            queue: VecDeque::with_capacity(kind.size()),
+        }
+    }
+
+    /// Appends a value. Gives back what had to go, for the caller to drop where nobody waits.
+    pub(crate) fn push(&mut self, value: T) -> (Delivery, Option<T>) {
+        if self.queue.len() < self.kind.size() {
+            self.queue.push_back(value);
+            return (Delivery::Stored, None);
+        }
+        match self.kind {
+            Kind::Buffer(_) => (Delivery::DroppedNewest, Some(value)),
+            Kind::Circular(_) => {
+                let oldest = self.queue.pop_front();
+                self.queue.push_back(value);
+                (Delivery::DroppedOldest, oldest)
+            }
+            Kind::Data => {
+                let before = self.queue.pop_front();
+                self.queue.push_back(value);
+                (Delivery::Stored, before)
+            }
+        }
+    }
+
+    pub(crate) fn pop(&mut self) -> Option<T> {
+        self.queue.pop_front()
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.queue.len()
+    }
+}

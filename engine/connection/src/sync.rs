@@ -1,0 +1,34 @@
+//! What threads share, from the standard library; or from loom, which tries every interleaving.
+
+#[cfg(not(feature = "loom"))]
+pub(crate) use std::sync::{Arc, atomic::AtomicU8, atomic::AtomicUsize};
+
+#[cfg(feature = "loom")]
+pub(crate) use loom::{
+    cell::UnsafeCell,
+    sync::Arc,
+    sync::atomic::{AtomicU8, AtomicUsize},
+};
+
+pub(crate) use std::sync::atomic::Ordering;
+
+/// A cell with loom's way in: a pointer to the content, for as long as a closure runs.
+#[cfg(not(feature = "loom"))]
+pub(crate) struct UnsafeCell<T>(std::cell::UnsafeCell<T>);
+
+#[cfg(not(feature = "loom"))]
+impl<T> UnsafeCell<T> {
+    pub(crate) fn new(content: T) -> Self {
+        Self(std::cell::UnsafeCell::new(content))
+    }
+
+    #[inline(always)]
+    pub(crate) fn with<R>(&self, act: impl FnOnce(*const T) -> R) -> R {
+        act(self.0.get())
+    }
+
+    #[inline(always)]
+    pub(crate) fn with_mut<R>(&self, act: impl FnOnce(*mut T) -> R) -> R {
+        act(self.0.get())
+    }
+}

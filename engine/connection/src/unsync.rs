@@ -1,0 +1,76 @@
+//! A cell without any guard, for those who share one thread (RTT UNSYNC).
+#![allow(
+    unsafe_code,
+    reason = "the promise of one thread is the caller's, and argued where it is made"
+)]
+
+use std::cell::UnsafeCell;
+use std::sync::Arc;
+
+use crate::channel::Shared as Kept;
+use crate::store::Store;
+use crate::{Kind, Pool};
+
+/// A share of something that one thread at a time uses.
+pub(crate) struct Unsync<T>(Arc<Shared<T>>);
+
+struct Shared<T>(UnsafeCell<T>);
+
+// SAFETY: `Unsync::new` has its caller promise that no two threads use the shares at one time, and that what one thread
+// did happened before what the next one does; `T: Send` lets the content change threads with them.
+unsafe impl<T: Send> Sync for Shared<T> {}
+
+impl<T> Unsync<T> {
+    /// The first share.
+    ///
+    /// # Safety
+    /// This share and its clones are used by one thread; or, if they change to another one, all of them together, what
+    /// was done before happening before what is done after.
+    pub(crate) unsafe fn new(content: T) -> Self {
+        Self(Arc::new(Shared(UnsafeCell::new(content))))
+    }
+
+    /// Reaches the content. What `act` calls must not come back here: it moves values in and out, and drops none.
+    #[inline]
+    pub(crate) fn with<R>(&self, act: impl FnOnce(&mut T) -> R) -> R {
+        // SAFETY: no other thread is here, by the promise given to `new`; nor are we twice, as all callers are in
+        // `channel` and move values in and out of a `Store`, which calls nobody back.
+        act(unsafe { &mut *self.0.0.get() })
+    }
+}
+
+impl<T> Unsync<T> {
+    /// How many shares there are.
+    pub(crate) fn shares(&self) -> usize {
+        Arc::strong_count(&self.0)
+    }
+}
+
+impl<T> Clone for Unsync<T> {
+    fn clone(&self) -> Self {
+        Self(Arc::clone(&self.0))
+    }
+}
+
+impl<T> Pool<T> {
+    /// Not kept apart (RTT UNSYNC).
+    ///
+    /// # Safety
+    /// The pool and its ends are used by one thread; or, if they change to another one, all of them together, what was
+    /// done before happening before what is done after.
+    pub unsafe fn unsync(kind: Kind) -> Self {
+        // SAFETY: as the caller promises.
+        Self(Kept::Unsync(unsafe { Unsync::new(Store::new(kind)) }))
+    }
+}
+
+#[cfg(all(test, not(feature = "loom")))]
+pub(crate) mod tests {
+    use super::*;
+
+    /// For tests, which run each in one thread.
+    pub(crate) fn in_this_thread<T>(kind: Kind) -> Pool<T> {
+        // SAFETY: the test keeps the pool and its ends in its thread.
+        unsafe { Pool::unsync(kind) }
+    }
+}

@@ -1,0 +1,124 @@
+//! A writer at full speed against a reader at full speed: never torn, never out of order.
+#![allow(clippy::unwrap_used, missing_docs, reason = "tests")]
+
+use std::hint::spin_loop;
+use std::thread;
+
+use connection::{Delivery, Kind, Pool, Receiver, Sender, channel};
+
+const SHORT: u64 = 1_000_000;
+const LONG: u64 = 100_000_000;
+
+/// Each part is the sample's number, so that a torn sample shows.
+type Wide = [u64; 6];
+
+fn kinds() -> [(&'static str, (Sender<Wide>, Receiver<Wide>)); 4] {
+    let circular = Pool::locked(Kind::Circular(16));
+    [
+        ("data", channel(Kind::Data)),
+        ("buffer", channel(Kind::Buffer(16))),
+        ("circular buffer", channel(Kind::Circular(16))),
+        ("locked", (circular.sender(), circular.receiver())),
+    ]
+}
+
+/// Writes so many samples against a reader, and says how many were read and how many were dropped before they lay there.
+fn race(writes: u64, (mut sender, mut receiver): (Sender<Wide>, Receiver<Wide>)) -> (u64, u64) {
+    let writing = thread::spawn(move || {
+        let mut refused = 0;
+        for n in 1..=writes {
+            let full = sender.send([n; 6]) == Delivery::DroppedNewest;
+            refused += u64::from(full);
+            // With fewer processors than work, the reader gets its turns.
+            if full || n % 1024 == 0 {
+                thread::yield_now();
+            }
+        }
+        // The last one is always there to end by.
+        while sender.send([u64::MAX; 6]) == Delivery::DroppedNewest {
+            thread::yield_now();
+        }
+        refused
+    });
+    let (mut newest, mut read) = (0, 0);
+    loop {
+        let Some(sample) = receiver.take() else {
+            spin_loop();
+            continue;
+        };
+        assert!(sample.iter().all(|part| *part == sample[0]), "{sample:?}");
+        assert!(sample[0] > newest, "{} after {newest}", sample[0]);
+        if sample[0] == u64::MAX {
+            return (read, writing.join().unwrap());
+        }
+        newest = sample[0];
+        read += 1;
+    }
+}
+
+fn race_all(writes: u64) {
+    for (name, ends) in kinds() {
+        let (read, refused) = race(writes, ends);
+        println!("{name}: {writes} written, {read} read, {refused} refused");
+        assert!(read > 0 && read + refused <= writes, "{name}");
+        if name == "buffer" {
+            assert_eq!(read + refused, writes, "what was not refused is read");
+        }
+    }
+}
+
+#[test]
+fn o5_o6_a_million_writes_are_never_torn_and_never_out_of_order() {
+    race_all(SHORT);
+}
+
+/// The figure: `cargo test -p engine-connection --release -- --ignored --nocapture hundred`.
+#[test]
+#[ignore = "takes a minute"]
+fn o5_o6_a_hundred_million_writes_are_never_torn_and_never_out_of_order() {
+    race_all(LONG);
+}
+
+#[test]
+fn o8_what_several_write_is_read_once_by_one_of_several() {
+    for pool in [
+        Pool::lock_free(Kind::Buffer(64)),
+        Pool::locked(Kind::Buffer(64)),
+    ] {
+        const EACH: u64 = 50_000;
+        let sum: u64 = thread::scope(|scope| {
+            for writer in 0..3 {
+                let mut sender = pool.sender();
+                scope.spawn(move || {
+                    for n in 0..EACH {
+                        while sender.send(writer * EACH + n) == Delivery::DroppedNewest {
+                            thread::yield_now();
+                        }
+                    }
+                    while sender.send(u64::MAX) == Delivery::DroppedNewest {
+                        thread::yield_now();
+                    }
+                });
+            }
+            let readers: Vec<_> = (0..3)
+                .map(|_| {
+                    let mut receiver = pool.receiver();
+                    scope.spawn(move || {
+                        let mut sum = 0;
+                        loop {
+                            match receiver.take() {
+                                // One for each reader.
+                                Some(u64::MAX) => return sum,
+                                Some(n) => sum += n,
+                                None => thread::yield_now(),
+                            }
+                        }
+                    })
+                })
+                .collect();
+            (readers.into_iter()).map(|one| one.join().unwrap()).sum()
+        });
+        let all = 3 * EACH;
+        assert_eq!(sum, all * (all - 1) / 2);
+    }
+}
