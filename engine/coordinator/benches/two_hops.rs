@@ -17,7 +17,7 @@ use bus::{Bell, Bus, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sendi
 use component::{Activity, Live, Policy, System};
 use datum::{Datum, Message, Schema};
 use engine_coordinator::{
-    Binding, Coordinator, Effect, Interfaces, Monitored, Out, PublishWhen, Receive,
+    Binding, Coordinator, Effect, Interfaces, Monitored, Out, PublishWhen, Receive, Source,
 };
 use tokio::runtime::Runtime;
 use tokio::sync::mpsc::UnboundedReceiver;
@@ -103,7 +103,8 @@ fn coordinator() -> System {
     let binding = Binding {
         monitored: vec![Monitored {
             function: "event".to_owned(),
-            port: "event".to_owned(),
+            from: Source::Port("event".to_owned()),
+            is: Vec::new(),
             receive: Receive::All,
             field: None,
             none: None,

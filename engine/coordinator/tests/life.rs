@@ -11,7 +11,7 @@ use component::{
 use datum::{Datum, Schema};
 use engine_coordinator::{
     Action, Argument, Binding, Call, Case, Coordinator, Effect, Interfaces, LOSSES_REPORT,
-    Monitored, Out, Receive, STEP_REPORT, StepRecord,
+    Monitored, Out, Receive, STEP_REPORT, Source, StepRecord,
 };
 
 datum::message! {
@@ -73,7 +73,8 @@ fn system(activity: Activity) -> System {
     let binding = Binding {
         monitored: vec![Monitored {
             function: "event".to_owned(),
-            port: "event".to_owned(),
+            from: Source::Port("event".to_owned()),
+            is: Vec::new(),
             receive: Receive::All,
             field: None,
             none: None,
@@ -93,6 +94,7 @@ fn system(activity: Activity) -> System {
                     ok: named("DONE"),
                     failed: named("FAILED"),
                     timeout: None,
+                    reply: None,
                 })],
             }]),
         }],
