@@ -180,7 +180,7 @@ impl Door {
         let port = unit.body.declaration.inputs.get(index)?;
         let input = unit.body.inputs.get_mut(index)?;
         let (sender, incoming) = (input.inlet())
-            .open(connection, &policy.from_outside(), None)
+            .open(connection, &policy.for_outsider(), None)
             .ok()?;
         input.join(incoming);
         Some(Self {

@@ -137,7 +137,7 @@ impl Policy {
     }
 
     /// The same for a writer outside of the system, which has a thread of its own.
-    pub(crate) fn from_outside(&self) -> Self {
+    pub(crate) fn for_outsider(&self) -> Self {
         Self {
             lock: match self.lock {
                 Lock::Locked => Lock::Locked,

@@ -12,7 +12,9 @@ const LONG: u64 = 100_000_000;
 /// Each part is the sample's number, so that a torn sample shows.
 type Wide = [u64; 6];
 
-fn kinds() -> [(&'static str, (Sender<Wide>, Receiver<Wide>)); 4] {
+type Ends = (Sender<Wide>, Receiver<Wide>);
+
+fn kinds() -> [(&'static str, Ends); 4] {
     let circular = Pool::locked(Kind::Circular(16));
     [
         ("data", channel(Kind::Data)),
@@ -23,7 +25,7 @@ fn kinds() -> [(&'static str, (Sender<Wide>, Receiver<Wide>)); 4] {
 }
 
 /// Writes so many samples against a reader, and says how many were read and how many were dropped before they lay there.
-fn race(writes: u64, (mut sender, mut receiver): (Sender<Wide>, Receiver<Wide>)) -> (u64, u64) {
+fn race(writes: u64, (mut sender, mut receiver): Ends) -> (u64, u64) {
     let writing = thread::spawn(move || {
         let mut refused = 0;
         for n in 1..=writes {

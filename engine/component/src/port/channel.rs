@@ -130,12 +130,15 @@ impl<T> Way<T> {
     }
 }
 
-/// The two ends of a connection. `Joints::admit` has seen to it that both ends of an unsynchronised one are in one
+/// The two ends of a connection.
+type Ends<T> = (Sender<Stamped<T>>, Receiver<Stamped<T>>);
+
+/// Makes the two ends of a connection. `Joints::admit` has seen to it that both ends of an unsynchronised one are in one
 /// thread.
 fn ends<T: Send + 'static>(
     policy: &Policy,
     queue: Option<&mut Queue>,
-) -> Result<(Sender<Stamped<T>>, Receiver<Stamped<T>>), OpenError> {
+) -> Result<Ends<T>, OpenError> {
     let make = || match policy.lock {
         Lock::LockFree => Pool::lock_free(policy.kind),
         Lock::Locked => Pool::locked(policy.kind),

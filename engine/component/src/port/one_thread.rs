@@ -6,7 +6,7 @@ use connection::{Kind, Pool};
 /// A queue whose ends are all in one thread.
 pub(super) fn pool<T>(kind: Kind) -> Pool<T> {
     // SAFETY: the ends lie in the ports of components, and nowhere else: doors, writers and readers from outside have
-    // connections with a lock or lock-free ones (`Policy::from_outside`). `Joints::admit` lets an unsynchronised
+    // connections with a lock or lock-free ones (`Policy::for_outsider`). `Joints::admit` lets an unsynchronised
     // connection be made only between components that are in one thread, each being the other's master or slave. These
     // components change threads together, if at all: they are built in the `System`, handed over as a whole to the
     // `Simulation`, which one thread at a time has, or to one `Worker` before its thread begins. To ends that are made

@@ -267,7 +267,7 @@ impl<E: Executor> Run for E {
         let face = &faces[to.unit];
         let taken = &face.declaration.inputs[to.index].schema;
         BuildError::compare(T::schema(), "the writer", taken, &to.name)?;
-        let policy = policy.from_outside();
+        let policy = policy.for_outsider();
         let opened = face.inlets[to.index].open(joints.number(), &policy, None);
         let (sender, incoming) = opened.map_err(|error| error.at("the writer", &to.name))?;
         let input = to.index;
@@ -292,7 +292,7 @@ impl<E: Executor> Run for E {
         BuildError::compare(written, &from.name, T::schema(), "the reader")?;
         let connection = joints.number();
         let mut input = Input::<T>::new(T::schema().clone());
-        let opened = (input.inlet()).open(connection, &policy.from_outside(), None);
+        let opened = (input.inlet()).open(connection, &policy.for_outsider(), None);
         let (sender, incoming) = opened.map_err(|error| error.at(&from.name, "the reader"))?;
         input.join(incoming);
         let (bell, link) = Link::to_outside(connection, &policy);

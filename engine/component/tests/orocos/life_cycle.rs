@@ -249,7 +249,7 @@ fn o2_a_component_can_be_brought_back_after_an_exception() {
 }
 
 #[test]
-fn t5_states_are_seen_from_outside_and_told_to_observers() {
+fn t5_states_are_seen_of_outsider_and_told_to_observers() {
     let log = Log::new();
     let mut system = System::new();
     system.observe(log.clone());
@@ -301,7 +301,7 @@ fn o2_until_the_system_runs_it_is_in_init_and_nothing_can_be_asked() {
 }
 
 #[test]
-fn o2_while_a_hook_is_at_work_its_target_is_seen_from_outside() {
+fn o2_while_a_hook_is_at_work_its_target_is_seen_of_outsider() {
     /// Waits in its start hook until it is let go.
     struct Waiting(std::sync::mpsc::Receiver<()>);
     impl Component for Waiting {

@@ -108,7 +108,7 @@ fn provider(
 }
 
 #[test]
-fn o11_call_and_send_from_outside() {
+fn o11_call_and_send_of_outsider() {
     let mut run = provider(Activity::periodic(10.ms()), doubler()).simulate();
     run.run_for(5.ms());
     // Send, ask, collect.
@@ -132,7 +132,7 @@ fn o11_call_and_send_from_outside() {
 }
 
 #[test]
-fn o11_a_call_from_outside_ends_by_its_deadline() {
+fn o11_a_call_of_outsider_ends_by_its_deadline() {
     let mut run = provider(Activity::manual(), doubler()).simulate();
     let sent = run
         .send::<Double>("Doubler.sums", number(4), 1.s())

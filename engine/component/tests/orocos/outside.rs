@@ -19,7 +19,7 @@ fn counting(period: Duration) -> System {
 }
 
 #[test]
-fn j9_a_writer_from_outside_has_a_connection_with_its_size() {
+fn j9_a_writer_of_outsider_has_a_connection_with_its_size() {
     let seen = Seen::default();
     let mut system = System::new();
     system.add("X", Activity::event(), reader(&seen)).unwrap();
