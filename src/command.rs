@@ -7,11 +7,13 @@ mod demo;
 mod describe;
 mod doctor;
 mod fmt;
+mod port;
 mod repl;
 mod run;
 mod sim;
 mod test;
 mod tool;
+mod top;
 mod topic;
 mod up;
 
@@ -46,6 +48,10 @@ pub enum Command {
     Topic(topic::Topic),
     /// Shows the components that are there on a broker, starts and stops them
     Component(component::Component),
+    /// Shows a running system on the terminal, as it changes
+    Top(top::Top),
+    /// Reads and writes ports of live components
+    Port(port::Port),
     /// Calls an operation of a live component
     Call(call::Call),
     /// Says what is wrong with a broker, and how to mend it
@@ -67,6 +73,8 @@ impl Command {
             Self::Test(test) => test.run(terminal),
             Self::Topic(topic) => topic.run(terminal),
             Self::Component(component) => component.run(terminal),
+            Self::Top(top) => top.run(terminal),
+            Self::Port(port) => port.run(terminal),
             Self::Call(call) => call.run(terminal),
             Self::Doctor(doctor) => doctor.run(terminal),
         }

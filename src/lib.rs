@@ -15,6 +15,7 @@ mod show;
 pub mod story;
 mod table;
 mod terminal;
+mod top;
 pub mod trace;
 
 pub use command::BLOCKED_CORRIDOR;

@@ -14,7 +14,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use asm_lang::source::similar;
-use assembly::{Opened, Standard};
+use assembly::plan::Terminal;
+use assembly::{Opened, Plan, Standard};
 use component::{Event, Observer, Pace, Run, Time};
 use datum::Datum;
 
@@ -140,6 +141,7 @@ impl Mission {
             let (wanted, known) = (self.profile.clone(), opened.profiles);
             return Err(MissionError::Profile { wanted, known });
         };
+        self.in_the_time_of_queues(plan)?;
         let watch = Watch {
             until: awaited(plan, self.until.as_deref(), "ARRIVED")?,
             unless: awaited(plan, self.unless.as_deref(), "FAILED")?,
@@ -209,6 +211,20 @@ impl Mission {
             time,
             wall: began.elapsed(),
         })
+    }
+
+    /// Whoever is beyond a message queue lives in the time of the wall.
+    fn in_the_time_of_queues(&self, plan: &Plan) -> Result<(), MissionError> {
+        let mut ends = plan.connections.iter().flat_map(|it| [&it.from, &it.to]);
+        match (
+            self.clock,
+            ends.find(|it| matches!(it, Terminal::Mqueue(_))),
+        ) {
+            (Clock::Virtual(_), Some(queue)) => Err(MissionError::Launch(format!(
+                "`{queue}` leads to another process, whose time is the wall's: say `--clock wall`"
+            ))),
+            (Clock::Virtual(_), None) | (Clock::Wall, _) => Ok(()),
+        }
     }
 
     fn open(&self) -> Opened {

@@ -33,6 +33,15 @@ enum What {
     Info {
         /// Its name
         name: String,
+
+        /// What it declares, with the shape of every port and operation, as JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// Configures a component that has been cleaned up, or anew
+    Configure {
+        /// Its name
+        name: String,
     },
     /// Starts a component that is stopped
     Start {
@@ -41,6 +50,16 @@ enum What {
     },
     /// Stops a component
     Stop {
+        /// Its name
+        name: String,
+    },
+    /// Has a component that is stopped give everything back
+    Cleanup {
+        /// Its name
+        name: String,
+    },
+    /// Leads a component out of an exception
+    Reset {
         /// Its name
         name: String,
     },
@@ -59,7 +78,7 @@ enum What {
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// A component and where it is.
-struct Found {
+pub(super) struct Found {
     robot: String,
     process: String,
     component: Present,
@@ -72,13 +91,21 @@ impl Component {
             let found = find(&bus)?;
             match self.what {
                 What::List => list(&found, terminal),
-                What::Info { name } => show(named(&name, &found)?, terminal),
-                What::Start { name } => order(&bus, named(&name, &found)?, Wish::Start)?,
-                What::Stop { name } => order(&bus, named(&name, &found)?, Wish::Stop)?,
+                What::Info { name, json: false } => show(named(&name, &found)?, terminal),
+                What::Info { name, json: true } => {
+                    let declared = order(&bus, named(&name, &found)?, Wish::Describe)?;
+                    let text = datum::json::encode_pretty(&declared);
+                    terminal.result(text.map_err(|error| error.to_string())?);
+                }
+                What::Configure { name } => done(&bus, &name, &found, Wish::Configure)?,
+                What::Start { name } => done(&bus, &name, &found, Wish::Start)?,
+                What::Stop { name } => done(&bus, &name, &found, Wish::Stop)?,
+                What::Cleanup { name } => done(&bus, &name, &found, Wish::Cleanup)?,
+                What::Reset { name } => done(&bus, &name, &found, Wish::Reset)?,
                 What::Set { name, values } => {
                     let values = values.iter().map(|value| setting(value));
                     let wish = Wish::Set(values.collect::<Result<_, _>>()?);
-                    order(&bus, named(&name, &found)?, wish)?;
+                    done(&bus, &name, &found, wish)?;
                 }
             }
             Ok(())
@@ -93,7 +120,8 @@ impl Component {
     }
 }
 
-fn find(bus: &AmqpBus) -> Result<Vec<Found>, String> {
+/// All components that are there.
+pub(super) fn find(bus: &AmqpBus) -> Result<Vec<Found>, String> {
     let presences = broker::presences(bus).map_err(|error| error.to_string())?;
     let of = |((robot, process), presence): ((String, String), Presence)| {
         presence.components.into_iter().map(move |component| Found {
@@ -106,7 +134,7 @@ fn find(bus: &AmqpBus) -> Result<Vec<Found>, String> {
 }
 
 /// The component of a name; before it may stand its robot, `rover1.RoverDriver`.
-fn named<'f>(name: &str, found: &'f [Found]) -> Result<&'f Found, String> {
+pub(super) fn named<'f>(name: &str, found: &'f [Found]) -> Result<&'f Found, String> {
     let whole = |it: &Found| format!("{}.{}", it.robot, it.component.name);
     let named: Vec<_> = found
         .iter()
@@ -134,8 +162,13 @@ fn setting(written: &str) -> Result<(String, Datum), String> {
     Ok((property.trim().to_owned(), property_value(value.trim())))
 }
 
-/// Has a component's process carry out an order.
-fn order(bus: &AmqpBus, found: &Found, wish: Wish) -> Result<(), String> {
+/// Has an order carried out that has no answer.
+fn done(bus: &AmqpBus, name: &str, found: &[Found], wish: Wish) -> Result<(), String> {
+    order(bus, named(name, found)?, wish).map(drop)
+}
+
+/// Has a component's process carry out an order, and says what it answers.
+pub(super) fn order(bus: &AmqpBus, found: &Found, wish: Wish) -> Result<Datum, String> {
     let component = found.component.name.clone();
     let order = Datum::of(&Order { component, wish }).map_err(|error| error.to_string())?;
     let address = broker::key(&found.robot, &control_address(&found.process));
@@ -144,7 +177,7 @@ fn order(bus: &AmqpBus, found: &Found, wish: Wish) -> Result<(), String> {
     let pending =
         (bus.call(&address, request, Arc::new(Bell::new()))).map_err(|error| error.to_string())?;
     match pending.wait() {
-        Ok(_) => Ok(()),
+        Ok(answer) => answer.to_datum().map_err(|error| error.to_string()),
         Err(CallFailure::Refused(refusal)) => Err(refusal.detail),
         Err(failure) => Err(failure.to_string()),
     }

@@ -3,13 +3,13 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use assembly::order::{Order, control_address};
+use assembly::order::{Begun, Newest, Order, control_address};
 use assembly::presence::presence_topic;
 use assembly::{Part, Plan};
 use bus::{
     Bell, Bus, BusError, Call, Overflow, Pattern, Payload, Queue, Refusal, Serving, Subscription,
 };
-use component::{Asked, Run, RunError};
+use component::{Asked, Run};
 use datum::Datum;
 
 use super::herald::Herald;
@@ -24,6 +24,7 @@ pub(super) struct Contact<'p> {
     orders: Serving,
     /// Orders that components have not carried out yet.
     begun: Vec<(Call, Asked)>,
+    newest: Newest,
     presences: Subscription,
     /// The lives of processes that were heard.
     known: BTreeSet<(Arc<str>, u64)>,
@@ -36,6 +37,7 @@ impl<'p> Contact<'p> {
         process: &str,
         bus: &'p dyn Bus,
         incarnation: u64,
+        newest: Newest,
     ) -> Result<Self, BusError> {
         let bell = Arc::new(Bell::new());
         let everyone = Pattern::new(presence_topic("*"));
@@ -49,6 +51,7 @@ impl<'p> Contact<'p> {
             bus,
             orders: bus.serve(&control_address(process), WAITING, bell)?,
             begun: Vec::new(),
+            newest,
             known: BTreeSet::from([(process.into(), incarnation)]),
         })
     }
@@ -56,8 +59,9 @@ impl<'p> Contact<'p> {
     /// Does what is due: carries out orders, greets newcomers, and speaks.
     pub(super) fn attend(&mut self, run: &mut dyn Run) {
         while let Some(call) = self.orders.try_next() {
-            match begin(&call, run) {
-                Ok(asked) => self.begun.push((call, asked)),
+            match begin(&call, run, &self.newest) {
+                Ok(Begun::Asked(asked)) => self.begun.push((call, asked)),
+                Ok(Begun::Done(answer)) => call.reply(Ok(Payload::of(answer))),
                 Err(refusal) => call.reply(Err(refusal)),
             }
         }
@@ -98,13 +102,13 @@ impl<'p> Contact<'p> {
     }
 }
 
-fn begin(call: &Call, run: &mut dyn Run) -> Result<Asked, Refusal> {
+fn begin(call: &Call, run: &mut dyn Run, newest: &Newest) -> Result<Begun, Refusal> {
     let order = call.argument.to_datum();
     let order: Order = order
         .and_then(|order| order.to())
         .map_err(|error| refusal("BAD_REQUEST", error))?;
-    let begun = order.begin(run);
-    begun.map_err(|reason: RunError| refusal("REFUSED", reason))
+    let begun = order.begin(run, newest);
+    begun.map_err(|reason| refusal(reason.code(), reason))
 }
 
 fn refusal(code: &str, reason: impl ToString) -> Refusal {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use amqp::{AmqpBus, Settings};
+use assembly::order::Newest;
 use assembly::plan::Broker;
 use assembly::{Part, Plan};
 use bus::{Bus, BusError};
@@ -168,9 +169,14 @@ impl Mission {
                 attached.map_err(of_all)?;
             }
         }
+        let newest = Newest::default();
+        if !connected.is_empty() {
+            system.observe(newest.clone());
+        }
         let name = self.process.as_deref().unwrap_or(&plan.name);
         let contact = |it: &'p Connected| {
-            let contact = Contact::new(plan, part.clone(), name, &*it.bus, incarnation);
+            let newest = newest.clone();
+            let contact = Contact::new(plan, part.clone(), name, &*it.bus, incarnation, newest);
             contact.map_err(|reason| broker_error(&it.place, reason))
         };
         connected.iter().map(contact).collect()

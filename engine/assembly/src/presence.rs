@@ -39,6 +39,8 @@ pub struct Present {
     pub name: String,
     /// Its state in its life cycle: `Running`.
     pub state: String,
+    /// How often it shall cycle, in milliseconds; 0 where events drive it.
+    pub period_ms: u64,
     /// How many cycles it has begun.
     pub cycles: u64,
     /// Cycles a second, since the word before.
@@ -119,7 +121,10 @@ impl Presence {
             composite: plan.name.clone(),
             process: process.to_owned(),
             leaves: false,
-            components: names.iter().map(|name| Present::of(name, run)).collect(),
+            components: names
+                .iter()
+                .map(|name| Present::of(name, plan, run))
+                .collect(),
             topics: topics(plan, part),
         }
     }
@@ -164,7 +169,7 @@ fn topics(plan: &Plan, part: &Part) -> Vec<PresentTopic> {
 }
 
 impl Present {
-    fn of(name: &str, run: &mut dyn Run) -> Self {
+    fn of(name: &str, plan: &Plan, run: &mut dyn Run) -> Self {
         let declared = run.declaration(name).unwrap_or_default();
         let typed = |ports: &[component::declaration::PortDeclaration]| {
             let typed = ports.iter().map(|port| Typed {
@@ -181,6 +186,7 @@ impl Present {
                 .as_ref()
                 .map(State::to_string)
                 .unwrap_or_default(),
+            period_ms: plan.component(name).map_or(0, |it| it.pace.period_ms),
             cycles: run.cycles(name),
             rate_hz: 0.0,
             overruns: run.overruns(name),

@@ -1,0 +1,79 @@
+//! `asmotion port`: reads and writes ports of live components.
+
+use super::component::{find, named, order};
+use crate::broker::Broker;
+use crate::exit::Exit;
+use crate::terminal::Terminal;
+use assembly::order::Wish;
+use clap::{Args, Subcommand};
+use datum::Datum;
+
+/// Reads what left an output port last, and writes to an input port.
+#[derive(Args)]
+pub struct Port {
+    #[command(flatten)]
+    broker: Broker,
+
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Subcommand)]
+enum What {
+    /// Shows what left an output port last, as JSON
+    Read {
+        /// `Component.port`; before it may stand the robot
+        port: String,
+    },
+    /// Writes a message to an input port; it is checked against the port's type
+    Write {
+        /// `Component.port`; before it may stand the robot
+        port: String,
+
+        /// The message as JSON; fields left out have their initial values
+        message: String,
+    },
+}
+
+impl Port {
+    /// Does it.
+    pub fn run(self, terminal: &mut Terminal) -> Exit {
+        match self.ask() {
+            Ok(None) => Exit::Ok,
+            Ok(Some(read)) => {
+                terminal.result(read);
+                Exit::Ok
+            }
+            Err(problem) => {
+                terminal.error(problem);
+                Exit::Usage
+            }
+        }
+    }
+
+    fn ask(self) -> Result<Option<String>, String> {
+        let (whole, message) = match self.what {
+            What::Read { port } => (port, None),
+            What::Write { port, message } => {
+                let datum: Datum = datum::json::decode(&message)
+                    .map_err(|error| format!("`{message}` is no JSON: {error}"))?;
+                (port, Some(datum))
+            }
+        };
+        let (component, port) = whole
+            .rsplit_once('.')
+            .ok_or_else(|| format!("`{whole}` is no port: write `Component.port`"))?;
+        let port = port.to_owned();
+        let bus = self.broker.connect()?;
+        let found = find(&bus)?;
+        let component = named(component, &found)?;
+        match message {
+            Some(message) => order(&bus, component, Wish::Write(port, message)).map(|_| None),
+            None => {
+                let read = order(&bus, component, Wish::Read(port))?;
+                let text = datum::json::encode(&read).map_err(|error| error.to_string())?;
+                Ok(Some(text))
+            }
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! The terminal monitor: what is known of a running system, how a person looks at it, and how it is drawn.
+//!
+//! It hears messages and the present time, and asks for neither: so a test can hold both.
+
+mod board;
+mod draw;
+mod joints;
+#[cfg(test)]
+mod tests;
+mod view;
+
+pub use board::Board;
+pub use draw::draw;
+pub use view::{Key, View};

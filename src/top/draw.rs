@@ -1,0 +1,311 @@
+//! The board on a screen of any size: components above topics above the message that is chosen; in a wide window the
+//! message stands beside them.
+
+use std::time::Duration;
+
+use bus::Link;
+use datum::Datum;
+use ratatui::Frame;
+use ratatui::layout::{Constraint, Layout, Rect};
+use ratatui::style::{Color, Modifier, Style};
+use ratatui::text::{Line, Span};
+use ratatui::widgets::{Block, Paragraph, Row, Table, TableState};
+
+use super::board::{Component, Topic};
+use super::joints::{brief, joints};
+use super::view::{Pane, seconds};
+use super::{Board, View};
+
+/// From this width on the message stands beside the tables.
+const WIDE: u16 = 140;
+
+const GOOD: Style = Style::new().fg(Color::Green);
+const BAD: Style = Style::new().fg(Color::Red).add_modifier(Modifier::BOLD);
+const NOTE: Style = Style::new().fg(Color::Yellow);
+const FAINT: Style = Style::new().add_modifier(Modifier::DIM);
+const HEAD: Style = Style::new().add_modifier(Modifier::BOLD);
+const CHOSEN: Style = Style::new().add_modifier(Modifier::REVERSED);
+
+/// Draws the board as it is now, or as it was when time was stopped.
+pub fn draw(frame: &mut Frame<'_>, board: &Board, view: &View, place: &str, now: Duration) {
+    let (board, at) = match &view.paused {
+        None => (board, now),
+        Some((board, at)) => (board, *at),
+    };
+    let [top, middle, bottom] = Layout::vertical([
+        Constraint::Length(1),
+        Constraint::Min(0),
+        Constraint::Length(1),
+    ])
+    .areas(frame.area());
+    frame.render_widget(header(board, view, place, now), top);
+    frame.render_widget(footer(view), bottom);
+    let [tables, message] = match middle.width >= WIDE {
+        true => Layout::horizontal([Constraint::Percentage(60), Constraint::Percentage(40)]),
+        false => Layout::vertical([Constraint::Percentage(65), Constraint::Percentage(35)]),
+    }
+    .areas(middle);
+    let [upper, lower] =
+        Layout::vertical([Constraint::Percentage(50), Constraint::Percentage(50)]).areas(tables);
+    components(frame, upper, board, view, at);
+    topics(frame, lower, board, view, at);
+    self::message(frame, message, board, view, at);
+}
+
+fn header<'a>(board: &Board, view: &View, place: &'a str, now: Duration) -> Line<'a> {
+    let mut line = vec![
+        Span::styled("asmotion top ", HEAD),
+        Span::raw(place),
+        Span::raw(" "),
+    ];
+    line.push(match &board.link {
+        None => Span::styled("unknown", NOTE),
+        Some((link, since)) => {
+            let words = format!("{link} for {}", seconds(now.saturating_sub(*since)));
+            let style = match link {
+                Link::Up => GOOD,
+                Link::Blocked { .. } => NOTE,
+                Link::Down { .. } => BAD,
+            };
+            Span::styled(words, style)
+        }
+    });
+    line.push(Span::raw(match board.processes() {
+        1 => "  1 process".to_owned(),
+        several => format!("  {several} processes"),
+    }));
+    if let Some((_, since)) = &view.paused {
+        let words = format!("  PAUSED for {}", seconds(now.saturating_sub(*since)));
+        line.push(Span::styled(words, BAD));
+    }
+    Line::from(line)
+}
+
+fn footer(view: &View) -> Line<'static> {
+    if view.writes {
+        return Line::from(format!("/{}▏ Enter keeps it, Esc clears it", view.filter));
+    }
+    let filter = match view.filter.is_empty() {
+        true => "/ filter".to_owned(),
+        false => format!("/ filter: {}", view.filter),
+    };
+    let pause = match view.paused {
+        None => "p pause",
+        Some(_) => "p go on",
+    };
+    let order = view.order.word();
+    Line::styled(
+        format!("q quit  Tab table  ↑↓ row  s sort: {order}  {filter}  {pause}"),
+        FAINT,
+    )
+}
+
+fn components(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now: Duration) {
+    let components = view.components(board, now);
+    let several = components.iter().any(|it| it.robot != components[0].robot);
+    let rows = components.iter().map(|it| component(it, several));
+    let head = [
+        "component",
+        "process",
+        "state",
+        "asked",
+        "measured",
+        "cycles",
+        "overruns",
+    ];
+    let widths = [
+        Constraint::Fill(3),
+        Constraint::Fill(2),
+        Constraint::Length(14),
+        Constraint::Length(8),
+        Constraint::Length(9),
+        Constraint::Length(9),
+        Constraint::Length(8),
+    ];
+    let title = format!("components {}", components.len());
+    table(
+        frame,
+        area,
+        (title, &head, &widths),
+        rows,
+        (view, Pane::Components),
+    );
+}
+
+fn component(component: &Component<'_>, several: bool) -> Row<'static> {
+    let present = component.present;
+    let process = match several {
+        true => format!("{}.{}", component.robot, component.process),
+        false => component.process.to_owned(),
+    };
+    let asked = match present.period_ms {
+        0 => "event".to_owned(),
+        period => format!("{period} ms"),
+    };
+    let measured = match present.rate_hz {
+        rate if rate > 0.0 => format!("{:.1} ms", 1e3 / rate),
+        _ => "-".to_owned(),
+    };
+    let (state, style) = match component.silence {
+        Some(silence) => (silence.words(), FAINT),
+        None if present.state == "Running" => (present.state.clone(), GOOD),
+        None if present.state == "Stopped" || present.state == "PreOperational" => {
+            (present.state.clone(), NOTE)
+        }
+        None => (present.state.clone(), BAD),
+    };
+    // what is not known any more is not shown as if it were
+    let known = component.silence.is_none();
+    let now = |shown: String| if known { shown } else { "-".to_owned() };
+    Row::new([
+        Span::raw(present.name.clone()),
+        Span::raw(process),
+        Span::styled(state, style),
+        Span::raw(asked),
+        Span::raw(now(measured)),
+        Span::raw(present.cycles.to_string()),
+        Span::styled(
+            present.overruns.to_string(),
+            if present.overruns > 0 {
+                NOTE
+            } else {
+                Style::new()
+            },
+        ),
+    ])
+    .style(if known { Style::new() } else { FAINT })
+}
+
+fn topics(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now: Duration) {
+    let topics = view.topics(board, now);
+    let rows = topics.iter().map(|it| topic(it, now));
+    let head = ["topic", "Hz", "age", "last"];
+    let widths = [
+        Constraint::Fill(2),
+        Constraint::Length(7),
+        Constraint::Length(12),
+        Constraint::Fill(3),
+    ];
+    let title = format!("topics {}", topics.len());
+    table(
+        frame,
+        area,
+        (title, &head, &widths),
+        rows,
+        (view, Pane::Topics),
+    );
+}
+
+fn topic(topic: &Topic, now: Duration) -> Row<'static> {
+    let stale = topic.is_stale(now);
+    let rate = match topic.rate() {
+        Some(rate) if !stale => format!("{rate:.1}"),
+        Some(_) | None => "-".to_owned(),
+    };
+    let age = seconds(topic.age(now));
+    let (age, style) = match stale {
+        true => (format!("stale {age}"), BAD),
+        false => (age, Style::new()),
+    };
+    let last = match &topic.last {
+        Ok(message) => Span::styled(brief(message), if stale { FAINT } else { Style::new() }),
+        Err(error) => Span::styled(error.to_string(), BAD),
+    };
+    Row::new([
+        Span::raw(topic.name.clone()),
+        Span::raw(rate),
+        Span::styled(age, style),
+        last,
+    ])
+}
+
+/// A table with a head; the chosen row of the table that the keys are for is shown as such.
+fn table<'r>(
+    frame: &mut Frame<'_>,
+    area: Rect,
+    (title, head, widths): (String, &[&'static str], &[Constraint]),
+    rows: impl Iterator<Item = Row<'r>>,
+    (view, pane): (&View, Pane),
+) {
+    let style = if view.pane == pane { HEAD } else { FAINT };
+    let table = Table::new(rows, widths.iter().copied())
+        .header(Row::new(head.iter().copied()).style(FAINT))
+        .block(
+            Block::bordered()
+                .border_style(FAINT)
+                .title(Span::styled(title, style)),
+        )
+        .row_highlight_style(if view.pane == pane {
+            CHOSEN
+        } else {
+            Style::new()
+        });
+    let mut state = TableState::new().with_selected(Some(view.row(pane)));
+    frame.render_stateful_widget(table, area, &mut state);
+}
+
+/// The last message of the chosen topic: lists of one length as a table, the rest field by field.
+fn message(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now: Duration) {
+    let topics = view.topics(board, now);
+    let chosen = view.row(Pane::Topics).min(topics.len().saturating_sub(1));
+    let Some(topic) = topics.get(chosen) else {
+        frame.render_widget(Block::bordered().border_style(FAINT), area);
+        return;
+    };
+    let mut title = vec![
+        Span::styled(topic.name.clone(), HEAD),
+        Span::raw(format!("  {} from {}", topic.kind, topic.source)),
+    ];
+    if topic.is_stale(now) {
+        let words = format!("  stale {}", seconds(topic.age(now)));
+        title.push(Span::styled(words, BAD));
+    }
+    let block = Block::bordered()
+        .border_style(FAINT)
+        .title(Line::from(title));
+    let inside = block.inner(area);
+    frame.render_widget(block, area);
+    let style = if topic.is_stale(now) {
+        FAINT
+    } else {
+        Style::new()
+    };
+    match &topic.last {
+        Err(error) => {
+            frame.render_widget(Paragraph::new(Span::styled(error.to_string(), BAD)), inside)
+        }
+        Ok(message) => match joints(message) {
+            None => frame.render_widget(Paragraph::new(lines(message)).style(style), inside),
+            Some(joints) => {
+                let head = std::iter::once(String::new()).chain(joints.names.clone());
+                let rows = joints.rows.iter().enumerate().map(|(index, row)| {
+                    let place = std::iter::once(format!("{}", index + 1));
+                    Row::new(place.chain(row.iter().cloned()))
+                });
+                let columns = std::iter::once(Constraint::Length(3));
+                let columns = columns.chain(joints.names.iter().map(|_| Constraint::Fill(1)));
+                let table = Table::new(rows, columns).header(Row::new(head).style(FAINT));
+                frame.render_widget(table.style(style), inside);
+            }
+        },
+    }
+}
+
+/// A line for each field.
+fn lines(message: &Datum) -> Vec<Line<'static>> {
+    let Datum::Record(fields) = message else {
+        return vec![Line::raw(brief(message))];
+    };
+    let width = fields.iter().map(|(name, _)| name.chars().count()).max();
+    let width = width.unwrap_or(0);
+    let line = |name: &str, value: &Datum| {
+        Line::from(vec![
+            Span::styled(format!("{name:width$}  "), FAINT),
+            Span::raw(brief(value)),
+        ])
+    };
+    fields
+        .iter()
+        .map(|(name, value)| line(name, value))
+        .collect()
+}

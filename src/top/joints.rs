@@ -1,0 +1,112 @@
+//! Messages with several lists of one length: a column for each list, a row for each place. So joints are read.
+
+use datum::Datum;
+
+/// Longer lists are maps and scans, not joints.
+const MOST: usize = 32;
+
+/// A table of lists.
+#[derive(Debug, PartialEq)]
+pub struct Joints {
+    /// The fields.
+    pub names: Vec<String>,
+    /// Their elements, by place.
+    pub rows: Vec<Vec<String>>,
+}
+
+/// The lists of a message, if it has at least two of one length.
+pub fn joints(message: &Datum) -> Option<Joints> {
+    let Datum::Record(fields) = message else {
+        return None;
+    };
+    let length = |value: &Datum| match value {
+        Datum::List(_) | Datum::Numbers(_) | Datum::Bytes(_) => value.count(),
+        Datum::Null
+        | Datum::Bool(_)
+        | Datum::Int(_)
+        | Datum::Float(_)
+        | Datum::Text(_)
+        | Datum::Record(_) => None,
+    };
+    let lengths: Vec<usize> = fields.iter().filter_map(|(_, it)| length(it)).collect();
+    let of = |wanted: usize| lengths.iter().filter(|it| **it == wanted).count();
+    let wanted = (2..=MOST)
+        .filter(|it| of(*it) >= 2)
+        .max_by_key(|it| of(*it))?;
+    let lists = || fields.iter().filter(|(_, it)| length(it) == Some(wanted));
+    let row = |index: usize| {
+        let elements = lists().map(|(_, list)| list.element(index));
+        let shown = elements.map(|it| it.map_or_else(String::new, |it| brief(&it)));
+        shown.collect()
+    };
+    Some(Joints {
+        names: lists().map(|(name, _)| name.to_string()).collect(),
+        rows: (0..wanted).map(row).collect(),
+    })
+}
+
+/// A value in a few characters: numbers with four digits after the point.
+pub fn brief(value: &Datum) -> String {
+    match value {
+        Datum::Float(number) if number.is_finite() => {
+            let shown = format!("{number:.4}");
+            let shown = shown.trim_end_matches('0').trim_end_matches('.');
+            match shown {
+                "-0" => "0".to_owned(),
+                shown => shown.to_owned(),
+            }
+        }
+        Datum::List(_) | Datum::Numbers(_) | Datum::Bytes(_) => {
+            let count = value.count().unwrap_or(0);
+            let shown = (0..count.min(MOST)).filter_map(|index| value.element(index));
+            let shown: Vec<_> = shown.map(|it| brief(&it)).collect();
+            let more = match count > MOST {
+                true => format!(", … {count} in all"),
+                false => String::new(),
+            };
+            format!("[{}{more}]", shown.join(", "))
+        }
+        Datum::Record(fields) => {
+            let fields = fields.iter();
+            let shown: Vec<_> = fields
+                .map(|(name, it)| format!("{name}: {}", brief(it)))
+                .collect();
+            format!("{{{}}}", shown.join(", "))
+        }
+        Datum::Text(text) => text.clone(),
+        Datum::Null | Datum::Bool(_) | Datum::Int(_) | Datum::Float(_) => value.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{brief, joints};
+    use datum::{Datum, Numbers};
+
+    #[test]
+    fn lists_of_one_length_are_columns() {
+        let numbers = |numbers: &[f64]| Datum::Numbers(Numbers::F64(numbers.into()));
+        let message = Datum::record([
+            ("stamp", Datum::Int(3)),
+            ("position", numbers(&[0.5, -0.00001])),
+            ("limits", numbers(&[1.0, 2.0, 3.0])),
+            ("error", Datum::List(vec![Datum::Int(0), Datum::Int(7)])),
+        ]);
+        let joints = joints(&message).unwrap();
+        assert_eq!(joints.names, ["position", "error"]);
+        assert_eq!(joints.rows, [["0.5", "0"], ["0", "7"]]);
+    }
+
+    #[test]
+    fn one_list_is_no_table() {
+        let list = Datum::List(vec![Datum::Int(1), Datum::Int(2)]);
+        assert_eq!(joints(&Datum::record([("one", list.clone())])), None);
+        assert_eq!(joints(&list), None);
+    }
+
+    #[test]
+    fn a_long_list_is_cut() {
+        let list = Datum::List(vec![Datum::Int(1); 40]);
+        assert!(brief(&list).ends_with("1, … 40 in all]"));
+    }
+}

@@ -1,0 +1,178 @@
+//! The screen, as a person sees it.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use assembly::presence::{PRESENCE, Presence, Present};
+use bus::{Envelope, Link, Payload};
+use datum::{Datum, Numbers};
+use ratatui::Terminal;
+use ratatui::backend::TestBackend;
+
+use super::{Board, Key, View, draw};
+
+fn at(seconds: f64) -> Duration {
+    Duration::from_secs_f64(seconds)
+}
+
+fn envelope(topic: &str, kind: &str, message: Datum) -> Envelope {
+    Envelope {
+        topic: topic.into(),
+        source: "Driver".into(),
+        incarnation: 1,
+        sequence: 1,
+        stamp: 0,
+        clock: Arc::from(""),
+        trace: None,
+        type_name: kind.into(),
+        payload: Payload::of(message),
+    }
+}
+
+fn component(name: &str, state: &str, period_ms: u64, rate_hz: f64, overruns: u64) -> Present {
+    Present {
+        name: name.to_owned(),
+        state: state.to_owned(),
+        period_ms,
+        cycles: 120,
+        rate_hz,
+        overruns,
+        ..Present::default()
+    }
+}
+
+fn presence(process: &str, components: Vec<Present>) -> Envelope {
+    let presence = Presence {
+        composite: "youbot".to_owned(),
+        process: process.to_owned(),
+        components,
+        ..Presence::default()
+    };
+    let topic = format!("youbot.presence.{process}");
+    envelope(&topic, PRESENCE, Datum::of(&presence).unwrap())
+}
+
+fn joints(shift: f64) -> Datum {
+    let five = |scale: f64| {
+        let numbers = (0..5).map(|joint| (f64::from(joint) + shift) * scale);
+        Datum::Numbers(Numbers::F64(numbers.collect()))
+    };
+    Datum::record([
+        ("position", five(0.1)),
+        ("velocity", five(0.01)),
+        ("current", five(0.25)),
+        ("error_flags", Datum::List(vec![Datum::Int(0); 5])),
+    ])
+}
+
+/// Ten seconds of a system: joints ten times a second, a goal once; the station's last word is three seconds old.
+fn board() -> Board {
+    let mut board = Board::default();
+    board.feel(Link::Up, at(0.0));
+    let driver = component("Driver", "Running", 100, 10.0, 0);
+    let locomotor = component("Locomotor", "Running", 50, 19.4, 7);
+    let monitor = component("Monitor", "Exception", 0, 0.0, 0);
+    board.hear(&presence("station", vec![locomotor, monitor]), at(7.0));
+    board.hear(&presence("robot", vec![driver]), at(9.5));
+    for tick in 0..100 {
+        let now = at(f64::from(tick) / 10.0);
+        let message = envelope(
+            "youbot.jointStatus",
+            "youbot/JointStatus",
+            joints(f64::from(tick)),
+        );
+        board.hear(&message, now);
+        if tick < 40 {
+            let fast = Datum::record([("linear", Datum::Float(0.5))]);
+            board.hear(&envelope("youbot.twist", "geometry_msgs/Twist", fast), now);
+        }
+    }
+    let goal = Datum::record([("x", Datum::Float(1.25)), ("frame", Datum::text("map"))]);
+    board.hear(
+        &envelope("youbot.goal", "geometry_msgs/Pose", goal),
+        at(2.0),
+    );
+    board
+}
+
+fn screen(board: &Board, view: &View, now: f64, (width, height): (u16, u16)) -> String {
+    let mut terminal = Terminal::new(TestBackend::new(width, height)).unwrap();
+    terminal
+        .draw(|frame| draw(frame, board, view, "127.0.0.1:5672/%2f", at(now)))
+        .unwrap();
+    terminal.backend().to_string()
+}
+
+fn pressed(board: &Board, keys: &[Key], now: f64) -> View {
+    let mut view = View::default();
+    for key in keys {
+        assert!(view.press(*key, board, at(now)));
+    }
+    view
+}
+
+#[test]
+fn it_fits_a_small_terminal() {
+    let board = board();
+    let view = pressed(&board, &[Key::Down], 10.0);
+    insta::assert_snapshot!(screen(&board, &view, 10.0, (80, 24)));
+}
+
+#[test]
+fn it_fills_a_large_terminal() {
+    let board = board();
+    let view = pressed(&board, &[Key::Down], 10.0);
+    insta::assert_snapshot!(screen(&board, &view, 10.0, (200, 60)));
+}
+
+#[test]
+fn y11_what_is_not_heard_any_more_is_stale_with_its_age() {
+    let mut board = board();
+    let reason = "connection reset".into();
+    board.feel(Link::Down { reason }, at(11.0));
+    let view = pressed(&board, &[Key::Down], 14.0);
+    insta::assert_snapshot!(screen(&board, &view, 14.0, (100, 24)));
+}
+
+#[test]
+fn time_stops_and_says_so() {
+    let mut board = board();
+    let view = pressed(&board, &[Key::Char('p')], 10.0);
+    board.hear(&envelope("new", "", Datum::Int(1)), at(12.0));
+    let shown = screen(&board, &view, 13.0, (80, 24));
+    assert!(shown.contains("PAUSED for 3.0 s"), "{shown}");
+    assert!(!shown.contains("new"), "{shown}");
+    let view = pressed(&board, &[Key::Char('p'), Key::Char('p')], 13.0);
+    assert!(screen(&board, &view, 13.0, (80, 24)).contains("new"));
+}
+
+#[test]
+fn rows_are_sorted_and_filtered() {
+    let board = board();
+    let names = |view: &View| -> Vec<String> {
+        let topics = view.topics(&board, at(10.0)).into_iter();
+        topics.map(|topic| topic.name.clone()).collect()
+    };
+    let (goal, joints, twist) = ("youbot.goal", "youbot.jointStatus", "youbot.twist");
+    assert_eq!(names(&View::default()), [goal, joints, twist]);
+    let trouble = pressed(&board, &[Key::Char('s'), Key::Char('s')], 10.0);
+    assert_eq!(names(&trouble)[0], twist, "it is silent");
+    let wanted = "/TWI".chars().map(Key::Char).collect::<Vec<_>>();
+    let mut filtered = pressed(&board, &wanted, 10.0);
+    assert_eq!(names(&filtered), [twist]);
+    assert!(filtered.press(Key::Enter, &board, at(10.0)));
+    assert!(
+        filtered.press(Key::Escape, &board, at(10.0)),
+        "clears the filter"
+    );
+    assert_eq!(names(&filtered).len(), 3);
+    assert!(!filtered.press(Key::Escape, &board, at(10.0)), "ends");
+}
+
+#[test]
+fn a_screen_without_room_or_data_is_drawn() {
+    for size in [(1, 1), (20, 5), (80, 24)] {
+        screen(&Board::default(), &View::default(), 0.0, size);
+        screen(&board(), &View::default(), 10.0, size);
+    }
+}

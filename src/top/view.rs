@@ -1,0 +1,226 @@
+//! How a person looks at the board: which table, which row, in what order, and whether time goes on.
+
+use std::cmp::Ordering;
+use std::time::Duration;
+
+use super::Board;
+use super::board::{Component, Silence, Topic};
+
+/// A key, as far as it means something here.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Key {
+    /// A letter or sign.
+    Char(char),
+    /// One row up.
+    Up,
+    /// One row down.
+    Down,
+    /// The other table.
+    Tab,
+    /// Done with writing.
+    Enter,
+    /// Done with the filter, or with everything.
+    Escape,
+    /// The last character was wrong.
+    Backspace,
+    /// Ctrl-C.
+    Interrupt,
+}
+
+/// The tables.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Pane {
+    /// Who is there.
+    Components,
+    /// What goes over the bus.
+    #[default]
+    Topics,
+}
+
+/// By what rows are ordered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Order {
+    /// By name.
+    #[default]
+    Name,
+    /// The fastest first.
+    Rate,
+    /// What asks for attention first: silent, failed, late.
+    Trouble,
+}
+
+impl Order {
+    /// As it is shown.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Name => "name",
+            Self::Rate => "rate",
+            Self::Trouble => "trouble",
+        }
+    }
+}
+
+/// How a person looks at the board.
+#[derive(Default)]
+pub struct View {
+    /// Which table the keys are for.
+    pub pane: Pane,
+    /// In what order.
+    pub order: Order,
+    /// What names have in common.
+    pub filter: String,
+    /// Whether the filter is being written.
+    pub writes: bool,
+    /// What stood still, and since when.
+    pub paused: Option<(Board, Duration)>,
+    /// The row in each table.
+    component: usize,
+    topic: usize,
+}
+
+impl View {
+    /// Does what a key means. Says whether to go on.
+    pub fn press(&mut self, key: Key, board: &Board, now: Duration) -> bool {
+        if key == Key::Interrupt {
+            return false;
+        }
+        if self.writes {
+            self.write(key);
+            return true;
+        }
+        match key {
+            Key::Char('q') | Key::Interrupt => return false,
+            Key::Escape if self.filter.is_empty() => return false,
+            Key::Escape => self.filter.clear(),
+            Key::Char('/') => self.writes = true,
+            Key::Char('s') => {
+                self.order = match self.order {
+                    Order::Name => Order::Rate,
+                    Order::Rate => Order::Trouble,
+                    Order::Trouble => Order::Name,
+                }
+            }
+            Key::Char('p' | ' ') => {
+                self.paused = match self.paused.take() {
+                    None => Some((board.clone(), now)),
+                    Some(_) => None,
+                }
+            }
+            Key::Tab => {
+                self.pane = match self.pane {
+                    Pane::Components => Pane::Topics,
+                    Pane::Topics => Pane::Components,
+                }
+            }
+            Key::Up | Key::Char('k') => *self.row_mut() = self.row(self.pane).saturating_sub(1),
+            Key::Down | Key::Char('j') => {
+                let last = self.rows(board, now).saturating_sub(1);
+                *self.row_mut() = (self.row(self.pane) + 1).min(last);
+            }
+            Key::Char(_) | Key::Enter | Key::Backspace => {}
+        }
+        true
+    }
+
+    fn write(&mut self, key: Key) {
+        match key {
+            Key::Char(letter) => self.filter.push(letter),
+            Key::Backspace => drop(self.filter.pop()),
+            Key::Enter => self.writes = false,
+            Key::Escape => {
+                self.filter.clear();
+                self.writes = false;
+            }
+            Key::Up | Key::Down | Key::Tab | Key::Interrupt => {}
+        }
+    }
+
+    /// The row of a table that is chosen.
+    pub fn row(&self, pane: Pane) -> usize {
+        match pane {
+            Pane::Components => self.component,
+            Pane::Topics => self.topic,
+        }
+    }
+
+    fn row_mut(&mut self) -> &mut usize {
+        match self.pane {
+            Pane::Components => &mut self.component,
+            Pane::Topics => &mut self.topic,
+        }
+    }
+
+    fn rows(&self, board: &Board, now: Duration) -> usize {
+        match self.pane {
+            Pane::Components => self.components(board, now).len(),
+            Pane::Topics => self.topics(board, now).len(),
+        }
+    }
+
+    /// The components to show.
+    pub fn components<'b>(&self, board: &'b Board, now: Duration) -> Vec<Component<'b>> {
+        let mut components: Vec<_> = board
+            .components(now)
+            .filter(|it| self.shows(&[it.robot, it.process, &it.present.name]))
+            .collect();
+        match self.order {
+            Order::Name => {}
+            Order::Rate => {
+                components.sort_by(|a, b| faster(a.present.rate_hz, b.present.rate_hz));
+            }
+            Order::Trouble => components.sort_by_key(|it| {
+                let silent = it.silence.is_some();
+                let fine = it.present.state == "Running";
+                (!silent, fine, std::cmp::Reverse(it.present.overruns))
+            }),
+        }
+        components
+    }
+
+    /// The topics to show.
+    pub fn topics<'b>(&self, board: &'b Board, now: Duration) -> Vec<&'b Topic> {
+        let mut topics: Vec<_> = board
+            .topics()
+            .filter(|it| self.shows(&[&it.name, &it.kind, &it.source]))
+            .collect();
+        match self.order {
+            Order::Name => {}
+            Order::Rate => topics.sort_by(|a, b| {
+                let rate = |topic: &Topic| topic.rate().unwrap_or(0.0);
+                faster(rate(a), rate(b))
+            }),
+            Order::Trouble => {
+                topics.sort_by_key(|it| (it.last.is_ok(), !it.is_stale(now)));
+            }
+        }
+        topics
+    }
+
+    fn shows(&self, names: &[&str]) -> bool {
+        let wanted = self.filter.to_lowercase();
+        (names.iter()).any(|name| name.to_lowercase().contains(&wanted))
+    }
+}
+
+fn faster(a: f64, b: f64) -> Ordering {
+    b.total_cmp(&a)
+}
+
+impl Silence {
+    /// As it is shown.
+    pub fn words(self) -> String {
+        match self {
+            Self::Stale(silent) => format!("stale {}", seconds(silent)),
+            Self::Left => "left".to_owned(),
+        }
+    }
+}
+
+/// A span for people: `0.4 s`, `12 s`, `3 min`.
+pub fn seconds(span: Duration) -> String {
+    match span.as_secs() {
+        0..10 => format!("{:.1} s", span.as_secs_f64()),
+        whole @ 10..120 => format!("{whole} s"),
+        more => format!("{} min", more / 60),
+    }
+}
