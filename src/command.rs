@@ -6,10 +6,14 @@ mod component;
 mod demo;
 mod describe;
 mod doctor;
+mod expand;
 mod fmt;
+mod graph;
 mod port;
 mod repl;
 mod run;
+mod scdl;
+mod schema;
 mod sim;
 mod test;
 mod tool;
@@ -36,6 +40,14 @@ pub enum Command {
     Check(check::Check),
     /// Shows what a composite is to the outside: components, topics, services
     Describe(describe::Describe),
+    /// Shows a composite opened up, with everything filled in
+    Expand(expand::Expand),
+    /// Draws a composite
+    Graph(graph::Graph),
+    /// Reads composites of the Service Component Architecture (SCDL), and writes them
+    Scdl(scdl::Scdl),
+    /// Shows the JSON Schema of composite files, for editors
+    Schema(schema::Schema),
     /// Puts specifications and scenarios into the one layout
     Fmt(fmt::Fmt),
     /// Runs a specification alone, with scripted or random inputs
@@ -67,6 +79,10 @@ impl Command {
             Self::Up(up) => up.run(terminal),
             Self::Check(check) => check.run(terminal),
             Self::Describe(describe) => describe.run(terminal),
+            Self::Expand(expand) => expand.run(terminal),
+            Self::Graph(graph) => graph.run(terminal),
+            Self::Scdl(scdl) => scdl.run(terminal),
+            Self::Schema(schema) => schema.run(terminal),
             Self::Fmt(fmt) => fmt.run(terminal),
             Self::Sim(sim) => sim.run(terminal),
             Self::Repl(repl) => repl.run(terminal),

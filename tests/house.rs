@@ -20,6 +20,7 @@ const FLOORS: &[&[&str]] = &[
     &["engine-component"],
     &["engine-bridge", "engine-coordinator", "engine-mqueue"],
     &["engine-assembly"],
+    &["engine-scdl", "engine-drawing"],
     // the robot
     &["robot-messages"],
     &["robot-geometry"],

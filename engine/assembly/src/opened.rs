@@ -1,6 +1,6 @@
 //! A composite with everything it names: read, checked in every profile, and planned.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use datum::Schema;
 use source::{Diagnostic, Report, Severity, Sources, Span};
@@ -24,6 +24,10 @@ pub struct Opened {
     pub report: Report,
     /// Whether a value that was set from outside all files is among what is wrong.
     pub outside: bool,
+    /// The path of the outermost composite, as the loader resolved it.
+    pub path: String,
+    /// The files of message types that the composites name, as the loader resolved them.
+    pub type_files: Vec<String>,
     /// The model of the outermost composite, as far as it could be read.
     pub composite: Option<Composite>,
     /// The profiles in order of their names; none where the composite has none.
@@ -93,10 +97,19 @@ pub fn open(path: &str, context: &Context<'_>) -> Opened {
     let composite = family
         .member(&family.root)
         .map(|member| member.composite.clone());
+    let files = family.members().flat_map(|(_, member)| {
+        let files = member.composite.types.iter();
+        files
+            .filter_map(|file| member.path(file))
+            .map(str::to_owned)
+    });
+    let files: BTreeSet<String> = files.collect();
     Opened {
         sources,
         report: report.finish(),
         outside,
+        path: family.root.clone(),
+        type_files: files.into_iter().collect(),
         composite,
         profiles,
         plans,

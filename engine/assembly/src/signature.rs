@@ -43,8 +43,34 @@ pub trait Signature {
         None
     }
 
+    /// What the annotations of SCA-ASM say of its services and references; nothing where there are none.
+    fn annotations(&self) -> Annotations {
+        Annotations::default()
+    }
+
     /// The main rule and its place.
     fn main_rule(&self) -> Option<(String, Span)>;
+}
+
+/// The component type that stands in a specification: `//@Reference`, `//@MainService`, `//@Provided`,
+/// `//@Service`, `//@Required`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Annotations {
+    /// Functions under `//@Reference`, each with the domain of the partner it leads to.
+    pub references: Vec<Annotated>,
+    /// Modules under `//@MainService` or `//@Provided`, which are imported.
+    pub provided: Vec<Annotated>,
+}
+
+/// Something that is annotated.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Annotated {
+    /// The function, or the module.
+    pub name: String,
+    /// The last part of the interface: the domain of the partner, or the module.
+    pub interface: String,
+    /// Where it stands.
+    pub declared: Span,
 }
 
 /// A function of a specification.

@@ -3,10 +3,13 @@
 use asm_lang::hir::{self, DomainKind, Model, Type, TypeId};
 use asm_lang::ir::{Role, message_uses};
 use asm_lang::stdlib;
+use asm_lang::syntax::ast::File;
 use asm_lang::value::{Atom, Value};
 use source::{Loader, Report, Sources, Span};
 
-use crate::signature::{Codomain, FunctionInfo, FunctionKind, Signature, Specifications};
+use crate::signature::{
+    Annotated, Annotations, Codomain, FunctionInfo, FunctionKind, Signature, Specifications,
+};
 
 /// Opens `.asm` files with the language crates.
 #[derive(Clone, Copy)]
@@ -31,22 +34,29 @@ impl Specifications for AsmFiles<'_> {
     ) -> Result<Option<Box<dyn Signature>>, Report> {
         let loaded = hir::load(path, self.loader, sources);
         let (model, found) = hir::analyse(&loaded, sources);
-        let mut report = loaded.report;
+        let hir::Loaded { units, mut report } = loaded;
         report.extend(found);
         match model.filter(|_| !report.has_errors()) {
-            Some(model) => Ok(Some(Box::new(ModelSignature(model)))),
+            Some(model) => {
+                let annotations = units.last().map(|main| annotations(&main.tree, &model));
+                let annotations = annotations.unwrap_or_default();
+                Ok(Some(Box::new(ModelSignature { model, annotations })))
+            }
             None => Err(report.finish()),
         }
     }
 }
 
-struct ModelSignature(Model);
+struct ModelSignature {
+    model: Model,
+    annotations: Annotations,
+}
 
 impl Signature for ModelSignature {
     fn functions(&self) -> Vec<FunctionInfo> {
-        let own = self.0.own_functions();
+        let own = self.model.own_functions();
         // what partners can be asked is no output
-        let own = own.filter(|(_, function)| !self.0.is_operation(function));
+        let own = own.filter(|(_, function)| !self.model.is_operation(function));
         own.map(|(_, function)| FunctionInfo {
             name: function.name.to_string(),
             kind: kind(function.kind),
@@ -58,7 +68,7 @@ impl Signature for ModelSignature {
     }
 
     fn awaits(&self, partner: &str) -> Option<(String, Span)> {
-        let uses = message_uses(&self.0);
+        let uses = message_uses(&self.model);
         let awaited = uses.iter().find(|used| {
             let asks = used.role == Role::Ask && used.reply.is_some();
             asks && self.element(used.partner) == Some(partner)
@@ -66,9 +76,13 @@ impl Signature for ModelSignature {
         awaited.map(|used| (stdlib::operation(used.operation).to_owned(), used.at))
     }
 
+    fn annotations(&self) -> Annotations {
+        self.annotations.clone()
+    }
+
     fn main_rule(&self) -> Option<(String, Span)> {
-        let main = self.0.main?;
-        let rule = self.0.rules.get(main.0 as usize)?;
+        let main = self.model.main?;
+        let rule = self.model.rules.get(main.0 as usize)?;
         Some((rule.name.to_string(), rule.span))
     }
 }
@@ -79,25 +93,28 @@ impl ModelSignature {
         let hir::TermKind::Value(Value::Atom(Atom(index))) = &*term.kind else {
             return None;
         };
-        self.0.atoms.get(*index as usize).map(|atom| &*atom.name)
+        self.model
+            .atoms
+            .get(*index as usize)
+            .map(|atom| &*atom.name)
     }
 
     fn domain(&self, parameters: &[TypeId]) -> String {
         let shown = parameters
             .iter()
-            .map(|parameter| self.0.show_type(*parameter));
+            .map(|parameter| self.model.show_type(*parameter));
         shown.collect::<Vec<_>>().join(", ")
     }
 
     fn codomain(&self, written: TypeId) -> Codomain {
-        let root = self.0.types.root(written, &self.0.domains);
-        match self.0.types.get(root) {
+        let root = self.model.types.root(written, &self.model.domains);
+        match self.model.types.get(root) {
             Type::Boolean => Codomain::Boolean,
             Type::Integer | Type::Natural => Codomain::Integer,
             Type::Real => Codomain::Real,
             Type::String => Codomain::Text,
             Type::Domain(id) => {
-                let domain = self.0.domain(*id);
+                let domain = self.model.domain(*id);
                 match domain.kind {
                     DomainKind::Enum { first, count } => Codomain::Enum {
                         name: domain.name.to_string(),
@@ -107,7 +124,7 @@ impl ModelSignature {
                     DomainKind::Any
                     | DomainKind::Basic
                     | DomainKind::Abstract
-                    | DomainKind::Concrete { .. } => Codomain::Other(self.0.show_type(written)),
+                    | DomainKind::Concrete { .. } => Codomain::Other(self.model.show_type(written)),
                 }
             }
             Type::Invalid
@@ -119,19 +136,56 @@ impl ModelSignature {
             | Type::Seq(_)
             | Type::Powerset(_)
             | Type::Bag(_)
-            | Type::Map(_, _) => Codomain::Other(self.0.show_type(written)),
+            | Type::Map(_, _) => Codomain::Other(self.model.show_type(written)),
         }
     }
 
     fn literals(&self, first: u32, count: u32) -> Vec<String> {
         let atoms = self
-            .0
+            .model
             .atoms
             .iter()
             .skip(first as usize)
             .take(count as usize);
         atoms.map(|atom| atom.name.to_string()).collect()
     }
+}
+
+/// What the annotations of a file say; each belongs to the import or function that follows it.
+fn annotations(tree: &File, model: &Model) -> Annotations {
+    let mut found = Annotations::default();
+    let functions = tree.functions.iter().map(|it| (&it.name, true));
+    let imports = tree.imports.iter().map(|it| (&it.path, false));
+    let declared: Vec<_> = functions.chain(imports).collect();
+    for annotation in &tree.annotations {
+        let at = annotation.name.span;
+        let behind = declared
+            .iter()
+            .filter(|(name, _)| name.span.start > at.start);
+        let Some((name, is_function)) = behind.min_by_key(|(name, _)| name.span.start) else {
+            continue;
+        };
+        let text = name.text.to_string();
+        let declared = name.span;
+        match (&*annotation.name.text, is_function) {
+            ("Reference", true) => {
+                let function = model.own_functions().find(|(_, it)| it.name == name.text);
+                let interface = function.map(|(_, it)| model.show_type(it.codomain));
+                found.references.push(Annotated {
+                    name: text,
+                    interface: interface.unwrap_or_default(),
+                    declared,
+                });
+            }
+            ("MainService" | "Provided", false) => found.provided.push(Annotated {
+                interface: text.rsplit('/').next().unwrap_or_default().to_owned(),
+                name: text,
+                declared,
+            }),
+            (_, _) => {}
+        }
+    }
+    found
 }
 
 fn kind(kind: hir::FunctionKind) -> FunctionKind {

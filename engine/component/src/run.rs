@@ -1,5 +1,6 @@
 //! A running system, whichever executor drives it.
 
+mod every;
 mod executor;
 mod operation;
 mod reader;

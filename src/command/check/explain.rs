@@ -28,7 +28,7 @@ pub fn explain(name: Option<&str>, terminal: &mut Terminal) -> Exit {
 
 /// Every code, by family.
 fn all() -> impl Iterator<Item = &'static Code> {
-    codes::CODES.iter().chain(CODES)
+    codes::CODES.iter().chain(CODES).chain(scdl::CODES)
 }
 
 /// The first code that differs in one letter, or in how many zeros it has.

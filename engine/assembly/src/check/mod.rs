@@ -4,6 +4,7 @@
 //! promotes is then what its component shows.
 
 mod across;
+mod annotation;
 mod binding;
 mod builtin;
 mod component;

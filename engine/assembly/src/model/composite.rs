@@ -14,6 +14,8 @@ pub struct Composite {
     pub name: At<String>,
     /// `composite.version`.
     pub version: Option<At<String>>,
+    /// `composite.namespace`: that of its names in SCDL, which others may share.
+    pub namespace: Option<At<String>>,
     /// `composite.doc`.
     pub doc: Option<At<String>>,
     /// `composite.types`: files with message types.

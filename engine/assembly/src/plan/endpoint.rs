@@ -162,6 +162,7 @@ fn secret(url: &At<Template>, notes: &mut Notes) {
         && !password.is_empty()
         && !password.contains(SUBSTITUTED)
         && password != PUBLIC_PASSWORD
+        && password != REDACTED
     {
         notes.found(SettingError::SecretInFile { at: url.span });
     }

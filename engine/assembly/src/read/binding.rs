@@ -147,21 +147,16 @@ fn out(reader: &mut Reader<'_>, function: &At<String>, node: &Node) -> Option<Ou
             },
         });
     }
-    let literals = table.entries.iter().map(|entry| {
-        let actions = match &entry.node.value {
-            Branch::List(items) => items
-                .iter()
-                .filter_map(|item| action(reader, &entry.key, item))
-                .collect(),
-            _ => action(reader, &entry.key, &entry.node)
-                .into_iter()
-                .collect(),
+    let literals = reader.names(table, |reader, literal, node| {
+        let actions = match &node.value {
+            Branch::List(items) => reader.list(items, |reader, item| action(reader, literal, item)),
+            _ => action(reader, literal, node).into_iter().collect(),
         };
-        (entry.key.clone(), actions)
+        Some((literal.clone(), actions))
     });
     Some(Out {
         function,
-        effect: Effect::Literals(literals.collect()),
+        effect: Effect::Literals(literals),
     })
 }
 

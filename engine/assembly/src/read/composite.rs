@@ -4,6 +4,7 @@ use source::FileId;
 
 use super::error::ReadError;
 use super::keys::{Keys, Reader};
+use super::outline::Way;
 use super::{component, deploy, endpoint, promote, setting, top, topic, wiring};
 use crate::At;
 use crate::finding::Findings;
@@ -24,16 +25,18 @@ pub(crate) fn composite(reader: &mut Reader<'_>, file: FileId, root: &Table) -> 
         |mut keys| {
             let name = keys.needed_text("name", "\"navigation\"");
             let version = keys.text("version", "\"1.0.0\"");
+            let namespace = keys.text("namespace", "\"http://robots.example/navigation\"");
             let doc = keys.text("doc", "\"what it is for\"");
             let types = keys.texts("types", "[\"types.toml\"]");
-            (name, version, doc, types)
+            (name, version, namespace, doc, types)
         },
     );
-    let (name, version, doc, types) = head.unwrap_or_default();
+    let (name, version, namespace, doc, types) = head.unwrap_or_default();
     Some(Composite {
         file,
         name: name.unwrap_or_else(|| At::new("composite".to_owned(), top(file))),
         version,
+        namespace,
         doc,
         types,
         properties: keys.named("properties", "{ }", setting::property),
@@ -56,7 +59,10 @@ pub(crate) fn composite(reader: &mut Reader<'_>, file: FileId, root: &Table) -> 
 /// Checks the line that says which dialect this is.
 pub(crate) fn schema(keys: &mut Keys<'_, '_, '_>, wanted: &'static str) {
     let example = format!("\"{wanted}\"");
-    let Some(found) = keys.needed_text("schema", &example) else {
+    keys.need("schema", &example);
+    let node = keys.ask("schema", Way::word(std::iter::once(wanted)));
+    let found = node.and_then(|node| keys.reader.plain("schema", node, &example));
+    let Some(found) = found else {
         return;
     };
     if found.value != wanted {

@@ -8,6 +8,7 @@ use std::ops::RangeInclusive;
 use source::{Report, Span};
 
 use super::error::ReadError;
+use super::outline::{Asked, Fields, Way};
 use super::template;
 use crate::At;
 use crate::choice::Choice;
@@ -20,6 +21,8 @@ use crate::tree::{Branch, Node, Table};
 pub(crate) struct Reader<'t> {
     pub text: &'t str,
     pub report: Report,
+    /// What was asked of the value being read.
+    pub asked: Asked,
 }
 
 impl<'t> Reader<'t> {
@@ -27,6 +30,7 @@ impl<'t> Reader<'t> {
         Self {
             text,
             report: Report::new(),
+            asked: Asked::default(),
         }
     }
 
@@ -37,12 +41,14 @@ impl<'t> Reader<'t> {
         of: &'static str,
         span: Span,
     ) -> Keys<'r, 't, 'n> {
+        let outer = std::mem::take(&mut self.asked);
         Keys {
             reader: self,
             table,
-            of,
             span,
-            asked: Vec::new(),
+            fields: Fields::new(of),
+            open: None,
+            outer,
         }
     }
 
@@ -65,6 +71,12 @@ impl<'t> Reader<'t> {
 
     /// A text without substitution.
     pub(crate) fn text(&mut self, key: &str, node: &Node, example: &str) -> Option<At<String>> {
+        self.asked.add(Way::Text);
+        self.plain(key, node, example)
+    }
+
+    /// The same where more was asked than that it is a text.
+    pub(crate) fn plain(&mut self, key: &str, node: &Node, example: &str) -> Option<At<String>> {
         let Branch::Text(text) = &node.value else {
             self.wrong_type(key, "a text", node, example);
             return None;
@@ -86,6 +98,11 @@ impl<'t> Reader<'t> {
         node: &Node,
         example: &str,
     ) -> Option<At<Template>> {
+        self.asked.add(Way::Text);
+        self.filled(key, node, example)
+    }
+
+    fn filled(&mut self, key: &str, node: &Node, example: &str) -> Option<At<Template>> {
         let Branch::Text(text) = &node.value else {
             self.wrong_type(key, "a text", node, example);
             return None;
@@ -106,6 +123,7 @@ impl<'t> Reader<'t> {
         node: &Node,
         range: RangeInclusive<i64>,
     ) -> Option<At<i64>> {
+        self.asked.add(Way::Whole(*range.start(), *range.end()));
         let Branch::Integer(number) = node.value else {
             let meant = match &node.value {
                 Branch::Text(text) => text.parse().ok().filter(|number| range.contains(number)),
@@ -161,10 +179,12 @@ impl<'t> Reader<'t> {
 
     /// A word out of a list.
     pub(crate) fn word<T: Choice>(&mut self, key: &str, node: &Node) -> Option<At<T>> {
+        let known = T::WORDS.iter().map(|(word, _)| *word);
+        self.asked.add(Way::word(known));
         let example = T::WORDS
             .first()
             .map_or(String::new(), |(word, _)| format!("\"{word}\""));
-        let word = self.text(key, node, &example)?;
+        let word = self.plain(key, node, &example)?;
         match T::WORDS.iter().find(|(known, _)| *known == word.value) {
             Some((_, choice)) => Some(At::new(*choice, word.span)),
             None => {
@@ -180,16 +200,47 @@ impl<'t> Reader<'t> {
             }
         }
     }
+
+    /// Every entry of a table of names.
+    pub(crate) fn names<T>(
+        &mut self,
+        table: &Table,
+        mut each: impl FnMut(&mut Self, &At<String>, &Node) -> Option<T>,
+    ) -> Vec<T> {
+        let outer = std::mem::take(&mut self.asked);
+        let entries = table.entries.iter();
+        let read = entries.filter_map(|entry| each(self, &entry.key, &entry.node));
+        let read = read.collect();
+        let asked = std::mem::replace(&mut self.asked, outer);
+        self.asked.add(Way::Names(asked));
+        read
+    }
+
+    /// Every item of a list.
+    pub(crate) fn list<T>(
+        &mut self,
+        items: &[Node],
+        mut each: impl FnMut(&mut Self, &Node) -> Option<T>,
+    ) -> Vec<T> {
+        let outer = std::mem::take(&mut self.asked);
+        let read = items.iter().filter_map(|item| each(self, item)).collect();
+        let asked = std::mem::replace(&mut self.asked, outer);
+        self.asked.add(Way::List(asked));
+        read
+    }
 }
 
 /// A table being read.
 pub(crate) struct Keys<'r, 't, 'n> {
     pub reader: &'r mut Reader<'t>,
     table: &'n Table,
-    /// What the table describes, as in "a wire".
-    of: &'static str,
     pub span: Span,
-    asked: Vec<&'static str>,
+    /// What was asked for so far.
+    fields: Fields,
+    /// The key whose value is being read.
+    open: Option<&'static str>,
+    /// What was asked of the value that this table is.
+    outer: Asked,
 }
 
 impl<'n> Keys<'_, '_, 'n> {
@@ -200,19 +251,77 @@ impl<'n> Keys<'_, '_, 'n> {
 
     /// The place of a key and its value.
     pub(crate) fn entry(&mut self, key: &'static str) -> Option<(Span, &'n Node)> {
-        self.asked.push(key);
+        self.settle();
+        self.open = Some(key);
+        self.fields.keys.entry(key).or_default();
         self.table
             .get(key)
             .map(|entry| (entry.key.span, &entry.node))
     }
 
+    /// Writes down what was asked of the value that was read last.
+    fn settle(&mut self) {
+        let asked = std::mem::take(&mut self.reader.asked);
+        let open = self
+            .open
+            .take()
+            .and_then(|key| self.fields.keys.get_mut(key));
+        if let Some(field) = open {
+            field.asked.merge(asked);
+        }
+    }
+
+    /// The value of a key that is to be written in this way.
+    pub(crate) fn ask(&mut self, key: &'static str, way: Way) -> Option<&'n Node> {
+        let node = self.node(key);
+        self.reader.asked.add(way);
+        node
+    }
+
+    /// The value of the one key of these that is there, and what it is; that there are several is said, and
+    /// that there is none.
+    pub(crate) fn one_of(
+        &mut self,
+        keys: &'static [&'static str],
+        example: &str,
+        reason: &'static str,
+    ) -> Option<(&'static str, At<String>)> {
+        let mut found = Vec::new();
+        for key in keys {
+            self.ask(key, Way::Text);
+            found.extend(self.entry(key).map(|(at, node)| (*key, at, node)));
+        }
+        let mut found = found.into_iter();
+        let first = found.next();
+        self.fields.choose(keys, first.map(|(key, _, _)| key));
+        let Some((first, first_at, node)) = first else {
+            let key = keys.first().copied().unwrap_or_default();
+            self.missing(key, example);
+            return None;
+        };
+        for (second, at, _) in found {
+            self.reader.report.found(ReadError::Excluded {
+                first: first.to_owned(),
+                first_at,
+                second: second.to_owned(),
+                at,
+                reason,
+            });
+        }
+        Some((first, self.reader.plain(first, node, example)?))
+    }
+
     /// Says that the key is missing, if it is.
     pub(crate) fn need(&mut self, key: &'static str, example: &str) {
-        if !self.asked.contains(&key) {
-            self.asked.push(key);
-        }
+        let field = self.fields.keys.entry(key).or_default();
+        field.needed = true;
+        field.example = Some(example.to_owned());
+        self.missing(key, example);
+    }
+
+    fn missing(&mut self, key: &'static str, example: &str) {
         if self.table.get(key).is_none() {
-            let (of, at) = (self.of, self.span);
+            let (of, at) = (self.fields.of, self.span);
             let example = example.to_owned();
             self.reader.report.found(ReadError::MissingKey {
                 key,
@@ -224,8 +333,15 @@ impl<'n> Keys<'_, '_, 'n> {
     }
 
     pub(crate) fn text(&mut self, key: &'static str, example: &str) -> Option<At<String>> {
-        let node = self.node(key)?;
-        self.reader.text(key, node, example)
+        let node = self.ask(key, Way::Text);
+        self.example(key, example);
+        self.reader.text(key, node?, example)
+    }
+
+    fn example(&mut self, key: &'static str, example: &str) {
+        if let Some(field) = self.fields.keys.get_mut(key) {
+            field.example = Some(example.to_owned());
+        }
     }
 
     pub(crate) fn needed_text(&mut self, key: &'static str, example: &str) -> Option<At<String>> {
@@ -235,25 +351,31 @@ impl<'n> Keys<'_, '_, 'n> {
 
     /// One text or a list of them.
     pub(crate) fn texts(&mut self, key: &'static str, example: &str) -> Vec<At<String>> {
-        let Some(node) = self.node(key) else {
+        let node = self.ask(key, Way::Text);
+        let texts = Asked {
+            ways: vec![Way::Text],
+        };
+        self.reader.asked.add(Way::List(texts));
+        self.example(key, example);
+        let Some(node) = node else {
             return Vec::new();
         };
         match &node.value {
-            Branch::List(items) => items
-                .iter()
-                .filter_map(|item| self.reader.text(key, item, example))
-                .collect(),
+            Branch::List(items) => {
+                (self.reader).list(items, |reader, item| reader.text(key, item, example))
+            }
             _ => self.reader.text(key, node, example).into_iter().collect(),
         }
     }
 
     pub(crate) fn template(&mut self, key: &'static str, example: &str) -> Option<At<Template>> {
-        let node = self.node(key)?;
-        self.reader.template(key, node, example)
+        let node = self.ask(key, Way::Text);
+        self.example(key, example);
+        self.reader.template(key, node?, example)
     }
 
     pub(crate) fn flag(&mut self, key: &'static str) -> Option<At<bool>> {
-        let node = self.node(key)?;
+        let node = self.ask(key, Way::Flag)?;
         match node.value {
             Branch::Boolean(truth) => Some(At::new(truth, node.span)),
             _ => {
@@ -268,7 +390,7 @@ impl<'n> Keys<'_, '_, 'n> {
         key: &'static str,
         range: RangeInclusive<i64>,
     ) -> Option<At<i64>> {
-        let node = self.node(key)?;
+        let node = self.ask(key, Way::Whole(*range.start(), *range.end()))?;
         self.reader.whole(key, node, range)
     }
 
@@ -289,7 +411,7 @@ impl<'n> Keys<'_, '_, 'n> {
         key: &'static str,
         range: RangeInclusive<f64>,
     ) -> Option<At<f64>> {
-        let node = self.node(key)?;
+        let node = self.ask(key, Way::Real(*range.start(), *range.end()))?;
         let number = match node.value {
             Branch::Integer(number) => number as f64,
             Branch::Float(number) => number,
@@ -318,10 +440,12 @@ impl<'n> Keys<'_, '_, 'n> {
         key: &'static str,
         range: RangeInclusive<i64>,
     ) -> Option<At<Amount>> {
-        let node = self.node(key)?;
+        let node = self.ask(key, Way::Whole(*range.start(), *range.end()));
+        self.reader.asked.add(Way::Substituted);
+        let node = node?;
         match &node.value {
             Branch::Text(text) if text.contains("${") => {
-                let template = self.reader.template(key, node, "50")?;
+                let template = self.reader.filled(key, node, "50")?;
                 Some(template.map(Amount::Template))
             }
             _ => Some(self.reader.whole(key, node, range)?.map(Amount::Number)),
@@ -329,7 +453,8 @@ impl<'n> Keys<'_, '_, 'n> {
     }
 
     pub(crate) fn word<T: Choice>(&mut self, key: &'static str) -> Option<At<T>> {
-        let node = self.node(key)?;
+        let known = T::WORDS.iter().map(|(word, _)| *word);
+        let node = self.ask(key, Way::word(known))?;
         self.reader.word(key, node)
     }
 
@@ -338,9 +463,11 @@ impl<'n> Keys<'_, '_, 'n> {
         &mut self,
         key: &'static str,
         example: &str,
-        mut each: impl FnMut(&mut Reader<'_>, &At<String>, &Node) -> Option<T>,
+        each: impl FnMut(&mut Reader<'_>, &At<String>, &Node) -> Option<T>,
     ) -> Vec<T> {
-        let Some(node) = self.node(key) else {
+        let node = self.node(key);
+        self.example(key, example);
+        let Some(node) = node else {
             return Vec::new();
         };
         let Branch::Table(table) = &node.value else {
@@ -348,10 +475,7 @@ impl<'n> Keys<'_, '_, 'n> {
                 .wrong_type(key, "a table of names", node, example);
             return Vec::new();
         };
-        let entries = table.entries.iter();
-        entries
-            .filter_map(|entry| each(self.reader, &entry.key, &entry.node))
-            .collect()
+        self.reader.names(table, each)
     }
 
     /// Every item of a list.
@@ -360,19 +484,18 @@ impl<'n> Keys<'_, '_, 'n> {
         key: &'static str,
         expected: &'static str,
         example: &str,
-        mut each: impl FnMut(&mut Reader<'_>, &Node) -> Option<T>,
+        each: impl FnMut(&mut Reader<'_>, &Node) -> Option<T>,
     ) -> Vec<T> {
-        let Some(node) = self.node(key) else {
+        let node = self.node(key);
+        self.example(key, example);
+        let Some(node) = node else {
             return Vec::new();
         };
         let Branch::List(items) = &node.value else {
             self.reader.wrong_type(key, expected, node, example);
             return Vec::new();
         };
-        items
-            .iter()
-            .filter_map(|item| each(self.reader, item))
-            .collect()
+        self.reader.list(items, each)
     }
 
     /// A table under a key, read as a whole.
@@ -383,27 +506,31 @@ impl<'n> Keys<'_, '_, 'n> {
         example: &str,
         read: impl FnOnce(Keys<'_, '_, '_>) -> T,
     ) -> Option<T> {
-        let node = self.node(key)?;
-        self.reader.keys_of(node, key, of, example).map(read)
+        let node = self.node(key);
+        self.example(key, example);
+        self.reader.keys_of(node?, key, of, example).map(read)
     }
 }
 
 impl Drop for Keys<'_, '_, '_> {
     fn drop(&mut self) {
-        let mut known = std::mem::take(&mut self.asked);
-        known.sort_unstable();
-        known.dedup();
+        self.settle();
+        let known: Vec<&'static str> = self.fields.keys.keys().copied().collect();
         for entry in &self.table.entries {
             let key = entry.key.value.as_str();
             if !known.contains(&key) {
                 self.reader.report.found(ReadError::UnknownKey {
                     key: key.to_owned(),
-                    of: self.of,
+                    of: self.fields.of,
                     at: entry.key.span,
                     nearest: nearest_name(key, known.iter().copied()),
                     known: known.clone(),
                 });
             }
         }
+        let mut fields = std::mem::take(&mut self.fields);
+        fields.close();
+        self.reader.asked = std::mem::take(&mut self.outer);
+        self.reader.asked.add(Way::Table(fields));
     }
 }

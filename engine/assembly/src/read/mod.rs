@@ -9,6 +9,7 @@ pub(crate) mod error;
 mod implementation;
 mod keys;
 pub(crate) mod name;
+pub(crate) mod outline;
 mod pace;
 mod promote;
 mod setting;
@@ -22,6 +23,7 @@ use source::{FileId, Report, Span};
 pub(crate) use self::endpoint::DAY_MS;
 use self::error::ReadError;
 use self::keys::Reader;
+use self::outline::Asked;
 use crate::finding::Findings;
 use crate::model::Composite;
 use crate::tree::{self, Table};
@@ -41,6 +43,19 @@ pub fn composite(file: FileId, path: &str, text: &str) -> (Option<Composite>, Re
 /// Reads a file of message types.
 pub(crate) fn types(file: FileId, path: &str, text: &str) -> (Option<TypeFile>, Report) {
     read(file, path, text, types::types)
+}
+
+/// What the reader asks of a composite file, or of a file of types, that has one of everything.
+pub(crate) fn outline(text: &str, types: bool) -> Asked {
+    let file = FileId::default();
+    let mut reader = Reader::new(text);
+    let (table, _) = tree::parse(file, text);
+    if types {
+        types::types(&mut reader, file, &table);
+    } else {
+        composite::composite(&mut reader, file, &table);
+    }
+    reader.asked
 }
 
 fn read<T>(

@@ -6,18 +6,16 @@ use crate::At;
 use crate::finding::Findings;
 use crate::model::{End, Path, Terminal};
 
-/// A name of a thing of the composite: letters, digits, `_` and `-`.
+/// A name of a thing of the composite: letters, digits, `_` and `-`; where composites are opened up, with
+/// the names of those around it in front: `Driver/youBotDriver`.
 pub(crate) fn thing(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
     let rule = "a name has letters, digits, `_` and `-`, and begins with a letter";
-    let starts = name.starts_with(|first: char| first.is_alphabetic() || first == '_');
     let letters = |letter: char| letter.is_alphanumeric() || letter == '_' || letter == '-';
-    accept(
-        reader,
-        name,
-        starts && name.chars().all(letters),
-        "a name",
-        rule,
-    )
+    let good = |part: &str| {
+        let starts = part.starts_with(|first: char| first.is_alphabetic() || first == '_');
+        starts && part.chars().all(letters)
+    };
+    accept(reader, name, name.split('/').all(good), "a name", rule)
 }
 
 /// A topic: as a name, with `/` and `.` in it.

@@ -1,12 +1,7 @@
 //! `[[promote]]`.
 
-use source::Span;
-
-use super::error::ReadError;
 use super::keys::{Keys, Reader};
 use super::name;
-use crate::At;
-use crate::finding::Findings;
 use crate::model::{Promoted, Promotion};
 use crate::tree::Node;
 
@@ -31,35 +26,17 @@ pub(crate) fn promotion(reader: &mut Reader<'_>, node: &Node) -> Option<Promotio
     })
 }
 
+const KINDS: &[&str] = &["service", "reference", "property", "port", "topic"];
+
 /// Which of the five keys names what is promoted, and what it names.
 fn promoted(keys: &mut Keys<'_, '_, '_>) -> Option<Promoted> {
-    let mut found: Vec<(&'static str, Span, At<String>)> = Vec::new();
-    for key in ["service", "reference", "property", "port", "topic"] {
-        if let Some((span, node)) = keys.entry(key)
-            && let Some(text) = keys.reader.text(key, node, "\"Component.name\"")
-        {
-            found.push((key, span, text));
-        }
-    }
-    let mut found = found.into_iter();
-    let Some((first, first_at, text)) = found.next() else {
-        keys.need("service", "\"Component.name\"");
-        return None;
-    };
-    for (second, at, _) in found {
-        keys.reader.report.found(ReadError::Excluded {
-            first: first.to_owned(),
-            first_at,
-            second: second.to_owned(),
-            at,
-            reason: "one promotion promotes one thing",
-        });
-    }
-    if first == "topic" {
+    let reason = "one promotion promotes one thing";
+    let (kind, text) = keys.one_of(KINDS, "\"Component.name\"", reason)?;
+    if kind == "topic" {
         return name::topic(keys.reader, &text).map(Promoted::Topic);
     }
     let end = name::end(keys.reader, &text)?;
-    Some(match first {
+    Some(match kind {
         "service" => Promoted::Service(end),
         "reference" => Promoted::Reference(end),
         "property" => Promoted::Property(end),

@@ -3,6 +3,7 @@
 use super::error::ReadError;
 use super::keys::Reader;
 use super::name;
+use super::outline::Way;
 use crate::At;
 use crate::choice::Choice;
 use crate::finding::Findings;
@@ -35,7 +36,10 @@ pub(crate) fn property(reader: &mut Reader<'_>, key: &At<String>, node: &Node) -
 
 /// `f64`, `string[]`.
 fn kind(reader: &mut Reader<'_>, node: &Node) -> Option<At<PropertyType>> {
-    let word = reader.text("type", node, "\"f64\"")?;
+    let one = Scalar::WORDS.iter().map(|(word, _)| (*word).to_owned());
+    let many = Scalar::WORDS.iter().map(|(word, _)| format!("{word}[]"));
+    reader.asked.add(Way::Word(one.chain(many).collect()));
+    let word = reader.plain("type", node, "\"f64\"")?;
     let (scalar, list) = match word.strip_suffix("[]") {
         Some(scalar) => (scalar, true),
         None => (word.as_str(), false),
@@ -72,6 +76,7 @@ pub(crate) fn setting(reader: &mut Reader<'_>, key: &At<String>, node: &Node) ->
 
 /// Reads all substitutions in a value, only to say which are malformed.
 pub(crate) fn templates(reader: &mut Reader<'_>, key: &str, node: &Node) {
+    reader.asked.add(Way::Any);
     match &node.value {
         Branch::Text(_) => {
             reader.template(key, node, "\"text\"");

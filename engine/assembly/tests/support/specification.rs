@@ -1,5 +1,7 @@
 //! A signature read line by line: enough of AsmetaL for the tests, and no more.
+//! One with annotations is read by those who know them.
 
+use assembly::AsmFiles;
 use assembly::signature::{Codomain, FunctionInfo, FunctionKind, Signature, Specifications};
 use source::{Loader, Report, Sources, Span};
 
@@ -14,6 +16,9 @@ impl Specifications for Files {
         let Ok(text) = self.read(path) else {
             return Ok(None);
         };
+        if text.contains("//@") {
+            return AsmFiles::new(self).open(path, sources);
+        }
         let file = sources.add(path, text.clone());
         let mut scanner = Scanner::default();
         let mut offset = 0;

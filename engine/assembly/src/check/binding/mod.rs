@@ -8,6 +8,7 @@ mod function;
 use source::Report;
 
 use self::error::BindingError;
+use super::annotation;
 use super::scene::{Part, Scene};
 use crate::finding::Findings;
 use crate::model::Implementation;
@@ -44,6 +45,7 @@ pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) {
         }
         if let Some(signature) = signature {
             unbound(&bound, signature, file.span, report);
+            annotation::check(part, signature, file.span, report);
         }
     }
 }

@@ -1,0 +1,180 @@
+//! What the annotations of a specification say of its services and references (SCA-ASM), held against the
+//! composite: both describe one component.
+
+use source::{Diagnostic, Report, Span};
+
+use super::scene::Part;
+use crate::At;
+use crate::finding::{Finding, Findings};
+use crate::model::binding::{Action, Effect};
+use crate::nearest::{Nearest, Suggest, nearest};
+use crate::signature::{Annotated, Signature};
+
+#[derive(Debug, thiserror::Error)]
+enum AnnotationError {
+    #[error("the specification has a {what} `{name}`, which the composite does not list")]
+    Unlisted {
+        what: &'static str,
+        name: String,
+        interface: String,
+        at: Span,
+        declared: Span,
+    },
+    #[error("{what} `{name}` is annotated as `{annotated}`, but listed as `{listed}`")]
+    OtherInterface {
+        what: &'static str,
+        name: String,
+        annotated: String,
+        listed: String,
+        at: Span,
+        declared: Span,
+    },
+    #[error("the composite lists a {what} `{name}`, which the specification does not annotate")]
+    Unannotated {
+        what: &'static str,
+        name: String,
+        at: Span,
+        nearest: Option<Nearest>,
+    },
+}
+
+impl Finding for AnnotationError {
+    fn diagnostic(&self) -> Diagnostic {
+        match self {
+            Self::Unlisted {
+                what,
+                name,
+                interface,
+                at,
+                declared,
+            } => Diagnostic::error("C102", self)
+                .label(*at, "not listed here")
+                .label(*declared, "annotated here")
+                .help(format!("add `{what}s = {{ {name} = \"…/{interface}\" }}`")),
+            Self::OtherInterface {
+                annotated,
+                at,
+                declared,
+                ..
+            } => Diagnostic::error("C103", self)
+                .label(*at, "listed here")
+                .label(*declared, "annotated here")
+                .help(format!("the last part of the interface is `{annotated}`")),
+            Self::Unannotated { at, nearest, .. } => Diagnostic::error("C104", self)
+                .label(*at, "nobody uses it")
+                .help("leave it out, or annotate it in the specification")
+                .suggest(*at, nearest),
+        }
+    }
+}
+
+/// Checks a component that is a specification. One without annotations says nothing of itself.
+pub(crate) fn check(part: &Part<'_>, signature: &dyn Signature, file: Span, report: &mut Report) {
+    let annotations = signature.annotations();
+    let references = part.component.references.iter();
+    let references: Vec<Entry<'_>> = references.map(|it| (&it.name, &it.interface)).collect();
+    let services = part.component.services.iter();
+    let services: Vec<Entry<'_>> = services.map(|it| (&it.name, &it.kind)).collect();
+    for annotated in &annotations.references {
+        let mut listed = references.iter();
+        let same = listed.find(|(name, _)| name.value == annotated.name);
+        reference(annotated, same, file, report);
+    }
+    for annotated in &annotations.provided {
+        if !services
+            .iter()
+            .any(|(_, interface)| last(interface) == annotated.interface)
+        {
+            report.found(AnnotationError::Unlisted {
+                what: "service",
+                name: annotated.interface.to_lowercase(),
+                interface: annotated.interface.clone(),
+                at: file,
+                declared: annotated.declared,
+            });
+        }
+    }
+    let called = called(part);
+    let is_known = |(name, _): &&Entry<'_>| {
+        let mut annotated = annotations.references.iter();
+        annotated.any(|it| it.name == name.value) || called.contains(&name.value.as_str())
+    };
+    if !annotations.references.is_empty() {
+        let unknown = references.iter().filter(|it| !is_known(it));
+        unannotated("reference", unknown, &annotations.references, report);
+    }
+    let is_provided = |(_, interface): &&Entry<'_>| {
+        let mut provided = annotations.provided.iter();
+        provided.any(|it| it.interface == last(interface))
+    };
+    if !annotations.provided.is_empty() {
+        let unknown = services.iter().filter(|it| !is_provided(it));
+        unannotated("service", unknown, &annotations.provided, report);
+    }
+}
+
+/// A name and its interface.
+type Entry<'c> = (&'c At<String>, &'c At<String>);
+
+/// `Dispatch` of `courier/Dispatch`.
+fn last(interface: &str) -> &str {
+    interface.rsplit('/').next().unwrap_or(interface)
+}
+
+fn reference(annotated: &Annotated, listed: Option<&Entry<'_>>, file: Span, report: &mut Report) {
+    let (name, declared) = (annotated.name.clone(), annotated.declared);
+    let Some((_, interface)) = listed else {
+        return report.found(AnnotationError::Unlisted {
+            what: "reference",
+            name,
+            interface: annotated.interface.clone(),
+            at: file,
+            declared,
+        });
+    };
+    // any agent may be meant
+    if annotated.interface != "Agent" && annotated.interface != last(interface) {
+        report.found(AnnotationError::OtherInterface {
+            what: "reference",
+            name,
+            annotated: annotated.interface.clone(),
+            listed: interface.value.clone(),
+            at: interface.span,
+            declared,
+        });
+    }
+}
+
+fn unannotated<'c>(
+    what: &'static str,
+    unknown: impl Iterator<Item = &'c Entry<'c>>,
+    annotated: &[Annotated],
+    report: &mut Report,
+) {
+    for (name, _) in unknown {
+        let known = annotated
+            .iter()
+            .map(|it| (it.name.as_str(), Some(it.declared)));
+        report.found(AnnotationError::Unannotated {
+            what,
+            name: name.value.clone(),
+            at: name.span,
+            nearest: nearest(name, known),
+        });
+    }
+}
+
+/// The references that the composite itself calls: they need no annotation.
+fn called<'c>(part: &Part<'c>) -> Vec<&'c str> {
+    let effects = part.component.bind.out.iter().map(|it| &it.effect);
+    let actions = effects.flat_map(|effect| match effect {
+        Effect::Literals(literals) => literals.as_slice(),
+        Effect::Publish { .. } => &[],
+    });
+    let actions = actions.flat_map(|(_, actions)| actions);
+    let called = actions.filter_map(|action| match action {
+        Action::Call(call) => Some(call.operation.component.value.as_str()),
+        Action::Publish { .. } => None,
+    });
+    called.collect()
+}

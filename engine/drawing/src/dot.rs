@@ -1,0 +1,98 @@
+//! Graphviz.
+
+use std::fmt::Write;
+
+use crate::picture::{Edge, Kind, Line, Node, Picture, Place, Port};
+use crate::svg::{FILLS, TOPIC};
+
+pub(crate) fn write(picture: &Picture) -> String {
+    let mut out = String::from("digraph composite {\n  rankdir=LR;\n  fontname=\"sans-serif\";\n");
+    out.push_str("  node [fontname=\"sans-serif\", fontsize=11, style=filled];\n");
+    out.push_str("  edge [color=\"#44546a\", arrowsize=0.7];\n");
+    frame(picture, 0, 1, &mut out);
+    for edge in &picture.edges {
+        let style = match edge.kind {
+            Line::Call => "",
+            Line::Flow => " [style=dashed]",
+        };
+        let Edge { from, to, .. } = edge;
+        let _ = writeln!(
+            out,
+            "  {}:e -> {}:w{style};",
+            place(from, 'r'),
+            place(to, 'l')
+        );
+    }
+    out.push_str("}\n");
+    out
+}
+
+fn frame(picture: &Picture, index: usize, depth: usize, out: &mut String) {
+    let space = "  ".repeat(depth);
+    let Some(this) = picture.frames.get(index) else {
+        return;
+    };
+    let _ = writeln!(out, "{space}subgraph cluster_{index} {{");
+    let _ = writeln!(
+        out,
+        "{space}  label=\"{}\"; style=rounded; color=\"#8497b0\";",
+        quoted(&this.name)
+    );
+    for (number, node) in picture.nodes.iter().enumerate() {
+        if node.frame == index {
+            let _ = writeln!(out, "{space}  n{number} [{}];", look(node));
+        }
+    }
+    for (inner, frame) in picture.frames.iter().enumerate() {
+        if frame.parent == Some(index) {
+            self::frame(picture, inner, depth + 1, out);
+        }
+    }
+    let _ = writeln!(out, "{space}}}");
+}
+
+fn look(node: &Node) -> String {
+    let name = quoted(&node.name);
+    match node.kind {
+        Kind::Component => {
+            let fill = node
+                .process
+                .map_or(FILLS[0], |process| FILLS[process % FILLS.len()]);
+            let (left, right) = (ports(&node.left, 'l'), ports(&node.right, 'r'));
+            let label = format!("{left}|{{{name}|{}}}|{right}", quoted(&node.note));
+            format!("shape=record, fillcolor=\"{fill}\", label=\"{label}\"")
+        }
+        Kind::Topic => {
+            format!("shape=box, style=\"filled,rounded\", fillcolor=\"{TOPIC}\", label=\"{name}\"")
+        }
+        Kind::OpenTopic => format!(
+            "shape=box, style=\"filled,rounded\", peripheries=2, fillcolor=\"{TOPIC}\", label=\"{name}\""
+        ),
+        Kind::Outside => format!("shape=cds, fillcolor=white, label=\"{name}\""),
+    }
+}
+
+fn ports(ports: &[Port], side: char) -> String {
+    let ports = ports.iter().enumerate();
+    let ports = ports.map(|(index, port)| format!("<{side}{index}> {}", quoted(&port.name)));
+    format!("{{{}}}", ports.collect::<Vec<_>>().join("|"))
+}
+
+fn place(place: &Place, side: char) -> String {
+    match place.port {
+        Some(port) => format!("n{}:{side}{port}", place.node),
+        None => format!("n{}", place.node),
+    }
+}
+
+/// A text within quotes and records.
+fn quoted(text: &str) -> String {
+    let mut quoted = String::new();
+    for letter in text.chars() {
+        if matches!(letter, '"' | '\\' | '{' | '}' | '|' | '<' | '>') {
+            quoted.push('\\');
+        }
+        quoted.push(letter);
+    }
+    quoted
+}

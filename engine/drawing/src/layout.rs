@@ -1,0 +1,310 @@
+//! Where things are: boxes in layers from left to right, frames inside out.
+//!
+//! After Sugiyama, Tagawa and Toda: cycles are cut, boxes get layers, long lines get a place in every
+//! layer they cross, layers are ordered so that few lines cross, and at last everything gets its place.
+
+mod layer;
+mod place;
+
+use std::collections::BTreeMap;
+
+use crate::picture::{Node, Picture, Place};
+use layer::{Layered, Link};
+
+/// The height of a line of text.
+pub(crate) const ROW: f64 = 18.0;
+
+/// What the name of a component and what it is made of take.
+pub(crate) const HEAD: f64 = 40.0;
+
+/// What the title of a frame takes.
+pub(crate) const TITLE: f64 = 30.0;
+
+/// The space within a frame.
+const MARGIN: f64 = 34.0;
+
+/// A rectangle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Area {
+    pub x: f64,
+    pub y: f64,
+    pub width: f64,
+    pub height: f64,
+}
+
+/// A point of a line, and whether the line runs to the left there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Point {
+    pub x: f64,
+    pub y: f64,
+    pub backwards: bool,
+}
+
+/// Where everything is.
+#[derive(Default)]
+pub(crate) struct Layout {
+    pub nodes: BTreeMap<usize, Area>,
+    pub frames: BTreeMap<usize, Area>,
+    /// The points that each line goes through, by the number of the edge.
+    pub lines: BTreeMap<usize, Vec<Point>>,
+}
+
+/// Lays out a picture.
+pub(crate) fn layout(picture: &Picture) -> Layout {
+    let laid = frame(picture, 0);
+    let mut lines = laid.lines;
+    // the pieces of a line, outside in and inside out, are in the order of the edge
+    for points in lines.values_mut() {
+        points.sort_by_key(|(stage, _)| *stage);
+    }
+    let lines = lines.into_iter().map(|(edge, pieces)| {
+        let points = pieces.into_iter().flat_map(|(_, points)| points);
+        (edge, points.collect())
+    });
+    Layout {
+        nodes: laid.nodes,
+        frames: laid.frames,
+        lines: lines.collect(),
+    }
+}
+
+/// The width of a text, as far as one can say without the font.
+pub(crate) fn text_width(text: &str, size: f64) -> f64 {
+    text.chars().count() as f64 * size * 0.56
+}
+
+/// How large a box is.
+pub(crate) fn size(node: &Node) -> (f64, f64) {
+    let widest = |ports: &[crate::picture::Port]| {
+        let widths = ports.iter().map(|port| text_width(&port.name, 11.0));
+        widths.fold(0.0, f64::max)
+    };
+    let head = text_width(&node.name, 13.5).max(text_width(&node.note, 10.0)) + 24.0;
+    let rows = node.left.len().max(node.right.len());
+    match rows {
+        0 if node.note.is_empty() => (text_width(&node.name, 12.0) + 28.0, 28.0),
+        _ => {
+            let ports = widest(&node.left) + widest(&node.right) + 52.0;
+            (head.max(ports), HEAD + rows as f64 * ROW + 8.0)
+        }
+    }
+}
+
+/// Where a port is, from the top of its box.
+pub(crate) fn port_y(node: &Node, port: Option<usize>) -> f64 {
+    match port {
+        Some(port) => HEAD + (port as f64 + 0.5) * ROW,
+        None => size(node).1 / 2.0,
+    }
+}
+
+/// The pieces of a line, each with its place among them.
+type Pieces = Vec<(i32, Vec<Point>)>;
+
+/// A frame laid out, with its corner at the origin.
+#[derive(Default)]
+struct Laid {
+    width: f64,
+    height: f64,
+    nodes: BTreeMap<usize, Area>,
+    frames: BTreeMap<usize, Area>,
+    lines: BTreeMap<usize, Pieces>,
+    /// Where lines cross the border, by edge: into it at the left, out of it at the right.
+    enters: BTreeMap<usize, f64>,
+    leaves: BTreeMap<usize, f64>,
+}
+
+/// What stands side by side in a frame.
+enum Thing {
+    Node(usize),
+    Frame(usize, Box<Laid>),
+    /// Where a line enters the frame, or leaves it.
+    Border,
+}
+
+fn frame(picture: &Picture, index: usize) -> Laid {
+    let mut things: Vec<Thing> = Vec::new();
+    for (number, node) in picture.nodes.iter().enumerate() {
+        if node.frame == index {
+            things.push(Thing::Node(number));
+        }
+    }
+    for (inner, frame) in picture.frames.iter().enumerate() {
+        if frame.parent == Some(index) {
+            things.push(Thing::Frame(inner, Box::new(self::frame(picture, inner))));
+        }
+    }
+    let mut links = Vec::new();
+    let (mut left, mut right) = (Vec::new(), Vec::new());
+    for (number, edge) in picture.edges.iter().enumerate() {
+        let ends = (
+            end(picture, &things, edge.from),
+            end(picture, &things, edge.to),
+        );
+        let (from, to) = match ends {
+            // inside of one of the nested frames
+            (Some(from), Some(to))
+                if from == to && matches!(things.get(from), Some(Thing::Frame(..))) =>
+            {
+                continue;
+            }
+            (Some(from), Some(to)) => (from, to),
+            (None, Some(to)) => {
+                things.push(Thing::Border);
+                left.push(things.len() - 1);
+                (things.len() - 1, to)
+            }
+            (Some(from), None) => {
+                things.push(Thing::Border);
+                right.push(things.len() - 1);
+                (from, things.len() - 1)
+            }
+            (None, None) => continue,
+        };
+        links.push(Link {
+            edge: number,
+            from,
+            to,
+            from_y: side(picture, things.get(from), number, edge.from, true),
+            to_y: side(picture, things.get(to), number, edge.to, false),
+        });
+    }
+    let sizes: Vec<(f64, f64)> = things.iter().map(|thing| extent(picture, thing)).collect();
+    let layered = Layered::new(&sizes, links, &left, &right);
+    let placed = place::place(&layered);
+    assemble(picture, index, things, &sizes, &layered, &placed)
+}
+
+/// Which of the things a place belongs to.
+fn end(picture: &Picture, things: &[Thing], place: Place) -> Option<usize> {
+    things.iter().position(|thing| match thing {
+        Thing::Node(node) => *node == place.node,
+        Thing::Frame(frame, _) => {
+            let node = picture.nodes.get(place.node);
+            node.is_some_and(|node| picture.is_in(node.frame, *frame))
+        }
+        Thing::Border => false,
+    })
+}
+
+fn extent(picture: &Picture, thing: &Thing) -> (f64, f64) {
+    match thing {
+        Thing::Node(node) => picture.nodes.get(*node).map_or((0.0, 0.0), size),
+        Thing::Frame(_, laid) => (laid.width, laid.height),
+        Thing::Border => (0.0, 4.0),
+    }
+}
+
+/// Where a line meets a thing, from its top.
+fn side(picture: &Picture, thing: Option<&Thing>, edge: usize, place: Place, leaves: bool) -> f64 {
+    match thing {
+        Some(Thing::Node(node)) => {
+            let node = picture.nodes.get(*node);
+            node.map_or(0.0, |node| port_y(node, place.port))
+        }
+        Some(Thing::Frame(_, laid)) => {
+            let borders = if leaves { &laid.leaves } else { &laid.enters };
+            borders.get(&edge).copied().unwrap_or(laid.height / 2.0)
+        }
+        Some(Thing::Border) | None => 2.0,
+    }
+}
+
+/// Puts everything of a frame together, what is nested moved to its place.
+fn assemble(
+    picture: &Picture,
+    index: usize,
+    things: Vec<Thing>,
+    sizes: &[(f64, f64)],
+    layered: &Layered,
+    placed: &place::Placed,
+) -> Laid {
+    let mut laid = Laid {
+        width: placed.width + 2.0 * MARGIN,
+        height: placed.height + MARGIN + TITLE,
+        ..Laid::default()
+    };
+    let title = picture
+        .frames
+        .get(index)
+        .map_or(0.0, |it| text_width(&it.name, 13.0));
+    laid.width = laid.width.max(title + 2.0 * MARGIN);
+    let (dx, dy) = (MARGIN, TITLE);
+    let moved = |point: &Point| Point {
+        x: point.x + dx,
+        y: point.y + dy,
+        backwards: point.backwards,
+    };
+    for (link, points) in layered.links.iter().zip(&placed.lines) {
+        let mut points: Vec<Point> = points.iter().map(moved).collect();
+        // a line that crosses the border does so at the border
+        if let (Some(Thing::Border), Some(first)) = (things.get(link.from), points.first_mut()) {
+            first.x = 0.0;
+            laid.enters.insert(link.edge, first.y);
+        }
+        if let (Some(Thing::Border), Some(last)) = (things.get(link.to), points.last_mut()) {
+            last.x = laid.width;
+            laid.leaves.insert(link.edge, last.y);
+        }
+        laid.lines.entry(link.edge).or_default().push((0, points));
+    }
+    for (number, thing) in things.into_iter().enumerate() {
+        let corner = placed.corners.get(number).copied().unwrap_or_default();
+        let (width, height) = sizes.get(number).copied().unwrap_or_default();
+        let area = Area {
+            x: corner.0 + dx,
+            y: corner.1 + dy,
+            width,
+            height,
+        };
+        match thing {
+            Thing::Node(node) => {
+                laid.nodes.insert(node, area);
+            }
+            Thing::Frame(_, inner) => nest(picture, &mut laid, *inner, area),
+            Thing::Border => {}
+        }
+    }
+    let (width, height) = (laid.width, laid.height);
+    let whole = Area {
+        width,
+        height,
+        ..Area::default()
+    };
+    laid.frames.insert(index, whole);
+    laid
+}
+
+/// Moves what a nested frame has to its place. A piece inside of it comes before the others if the line
+/// begins there, else behind them.
+fn nest(picture: &Picture, laid: &mut Laid, inner: Laid, area: Area) {
+    let shift = |it: Area| Area {
+        x: it.x + area.x,
+        y: it.y + area.y,
+        ..it
+    };
+    laid.nodes
+        .extend(inner.nodes.iter().map(|(node, it)| (*node, shift(*it))));
+    laid.frames.extend(
+        inner
+            .frames
+            .into_iter()
+            .map(|(frame, it)| (frame, shift(it))),
+    );
+    for (edge, pieces) in inner.lines {
+        let begins = picture
+            .edges
+            .get(edge)
+            .is_some_and(|it| inner.nodes.contains_key(&it.from.node));
+        let stage = if begins { -1 } else { 1 };
+        let lines = laid.lines.entry(edge).or_default();
+        for (within, points) in pieces {
+            let points = points.into_iter().map(|point| Point {
+                x: point.x + area.x,
+                y: point.y + area.y,
+                ..point
+            });
+            lines.push((within + stage, points.collect()));
+        }
+    }
+}

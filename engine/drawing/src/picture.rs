@@ -1,0 +1,348 @@
+//! What is to be seen: boxes in frames, and what joins them.
+
+use std::collections::BTreeMap;
+
+use assembly::Plan;
+use assembly::plan::{Component, End, Implementation, Terminal};
+
+/// A picture, before anybody knows where things are.
+pub(crate) struct Picture {
+    /// The composite and those nested in it; the first is the outermost.
+    pub frames: Vec<Frame>,
+    pub nodes: Vec<Node>,
+    pub edges: Vec<Edge>,
+    /// The processes, if there are several.
+    pub processes: Vec<String>,
+}
+
+/// A composite.
+pub(crate) struct Frame {
+    pub name: String,
+    /// The frame around it.
+    pub parent: Option<usize>,
+}
+
+/// A box.
+pub(crate) struct Node {
+    pub frame: usize,
+    pub kind: Kind,
+    pub name: String,
+    /// What a component is made of.
+    pub note: String,
+    pub process: Option<usize>,
+    /// What others reach it by: services, input ports.
+    pub left: Vec<Port>,
+    /// What it reaches others by: references, output ports.
+    pub right: Vec<Port>,
+}
+
+/// What a box is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Component,
+    Topic,
+    /// A topic that the outside may publish and subscribe.
+    OpenTopic,
+    /// Whoever is outside.
+    Outside,
+}
+
+/// A place at the side of a box.
+pub(crate) struct Port {
+    pub name: String,
+    /// Whether it is called rather than read.
+    pub service: bool,
+}
+
+/// From the right side of a box to the left side of one.
+pub(crate) struct Edge {
+    pub from: Place,
+    pub to: Place,
+    pub kind: Line,
+}
+
+/// A box, and which of its ports.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Place {
+    pub node: usize,
+    pub port: Option<usize>,
+}
+
+/// What goes along a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Line {
+    /// Calls.
+    Call,
+    /// Messages.
+    Flow,
+}
+
+impl Picture {
+    /// The picture of a plan.
+    pub(crate) fn of(plan: &Plan) -> Self {
+        let several = plan.processes.len() > 1;
+        let processes = plan.processes.iter().filter(|_| several);
+        let mut draft = Draft {
+            picture: Self {
+                frames: vec![Frame {
+                    name: plan.name.clone(),
+                    parent: None,
+                }],
+                nodes: Vec::new(),
+                edges: Vec::new(),
+                processes: processes.map(|it| it.name.clone()).collect(),
+            },
+            plan,
+            frames: BTreeMap::from([(String::new(), 0)]),
+            components: BTreeMap::new(),
+            topics: BTreeMap::new(),
+        };
+        draft.nodes();
+        draft.edges();
+        draft.promoted();
+        draft.picture
+    }
+
+    /// Whether a frame lies in another one, or is it.
+    pub(crate) fn is_in(&self, mut frame: usize, outer: usize) -> bool {
+        while frame != outer {
+            match self.frames.get(frame).and_then(|it| it.parent) {
+                Some(parent) => frame = parent,
+                None => return false,
+            }
+        }
+        true
+    }
+}
+
+/// What a component is made of, in a word or two.
+fn note(component: &Component) -> String {
+    let file = |path: &str| path.rsplit('/').next().unwrap_or(path).to_owned();
+    match &component.implementation {
+        Implementation::Rust(name) => name.clone(),
+        Implementation::Asm(asm) => file(&asm.path),
+        Implementation::Builtin(builtin) => builtin.kind.to_string(),
+        Implementation::Process(words) => words
+            .iter()
+            .map(|it| file(it))
+            .collect::<Vec<_>>()
+            .join(" "),
+        Implementation::Ros(words) | Implementation::Orocos(words) => words.join(" "),
+    }
+}
+
+struct Draft<'d> {
+    picture: Picture,
+    plan: &'d Plan,
+    /// Frames by the names around them: `Driver/`.
+    frames: BTreeMap<String, usize>,
+    components: BTreeMap<&'d str, usize>,
+    topics: BTreeMap<&'d str, usize>,
+}
+
+impl<'d> Draft<'d> {
+    fn nodes(&mut self) {
+        let plan = self.plan;
+        for component in &plan.components {
+            let (frame, name) = self.within(&component.name);
+            let mut processes = plan.processes.iter().filter(|_| plan.processes.len() > 1);
+            let process = processes.position(|it| it.components.contains(&component.name));
+            let port = |name: &String, service: bool| Port {
+                name: name.clone(),
+                service,
+            };
+            let used = |port: &&assembly::plan::Port| self.is_used(&component.name, &port.name);
+            let services = component.services.iter().map(|it| port(&it.name, true));
+            let references = component.references.iter().map(|it| port(&it.name, true));
+            let inputs = component
+                .inputs
+                .iter()
+                .filter(used)
+                .map(|it| port(&it.name, false));
+            let outputs = component
+                .outputs
+                .iter()
+                .filter(used)
+                .map(|it| port(&it.name, false));
+            let (left, right) = (
+                services.chain(inputs).collect(),
+                references.chain(outputs).collect(),
+            );
+            self.components
+                .insert(&component.name, self.picture.nodes.len());
+            self.picture.nodes.push(Node {
+                frame,
+                kind: Kind::Component,
+                name,
+                note: note(component),
+                process,
+                left,
+                right,
+            });
+        }
+        for topic in &plan.topics {
+            let (frame, name) = self.known(&topic.name);
+            let kind = if topic.promoted {
+                Kind::OpenTopic
+            } else {
+                Kind::Topic
+            };
+            self.topics.insert(&topic.name, self.picture.nodes.len());
+            self.picture.nodes.push(plain(frame, kind, name));
+        }
+    }
+
+    /// The frame that a component is in, and its own name.
+    fn within(&mut self, name: &str) -> (usize, String) {
+        let mut frame = 0;
+        let mut start = 0;
+        while let Some(slash) = name.get(start..).and_then(|rest| rest.find('/')) {
+            let end = start + slash;
+            let known = self.frames.get(&name[..end]).copied();
+            frame = known.unwrap_or_else(|| {
+                self.picture.frames.push(Frame {
+                    name: name[start..end].to_owned(),
+                    parent: Some(frame),
+                });
+                let index = self.picture.frames.len() - 1;
+                self.frames.insert(name[..end].to_owned(), index);
+                index
+            });
+            start = end + 1;
+        }
+        (frame, name[start..].to_owned())
+    }
+
+    /// The frame that a topic is in, and its own name, which may have slashes of its own.
+    fn known(&self, name: &str) -> (usize, String) {
+        let slashes = name.match_indices('/').map(|(at, _)| at);
+        let inner = slashes.filter_map(|at| Some((at, self.frames.get(&name[..at])?)));
+        match inner.last() {
+            Some((at, frame)) => (*frame, name[at + 1..].to_owned()),
+            None => (0, name.to_owned()),
+        }
+    }
+
+    /// Whether a port is joined to something, or promoted.
+    fn is_used(&self, component: &str, port: &str) -> bool {
+        let is = |end: &End| end.component == component && end.name == port;
+        let is_end = |terminal: &Terminal| matches!(terminal, Terminal::Port(end) if is(end));
+        let plan = self.plan;
+        let topics = plan.topics.iter();
+        let mut ends = topics.flat_map(|it| it.publishers.iter().chain(&it.subscribers));
+        let mut connections = plan.connections.iter();
+        let inside = format!("{component}.{port}");
+        ends.any(is)
+            || connections.any(|it| is_end(&it.from) || is_end(&it.to))
+            || plan.promoted.iter().any(|it| it.inside == inside)
+    }
+
+    fn edges(&mut self) {
+        let plan = self.plan;
+        for wire in &plan.wires {
+            for service in &wire.services {
+                let ends = (self.right(&wire.reference), self.left(service));
+                self.edge(ends, Line::Call);
+            }
+        }
+        for connection in &plan.connections {
+            let ends = match (&connection.from, &connection.to) {
+                (Terminal::Port(from), Terminal::Port(to)) => (self.right(from), self.left(to)),
+                (queue @ Terminal::Mqueue(_), Terminal::Port(to)) => {
+                    (self.outside(queue.to_string()), self.left(to))
+                }
+                (Terminal::Port(from), queue @ Terminal::Mqueue(_)) => {
+                    (self.right(from), self.outside(queue.to_string()))
+                }
+                // who is on a topic, the topic says
+                (Terminal::Topic(_), _) | (_, Terminal::Topic(_)) => continue,
+                // nothing is only passed on
+                (Terminal::Mqueue(_), Terminal::Mqueue(_)) => continue,
+            };
+            self.edge(ends, Line::Flow);
+        }
+        for topic in &plan.topics {
+            let node = self.topics.get(topic.name.as_str());
+            let here = node.map(|node| Place {
+                node: *node,
+                port: None,
+            });
+            for from in &topic.publishers {
+                self.edge((self.right(from), here), Line::Flow);
+            }
+            for to in &topic.subscribers {
+                self.edge((here, self.left(to)), Line::Flow);
+            }
+        }
+    }
+
+    fn edge(&mut self, ends: (Option<Place>, Option<Place>), kind: Line) {
+        if let (Some(from), Some(to)) = ends {
+            self.picture.edges.push(Edge { from, to, kind });
+        }
+    }
+
+    /// Somebody outside of the composite.
+    fn outside(&mut self, name: String) -> Option<Place> {
+        let node = self.picture.nodes.len();
+        self.picture.nodes.push(plain(0, Kind::Outside, name));
+        Some(Place { node, port: None })
+    }
+
+    fn left(&self, end: &End) -> Option<Place> {
+        self.place(end, |node| &node.left)
+    }
+
+    fn right(&self, end: &End) -> Option<Place> {
+        self.place(end, |node| &node.right)
+    }
+
+    fn place(&self, end: &End, side: impl Fn(&Node) -> &Vec<Port>) -> Option<Place> {
+        let node = *self.components.get(end.component.as_str())?;
+        let ports = side(self.picture.nodes.get(node)?);
+        let port = ports.iter().position(|port| port.name == end.name);
+        Some(Place { node, port })
+    }
+
+    /// Services, references and ports that the outside sees.
+    fn promoted(&mut self) {
+        for promoted in &self.plan.promoted {
+            let Some((component, name)) = promoted.inside.rsplit_once('.') else {
+                continue;
+            };
+            let end = End {
+                component: component.to_owned(),
+                name: name.to_owned(),
+            };
+            let kind = match promoted.what {
+                "service" | "reference" => Line::Call,
+                _ => Line::Flow,
+            };
+            let has = |place: Option<Place>| place.filter(|place| place.port.is_some());
+            let (left, right) = (has(self.left(&end)), has(self.right(&end)));
+            if left.is_none() && right.is_none() {
+                continue;
+            }
+            let outside = self.outside(promoted.name.clone());
+            match (promoted.what, left, right) {
+                ("reference", _, Some(right)) | (_, None, Some(right)) => {
+                    self.edge((Some(right), outside), kind);
+                }
+                (_, left, _) => self.edge((outside, left), kind),
+            }
+        }
+    }
+}
+
+/// A box without ports.
+fn plain(frame: usize, kind: Kind, name: String) -> Node {
+    Node {
+        frame,
+        kind,
+        name,
+        note: String::new(),
+        process: None,
+        left: Vec::new(),
+        right: Vec::new(),
+    }
+}

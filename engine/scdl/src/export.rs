@@ -1,0 +1,268 @@
+//! Composite files → SCDL. What SCDL cannot say is a finding, and a comment in the XML.
+
+mod component;
+
+use assembly::At;
+use assembly::model::{self as here, Amount, Piece, Promoted, Template, Transport};
+use assembly::tree::Node;
+use source::{Report, Span};
+
+use crate::finding::ScdlError;
+use crate::model::{Binding, Composite, Contract, Multiplicity, Property, Target};
+use crate::tca::Time;
+use crate::{value, write};
+
+/// What was exported.
+pub struct Exported {
+    /// The text of the SCDL file.
+    pub text: String,
+    /// What SCDL cannot say, at its place in the composite file.
+    pub report: Report,
+}
+
+/// Writes a composite as SCDL.
+///
+/// # Errors
+/// The writer of XML fails.
+pub fn export(composite: &here::Composite) -> std::io::Result<Exported> {
+    let mut exporter = Exporter {
+        composite,
+        report: Report::new(),
+        notes: Vec::new(),
+    };
+    let scdl = exporter.composite();
+    Ok(Exported {
+        text: write::write(&scdl)?,
+        report: exporter.report.finish(),
+    })
+}
+
+struct Exporter<'e> {
+    composite: &'e here::Composite,
+    report: Report,
+    /// What SCDL cannot say of the thing being written.
+    notes: Vec<String>,
+}
+
+impl Exporter<'_> {
+    fn unsayable(&mut self, what: impl Into<String>, of: &str, at: Span) {
+        let (what, of) = (what.into(), of.to_owned());
+        self.notes.push(format!("{what} of {of}"));
+        self.report
+            .push(ScdlError::Unsayable { what, of, at }.diagnostic());
+    }
+
+    fn composite(&mut self) -> Composite {
+        let composite = self.composite;
+        let components = composite.components.iter();
+        let components = components.map(|it| self.component(it)).collect();
+        let (mut services, mut references) = (Vec::new(), Vec::new());
+        for promotion in &composite.promotions {
+            let name = &promotion.name;
+            match &promotion.what {
+                Promoted::Service(end) => services.push(self.promotion(promotion, end)),
+                Promoted::Reference(end) => references.push(self.promotion(promotion, end)),
+                Promoted::Property(_) | Promoted::Port(_) | Promoted::Topic(_) => {
+                    let what = format!("the promotion as {}", promotion.what.kind());
+                    self.unsayable(what, name, name.span);
+                }
+            }
+        }
+        let properties = composite.properties.iter();
+        let properties = properties.map(|it| self.property(it)).collect();
+        self.of_the_engine();
+        Composite {
+            name: composite.name.clone(),
+            namespace: composite.namespace.clone(),
+            doc: composite.doc.as_ref().map(|doc| doc.value.clone()),
+            autowire: false,
+            includes: Vec::new(),
+            properties,
+            components,
+            services,
+            references,
+            wires: Vec::new(),
+            notes: std::mem::take(&mut self.notes),
+        }
+    }
+
+    /// Whatever is the engine's alone.
+    fn of_the_engine(&mut self) {
+        let composite = self.composite;
+        let name = &composite.name.value;
+        if let Some(version) = &composite.version {
+            self.unsayable("the version", name, version.span);
+        }
+        for file in &composite.types {
+            self.unsayable("the message types", file, file.span);
+        }
+        for broker in &composite.brokers {
+            self.broker(broker);
+        }
+        for bridge in &composite.bridges {
+            self.unsayable("the bridge", &bridge.name, bridge.name.span);
+        }
+        for topic in &composite.topics {
+            self.unsayable("how messages are sent", &topic.name, topic.name.span);
+        }
+        for connection in &composite.connections {
+            let from = connection.from.iter().map(ToString::to_string);
+            let from = from.collect::<Vec<_>>().join(", ");
+            self.unsayable("the connections", &from, connection.span);
+        }
+        if let Some(deploy) = &composite.deploy {
+            self.unsayable("the processes", name, deploy.span);
+        }
+    }
+
+    /// An address goes to the components that use it.
+    fn broker(&mut self, broker: &here::Broker) {
+        let settings = [
+            broker.exchange.is_some(),
+            broker.codec.is_some(),
+            broker.tls.is_some(),
+            broker.reconnect.is_some(),
+        ];
+        if settings.contains(&true) {
+            self.unsayable("the settings", &broker.name, broker.name.span);
+        }
+        let uses = |component: &here::Component| {
+            let pace = component.pace.as_ref();
+            let named = pace.and_then(|pace| pace.broker.as_ref());
+            named.is_some_and(|named| named.value == broker.name.value)
+        };
+        if !self.composite.components.iter().any(uses) {
+            self.unsayable("the address", &broker.name, broker.url.span);
+        }
+    }
+
+    fn property(&mut self, property: &here::Property) -> Property {
+        let name = &property.name;
+        if property.min.is_some() || property.max.is_some() {
+            self.unsayable("the range", name, name.span);
+        }
+        if let Some(doc) = &property.doc {
+            self.unsayable("what is the use", name, doc.span);
+        }
+        let secret = property.kind.scalar == here::Scalar::Secret;
+        let shown = property
+            .default
+            .as_ref()
+            .filter(|node| !secret || is_variable(node));
+        if shown.is_none() && property.default.is_some() {
+            self.unsayable("the secret", name, name.span);
+        }
+        let texts = shown.and_then(value::texts).unwrap_or_default();
+        let at = property
+            .default
+            .as_ref()
+            .map_or(name.span, |node| node.span);
+        Property {
+            name: name.clone(),
+            kind: Some(At::new(
+                value::xml_type(property.kind.scalar).to_owned(),
+                property.kind.span,
+            )),
+            values: texts.into_iter().map(|text| At::new(text, at)).collect(),
+            many: property.kind.list,
+            source: None,
+            must_supply: property.default.is_none(),
+            notes: Vec::new(),
+        }
+    }
+
+    fn promotion(&mut self, promotion: &here::Promotion, inside: &here::End) -> Contract {
+        self.profiles(&promotion.profiles, &promotion.name);
+        let multiplicity = Multiplicity {
+            optional: promotion.optional,
+            many: false,
+        };
+        let binding = promotion.binding.as_ref();
+        Contract {
+            binding: binding.and_then(|binding| self.binding(binding, &promotion.name)),
+            promote: vec![target(inside)],
+            ..contract(promotion.name.clone(), multiplicity)
+        }
+    }
+
+    fn binding(&mut self, binding: &At<Transport>, of: &str) -> Option<Binding> {
+        match binding.value {
+            Transport::Local => None,
+            Transport::Amqp => Some(Binding::Jms),
+            Transport::Http => Some(Binding::Http),
+            Transport::Ros => {
+                self.unsayable("the binding to ROS", of, binding.span);
+                None
+            }
+        }
+    }
+
+    fn profiles(&mut self, profiles: &[At<String>], of: &str) {
+        if let Some(profile) = profiles.first() {
+            self.unsayable("the profile", of, profile.span);
+        }
+    }
+
+    /// A time that SCDL can say; nothing is 0.
+    fn time(&mut self, time: Option<&At<Amount>>, of: &str) -> Time {
+        let Some(time) = time else {
+            return Time::Milliseconds(0);
+        };
+        match &time.value {
+            Amount::Number(number) => Time::Milliseconds(*number),
+            Amount::Template(template) => match template.pieces.as_slice() {
+                [Piece::Property { name, span }] => Time::Property(At::new(name.clone(), *span)),
+                _ => {
+                    self.unsayable("the time", of, time.span);
+                    Time::Milliseconds(0)
+                }
+            },
+        }
+    }
+}
+
+/// A service or a reference that says nothing but its name.
+fn contract(name: At<String>, multiplicity: Multiplicity) -> Contract {
+    Contract {
+        name,
+        interface: None,
+        binding: None,
+        promote: Vec::new(),
+        targets: Vec::new(),
+        multiplicity,
+        autowire: None,
+        notes: Vec::new(),
+    }
+}
+
+fn target(end: &here::End) -> Target {
+    Target {
+        component: end.component.clone(),
+        name: Some(end.name.clone()),
+    }
+}
+
+/// Whether a value is nothing but variables of the environment, so that no secret is in it.
+fn is_variable(node: &Node) -> bool {
+    let texts = value::texts(node).unwrap_or_default();
+    texts.iter().all(|text| value::names_variable(text))
+}
+
+/// A text as it was written.
+fn written(template: &Template) -> String {
+    let pieces = template.pieces.iter().map(|piece| match piece {
+        Piece::Text(text) => text.replace("${", "$${"),
+        Piece::Property { name, .. } => format!("${{properties.{name}}}"),
+        Piece::Variable {
+            name,
+            default: Some(default),
+            ..
+        } => format!("${{{name}:-{default}}}"),
+        Piece::Variable {
+            name,
+            default: None,
+            ..
+        } => format!("${{{name}}}"),
+    });
+    pieces.collect()
+}

@@ -1,0 +1,289 @@
+//! One component and what it is wired to.
+
+use assembly::At;
+use assembly::model::{self as here, Implementation as Made};
+use assembly::tree::Branch;
+use source::Span;
+
+use super::{Exporter, contract, target, written};
+use crate::model::{
+    Component, Contract, Implementation, Interface, Multiplicity, Property, Target,
+};
+use crate::tca::{self, Task};
+use crate::toml::TIMEOUT_MS;
+use crate::{name, value};
+
+impl Exporter<'_> {
+    pub(super) fn component(&mut self, component: &here::Component) -> Component {
+        let outer = std::mem::take(&mut self.notes);
+        let mut properties = Vec::new();
+        if component.pace.is_some() || !component.rename.is_empty() {
+            let task = self.task(component);
+            properties = tca::properties(&task, component.name.span);
+        }
+        for setting in &component.properties {
+            properties.extend(self.setting(component, setting));
+        }
+        let implementation = self.implementation(component);
+        self.only_here(component);
+        let (services, mut references) = contracts(component);
+        self.wires(component, &mut references);
+        Component {
+            name: component.name.clone(),
+            doc: component.doc.as_ref().map(|doc| doc.value.clone()),
+            autowire: None,
+            implementation,
+            services,
+            references,
+            properties,
+            notes: std::mem::replace(&mut self.notes, outer),
+        }
+    }
+
+    /// What the ten properties say; an activity is a task without a broker.
+    fn task(&mut self, component: &here::Component) -> Task {
+        let name = &component.name;
+        let pace = component.pace.as_ref();
+        let id = pace.and_then(|pace| pace.id.as_ref()).unwrap_or(name);
+        let broker = pace.and_then(|pace| pace.broker.as_ref());
+        let broker = broker.and_then(|named| {
+            let mut brokers = self.composite.brokers.iter();
+            brokers.find(|it| it.name.value == named.value)
+        });
+        let rename = component.rename.iter();
+        Task {
+            id: id.value.clone(),
+            period: self.time(pace.and_then(|it| it.period_ms.as_ref()), name),
+            delay: self.time(pace.and_then(|it| it.delay_ms.as_ref()), name),
+            run_on_startup: pace
+                .and_then(|it| it.run_on_startup.as_ref())
+                .is_none_or(|run| run.value),
+            may_interrupt_if_running: pace
+                .and_then(|it| it.may_interrupt_if_running.as_ref())
+                .is_some_and(|may| may.value),
+            broker: broker.map(|broker| self.address(broker)),
+            rename: rename
+                .map(|it| (it.from.value.clone(), it.to.value.clone()))
+                .collect(),
+        }
+    }
+
+    /// The address of a broker, as it is written; a password that stands in it is left out.
+    fn address(&mut self, broker: &here::Broker) -> String {
+        let address = written(&broker.url);
+        if tca::has_password(&address) {
+            self.unsayable("the password", &broker.name, broker.url.span);
+        }
+        address
+    }
+
+    fn setting(
+        &mut self,
+        component: &here::Component,
+        setting: &here::Setting,
+    ) -> Option<Property> {
+        let at = setting.value.span;
+        let source = match &setting.value.value {
+            Branch::Text(text) => text
+                .strip_prefix("${properties.")
+                .and_then(|rest| rest.strip_suffix('}'))
+                .map(|name| At::new(name.to_owned(), at)),
+            _ => None,
+        };
+        let Some(texts) = value::texts(&setting.value) else {
+            let of = format!("{}.{}", component.name.value, setting.name.value);
+            self.unsayable("a value with parts", &of, at);
+            return None;
+        };
+        let values = texts.into_iter().map(|text| At::new(text, at));
+        Some(Property {
+            name: setting.name.clone(),
+            kind: None,
+            values: if source.is_some() {
+                Vec::new()
+            } else {
+                values.collect()
+            },
+            many: matches!(setting.value.value, Branch::List(_)),
+            source,
+            must_supply: false,
+            notes: Vec::new(),
+        })
+    }
+
+    fn implementation(&mut self, component: &here::Component) -> Option<Implementation> {
+        let made_of = component.implementation.as_ref()?;
+        match made_of {
+            Made::Rust(name) => Some(Implementation::Java(
+                name.clone().map(|name| name::class(&name)),
+            )),
+            Made::Asm { file, main } => {
+                if let Some(main) = main {
+                    self.unsayable("the main rule", &component.name, main.span);
+                }
+                Some(Implementation::Asm(file.clone()))
+            }
+            Made::Composite(file) => Some(Implementation::Composite(
+                file.clone().map(|file| name::of_file(&file).to_owned()),
+            )),
+            Made::Process { command, arguments } if command.value == "python3" => {
+                arguments.first().cloned().map(Implementation::Python)
+            }
+            Made::Process { .. }
+            | Made::Builtin { .. }
+            | Made::Ros { .. }
+            | Made::Orocos { .. } => {
+                self.unsayable("the implementation", &component.name, made_of.span());
+                None
+            }
+        }
+    }
+
+    /// Whatever of a component is the engine's alone.
+    fn only_here(&mut self, component: &here::Component) {
+        let name = &component.name;
+        self.profiles(&component.profiles, name);
+        let pace = component.pace.as_ref();
+        let scheduled = pace.filter(|pace| {
+            pace.overrun.is_some()
+                || pace.scheduler.is_some()
+                || pace.priority.is_some()
+                || !pace.cpu.is_empty()
+                || pace.deadline_ms.is_some()
+                || pace.on_deadline.is_some()
+                || pace.master.is_some()
+        });
+        let first = |listed: &[here::Listed]| listed.first().map(|it| it.name.span);
+        let ports = first(&component.inputs).or_else(|| first(&component.outputs));
+        let topics = first(&component.subscribe).or_else(|| first(&component.publish));
+        let monitored = component.bind.monitored.first().map(|it| it.function.span);
+        let out = component.bind.out.first().map(|it| it.function.span);
+        let rows: [(&str, Option<Span>); 9] = [
+            ("the scheduling", scheduled.map(|pace| pace.span)),
+            (
+                "the life cycle",
+                component.lifecycle.as_ref().map(|_| name.span),
+            ),
+            ("the ports", ports),
+            ("the types of the topics", topics),
+            ("the operations", first(&component.operations)),
+            ("the binding of functions", monitored.or(out)),
+            (
+                "what is verified",
+                component.verify.as_ref().map(|_| name.span),
+            ),
+            ("the map", (!component.map.is_empty()).then_some(name.span)),
+            (
+                "the charts",
+                (!component.plots.is_empty()).then_some(name.span),
+            ),
+        ];
+        for (what, at) in rows {
+            if let Some(at) = at {
+                self.unsayable(what, name, at);
+            }
+        }
+        if let Some(notify) = &component.notify {
+            self.unsayable("the events", name, notify.span);
+        }
+    }
+
+    /// Puts the wires of a component to its references.
+    fn wires(&mut self, component: &here::Component, references: &mut Vec<Contract>) {
+        let composite = self.composite;
+        let own = composite.wires.iter();
+        let own = own.filter(|wire| wire.reference.component.value == component.name.value);
+        for wire in own {
+            let services = component.services.iter();
+            let mut services = services.map(|it| name::callback(&it.name));
+            if services.any(|callback| callback == wire.reference.name.value) {
+                continue;
+            }
+            let name = &wire.reference.name;
+            let known = references.iter().position(|it| it.name.value == name.value);
+            let index = known.unwrap_or_else(|| {
+                references.push(contract(name.clone(), Multiplicity::default()));
+                references.len() - 1
+            });
+            let binding = self.wire(wire);
+            if let Some(reference) = references.get_mut(index) {
+                reference.targets = wire.services.iter().map(target).collect::<Vec<Target>>();
+                reference.multiplicity.many = wire.services.len() > 1;
+                reference.binding = binding;
+            }
+        }
+    }
+
+    /// What a wire goes over; what else it says, SCDL cannot.
+    fn wire(&mut self, wire: &here::Wire) -> Option<crate::model::Binding> {
+        let of = wire.reference.to_string();
+        self.profiles(&wire.profiles, &of);
+        let many = wire.services.len() > 1;
+        let timeout = wire.timeout_ms.as_ref().filter(|it| it.value != TIMEOUT_MS);
+        let oneway = wire.oneway.as_ref().filter(|it| !many || !it.value);
+        let rows = [
+            ("the deadline", timeout.map(|it| it.span)),
+            ("the retries", wire.retry.as_ref().map(|_| wire.span)),
+            ("the cancelling", wire.cancel.as_ref().map(|it| it.span)),
+            ("that nobody waits", oneway.map(|it| it.span)),
+        ];
+        for (what, at) in rows {
+            if let Some(at) = at {
+                self.unsayable(what, &of, at);
+            }
+        }
+        let binding = wire.binding.as_ref()?;
+        self.binding(binding, &of)
+    }
+}
+
+/// Services and references with their interfaces; a reference that calls back is part of the interface of
+/// its service, and so on the other side.
+fn contracts(component: &here::Component) -> (Vec<Contract>, Vec<Contract>) {
+    let services = component.services.iter();
+    let services: Vec<Contract> = services
+        .map(|it| with_interface(&it.name, &it.kind, false))
+        .collect();
+    let references = component.references.iter();
+    let references: Vec<Contract> = references
+        .map(|it| with_interface(&it.name, &it.interface, it.optional))
+        .collect();
+    (
+        called_back(&services, &references),
+        called_back(&references, &services),
+    )
+}
+
+fn with_interface(name: &At<String>, interface: &At<String>, optional: bool) -> Contract {
+    let interface = Interface {
+        name: interface.clone(),
+        callback: None,
+    };
+    let multiplicity = Multiplicity {
+        optional,
+        many: false,
+    };
+    Contract {
+        interface: Some(interface),
+        ..contract(name.clone(), multiplicity)
+    }
+}
+
+/// These, with what is called back on the other side; those that are called back themselves left out.
+fn called_back(these: &[Contract], others: &[Contract]) -> Vec<Contract> {
+    let is_callback = |it: &&Contract| {
+        let mut others = others.iter();
+        !others.any(|other| name::callback(&other.name) == it.name.value)
+    };
+    let complete = |it: &Contract| {
+        let mut it = it.clone();
+        let callback = name::callback(&it.name);
+        let back = others.iter().find(|other| other.name.value == callback);
+        let back = back.and_then(|back| back.interface.as_ref());
+        if let (Some(interface), Some(back)) = (&mut it.interface, back) {
+            interface.callback = Some(back.name.clone());
+        }
+        it
+    };
+    these.iter().filter(is_callback).map(complete).collect()
+}

@@ -1,0 +1,19 @@
+//! SCDL, the XML in which the Service Component Architecture writes composites: read into composites
+//! of this engine, and written from them.
+
+mod export;
+mod finding;
+mod import;
+mod model;
+mod name;
+mod read;
+mod resolve;
+mod tca;
+mod toml;
+mod value;
+mod write;
+mod xml;
+
+pub use export::{Exported, export};
+pub use finding::CODES;
+pub use import::{Imported, import};

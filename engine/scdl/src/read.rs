@@ -1,0 +1,427 @@
+//! XML → [`Composite`]. Whatever is not asked for is a finding, and kept as it is written.
+
+use assembly::At;
+use source::{FileId, Report};
+
+use crate::finding::ScdlError;
+use crate::model::{
+    Binding, Component, Composite, Contract, Implementation, Interface, Multiplicity, Property,
+    Target, Wire,
+};
+use crate::xml::{self, Element};
+use crate::{name, value};
+
+/// The namespaces of the Service Component Architecture, first to last.
+const NAMESPACES: &[&str] = &[
+    "http://www.osoa.org/xmlns/sca/1.0",
+    "http://docs.oasis-open.org/ns/opencsa/sca/200903",
+    "http://docs.oasis-open.org/ns/opencsa/sca/200912",
+];
+
+/// Reads a composite; `None` where the text is none.
+pub(crate) fn composite(file: FileId, text: &str, report: &mut Report) -> Option<Composite> {
+    let root = match xml::parse(file, text) {
+        Ok(root) => root,
+        Err(error) => {
+            report.push(error.diagnostic());
+            return None;
+        }
+    };
+    let known = NAMESPACES.contains(&root.namespace.as_str());
+    if root.name.value != "composite" || !known {
+        let (name, at) = (root.name.value.clone(), root.name.span);
+        report.push(ScdlError::NotScdl { name, at }.diagnostic());
+        return None;
+    }
+    Some(read(&mut Asked::new(&root, report)))
+}
+
+fn read(asked: &mut Asked<'_, '_>) -> Composite {
+    let name = asked.name();
+    let namespace = asked.attribute("targetNamespace");
+    let autowire = asked.flag("autowire").unwrap_or(false);
+    // a composite of one process is the only kind that there is here
+    asked.attribute("local");
+    Composite {
+        name,
+        namespace,
+        doc: asked.doc(),
+        autowire,
+        includes: asked.each("include", |asked| simple(asked.needed("name"))),
+        properties: asked.each("property", property),
+        components: asked.each("component", component),
+        services: asked.each("service", contract),
+        references: asked.each("reference", contract),
+        wires: asked.each("wire", wire).into_iter().flatten().collect(),
+        notes: asked.rest(),
+    }
+}
+
+fn component(asked: &mut Asked<'_, '_>) -> Component {
+    Component {
+        name: asked.name(),
+        doc: asked.doc(),
+        autowire: asked.flag("autowire"),
+        implementation: implementation(asked),
+        services: asked.each("service", contract),
+        references: asked.each("reference", contract),
+        properties: asked.each("property", property),
+        notes: asked.rest(),
+    }
+}
+
+/// The name without its prefix, at the place of that part.
+fn simple(name: At<String>) -> At<String> {
+    let short = name::simple(&name).to_owned();
+    At::new(short, name.span)
+}
+
+fn implementation(asked: &mut Asked<'_, '_>) -> Option<Implementation> {
+    let java = asked.each("implementation.java", |asked| {
+        Implementation::Java(asked.needed("class"))
+    });
+    let composite = asked.each("implementation.composite", |asked| {
+        Implementation::Composite(simple(asked.needed("name")))
+    });
+    let asm = asked.each("implementation.asm", |asked| {
+        Implementation::Asm(asked.needed("location"))
+    });
+    let python = asked.each("implementation.python", |asked| {
+        Implementation::Python(asked.needed("script"))
+    });
+    let all = java.into_iter().chain(composite).chain(asm).chain(python);
+    all.into_iter().next()
+}
+
+fn contract(asked: &mut Asked<'_, '_>) -> Contract {
+    let name = asked.name();
+    let (promote, targets) = (asked.targets("promote"), asked.targets("target"));
+    let multiplicity = multiplicity(asked);
+    let autowire = asked.flag("autowire");
+    let java = asked.each("interface.java", java_interface);
+    let wsdl = asked.each("interface.wsdl", wsdl_interface);
+    let callbacks = asked.each("callback", |_| ());
+    if !callbacks.is_empty() {
+        // it says over what is called back; that is the wire's business here
+        asked.note("callback");
+    }
+    Contract {
+        name,
+        interface: java.into_iter().chain(wsdl).next(),
+        binding: binding(asked),
+        promote,
+        targets,
+        multiplicity,
+        autowire,
+        notes: asked.rest(),
+    }
+}
+
+fn java_interface(asked: &mut Asked<'_, '_>) -> Interface {
+    let here = |java: At<String>| java.map(|java| name::interface(&java));
+    // said by annotations of the interface, which is somebody else's file
+    asked.attribute("remotable");
+    Interface {
+        name: here(asked.needed("interface")),
+        callback: asked.attribute("callbackInterface").map(here),
+    }
+}
+
+/// `http://maps.example#wsdl.interface(MapService)`.
+fn wsdl_interface(asked: &mut Asked<'_, '_>) -> Interface {
+    let here = |wsdl: At<String>| {
+        let name = wsdl.rsplit(['(', '#']).next().unwrap_or("");
+        let name = format!("wsdl/{}", name.trim_end_matches(')'));
+        At::new(name, wsdl.span)
+    };
+    let interface = asked.needed("interface");
+    asked.keep(
+        &format!("interface.wsdl interface=\"{}\"", interface.value),
+        interface.span,
+    );
+    Interface {
+        name: here(interface),
+        callback: asked.attribute("callbackInterface").map(here),
+    }
+}
+
+/// The first of the bindings; a service has one here.
+fn binding(asked: &mut Asked<'_, '_>) -> Option<Binding> {
+    const BINDINGS: &[(&str, Binding)] = &[
+        ("binding.sca", Binding::Sca),
+        ("binding.ws", Binding::Http),
+        ("binding.rest", Binding::Http),
+        ("binding.jsonrpc", Binding::Http),
+        ("binding.jms", Binding::Jms),
+        ("binding.rmi", Binding::Rmi),
+    ];
+    let known = |element: &Element| {
+        let mut bindings = BINDINGS.iter();
+        bindings.find(|(word, _)| *word == element.name.value)
+    };
+    let (word, binding) = asked.element.children.iter().find_map(known)?;
+    asked.first(word);
+    Some(*binding)
+}
+
+fn multiplicity(asked: &mut Asked<'_, '_>) -> Multiplicity {
+    let all = [(false, false), (false, true), (true, false), (true, true)];
+    let all = all.map(|(optional, many)| Multiplicity { optional, many });
+    let Some(word) = asked.attribute("multiplicity") else {
+        return Multiplicity::default();
+    };
+    let known = all.into_iter().find(|known| known.word() == word.value);
+    known.unwrap_or_else(|| {
+        asked.wrong("multiplicity", &word, "0..1, 1..1, 0..n or 1..n");
+        Multiplicity::default()
+    })
+}
+
+fn property(asked: &mut Asked<'_, '_>) -> Property {
+    let name = asked.name();
+    let kind = asked
+        .attribute("type")
+        .and_then(|kind| simple_type(asked, kind));
+    let many = asked.flag("many").unwrap_or(false);
+    let must_supply = asked.flag("mustSupply").unwrap_or(false);
+    let source = asked.attribute("source");
+    let mut values = asked.each("value", |asked| asked.element.text.clone());
+    let value = asked.attribute("value");
+    let text = &asked.element.text;
+    if values.is_empty() {
+        values.extend(value.or_else(|| (!text.value.is_empty()).then(|| text.clone())));
+    }
+    Property {
+        name,
+        kind,
+        values,
+        many,
+        source: source.and_then(|source| dollar(asked, source)),
+        must_supply,
+        notes: asked.rest(),
+    }
+}
+
+/// A simple type of XML Schema; others have no counterpart.
+fn simple_type(asked: &mut Asked<'_, '_>, kind: At<String>) -> Option<At<String>> {
+    let simple = simple(kind.clone());
+    if value::scalar(&simple).is_none() {
+        asked.keep(&format!("type=\"{}\"", kind.value), kind.span);
+        return None;
+    }
+    Some(simple)
+}
+
+/// `$place`; a path into a structured property has no counterpart.
+fn dollar(asked: &mut Asked<'_, '_>, source: At<String>) -> Option<At<String>> {
+    match source.strip_prefix('$') {
+        Some(name) if !name.contains('/') => Some(At::new(name.to_owned(), source.span)),
+        _ => {
+            asked.keep(&format!("source=\"{}\"", source.value), source.span);
+            None
+        }
+    }
+}
+
+fn wire(asked: &mut Asked<'_, '_>) -> Option<Wire> {
+    let source = target(asked.needed("source"));
+    let target = target(asked.needed("target"));
+    asked.rest();
+    Some(Wire { source, target })
+}
+
+/// `Component/service`; SCA 1.1 may name a binding behind that, which has no counterpart.
+fn target(text: At<String>) -> Target {
+    let mut parts = text.split('/');
+    let at = |part: &str| {
+        let start = text.find(part).unwrap_or(0);
+        let start = text.span.start as usize + start;
+        let span = source::Span::new(text.span.file, start, start + part.len());
+        At::new(part.to_owned(), span)
+    };
+    let component = at(parts.next().unwrap_or(""));
+    let name = parts.next().map(|name| {
+        let mut found = at(name);
+        // behind the component, also where both have one name
+        found.span.start = component.span.end + 1;
+        found.span.end = found.span.start + name.len() as u32;
+        found
+    });
+    Target { component, name }
+}
+
+/// An element being read: what was asked for is what is known.
+struct Asked<'e, 'r> {
+    element: &'e Element,
+    report: &'r mut Report,
+    attributes: Vec<&'static str>,
+    /// Names of children, and how many of them are known.
+    children: Vec<(&'static str, usize)>,
+    notes: Vec<String>,
+    /// Whether the rest was looked at.
+    done: bool,
+}
+
+impl<'e, 'r> Asked<'e, 'r> {
+    fn new(element: &'e Element, report: &'r mut Report) -> Self {
+        Self {
+            element,
+            report,
+            attributes: Vec::new(),
+            children: Vec::new(),
+            notes: Vec::new(),
+            done: false,
+        }
+    }
+
+    fn attribute(&mut self, name: &'static str) -> Option<At<String>> {
+        self.attributes.push(name);
+        let mut attributes = self.element.attributes.iter();
+        let found = attributes.find(|attribute| attribute.name == name);
+        found.map(|attribute| attribute.value.clone())
+    }
+
+    fn needed(&mut self, name: &'static str) -> At<String> {
+        self.attribute(name).unwrap_or_else(|| {
+            let (element, at) = (self.element.name.value.clone(), self.element.span);
+            let attribute = name;
+            let missing = ScdlError::Missing {
+                element,
+                attribute,
+                at,
+            };
+            self.report.push(missing.diagnostic());
+            At::new("missing".to_owned(), at)
+        })
+    }
+
+    /// The `name`, as composites allow it.
+    fn name(&mut self) -> At<String> {
+        let written = self.needed("name");
+        let renamed = name::thing(&written);
+        if renamed != written.value {
+            let (name, at) = (written.value, written.span);
+            let finding = ScdlError::Renamed {
+                name,
+                renamed: renamed.clone(),
+                at,
+            };
+            self.report.push(finding.diagnostic());
+        }
+        At::new(renamed, written.span)
+    }
+
+    fn flag(&mut self, name: &'static str) -> Option<bool> {
+        let text = self.attribute(name)?;
+        match text.trim() {
+            "true" | "1" => Some(true),
+            "false" | "0" => Some(false),
+            _ => {
+                self.wrong(name, &text, "`true` or `false`");
+                None
+            }
+        }
+    }
+
+    /// Names with space in between: `Component/service`.
+    fn targets(&mut self, name: &'static str) -> Vec<Target> {
+        let Some(text) = self.attribute(name) else {
+            return Vec::new();
+        };
+        let mut targets = Vec::new();
+        let mut position = 0;
+        for word in text.split_whitespace() {
+            let start = text.value.get(position..).and_then(|rest| rest.find(word));
+            let start = position + start.unwrap_or(0);
+            position = start + word.len();
+            let offset = text.span.start as usize;
+            let span = source::Span::new(text.span.file, offset + start, offset + position);
+            targets.push(target(At::new(word.to_owned(), span)));
+        }
+        targets
+    }
+
+    fn doc(&mut self) -> Option<String> {
+        let docs = self.each("documentation", |asked| asked.element.text.value.clone());
+        (!docs.is_empty()).then(|| docs.join(" "))
+    }
+
+    /// Every child of this name.
+    fn each<T>(
+        &mut self,
+        name: &'static str,
+        mut read: impl FnMut(&mut Asked<'_, '_>) -> T,
+    ) -> Vec<T> {
+        let children = self.element.children.iter();
+        let children = children.filter(|child| child.name.value == name);
+        let read = children.map(|child| {
+            let mut asked = Asked::new(child, self.report);
+            let read = read(&mut asked);
+            self.notes.extend(asked.rest());
+            read
+        });
+        let read: Vec<T> = read.collect();
+        self.children.push((name, read.len()));
+        read
+    }
+
+    /// The first child of this name is known, and what it says is not.
+    fn first(&mut self, name: &'static str) {
+        self.children.push((name, 1));
+        let mut children = self.element.children.iter();
+        if let Some(child) = children.find(|child| child.name.value == name) {
+            let notes = Asked::new(child, self.report).rest();
+            self.notes.extend(notes);
+        }
+    }
+
+    /// Children of this name have no counterpart, although they were read.
+    fn note(&mut self, name: &'static str) {
+        self.children.retain(|(known, _)| *known != name);
+    }
+
+    fn wrong(&mut self, name: &'static str, value: &At<String>, wanted: &'static str) {
+        let finding = ScdlError::WrongValue {
+            name: name.to_owned(),
+            value: value.value.clone(),
+            wanted,
+            at: value.span,
+        };
+        self.report.push(finding.diagnostic());
+    }
+
+    /// This has no counterpart.
+    fn keep(&mut self, what: &str, at: source::Span) {
+        let what = what.to_owned();
+        self.notes.push(what.clone());
+        self.report
+            .push(ScdlError::NoCounterpart { what, at }.diagnostic());
+    }
+
+    /// Whatever was not asked for; once, however often this is called.
+    fn rest(&mut self) -> Vec<String> {
+        if std::mem::replace(&mut self.done, true) {
+            return Vec::new();
+        }
+        for attribute in &self.element.attributes {
+            if !self.attributes.iter().any(|name| *name == attribute.name) {
+                let what = format!("{}=\"{}\"", attribute.name, attribute.value.value);
+                self.keep(
+                    &format!("{} {what}", self.element.name.value),
+                    attribute.value.span,
+                );
+            }
+        }
+        let mut known = std::mem::take(&mut self.children);
+        for child in &self.element.children {
+            let asked = known
+                .iter_mut()
+                .find(|(name, left)| *name == child.name.value && *left > 0);
+            match asked {
+                Some((_, left)) => *left -= 1,
+                None => self.keep(&child.shown(), child.span),
+            }
+        }
+        std::mem::take(&mut self.notes)
+    }
+}

@@ -1,0 +1,288 @@
+//! The ten properties of a component of the Task Component Architecture, and the task that they are.
+//!
+//! Six are required: `id`, `period`, `delay`, `runOnStartup`, `mayInterruptIfRunning`, `useJMS`. With
+//! `useJMS`, `user`, `password` and `url` say which broker; `topicRename` has pairs of names.
+
+use assembly::At;
+use source::{Report, Span};
+
+use crate::finding::ScdlError;
+use crate::model::{Component, Property};
+use crate::name;
+use crate::value::names_variable;
+
+/// The properties that make a component a task.
+const REQUIRED: [&str; 6] = [
+    "id",
+    "period",
+    "delay",
+    "runOnStartup",
+    "mayInterruptIfRunning",
+    "useJMS",
+];
+
+/// Where a broker is that nobody names.
+pub(crate) const BROKER: &str = "${ASMOTION_BUS:-amqp://guest:guest@127.0.0.1:5672/%2f}";
+
+/// A time: so many milliseconds, or as a property of the composite says.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Time {
+    Milliseconds(i64),
+    Property(At<String>),
+}
+
+/// What the ten properties say.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Task {
+    pub id: String,
+    pub period: Time,
+    pub delay: Time,
+    pub run_on_startup: bool,
+    pub may_interrupt_if_running: bool,
+    /// The address of the broker as composites write it, where the task has one.
+    pub broker: Option<String>,
+    /// `topicRename`: the name in the component, and the topic.
+    pub rename: Vec<(String, String)>,
+}
+
+/// Takes the ten properties out of a component that has the required ones.
+pub(crate) fn take(component: &mut Component, report: &mut Report) -> Option<Task> {
+    let has = |name: &&str| {
+        component
+            .properties
+            .iter()
+            .any(|it| it.name.value == **name)
+    };
+    if !REQUIRED.iter().all(|name| has(name)) {
+        return None;
+    }
+    let mut ten = Ten { component, report };
+    let id = ten.text("id").map_or_else(String::new, |id| id.value);
+    let (period, delay) = (ten.time("period"), ten.time("delay"));
+    let (run_on_startup, may_interrupt_if_running) =
+        (ten.flag("runOnStartup"), ten.flag("mayInterruptIfRunning"));
+    let uses_broker = ten.flag("useJMS");
+    Some(Task {
+        id,
+        period,
+        delay,
+        run_on_startup,
+        may_interrupt_if_running,
+        // without a broker, what would say which one stays a property, so that nothing is lost
+        broker: uses_broker.then(|| ten.broker()),
+        rename: ten.rename(),
+    })
+}
+
+struct Ten<'t> {
+    component: &'t mut Component,
+    report: &'t mut Report,
+}
+
+impl Ten<'_> {
+    fn take(&mut self, name: &str) -> Option<Property> {
+        let properties = &mut self.component.properties;
+        let index = properties.iter().position(|it| it.name.value == name)?;
+        Some(properties.remove(index))
+    }
+
+    fn text(&mut self, name: &str) -> Option<At<String>> {
+        let property = self.take(name)?;
+        let mut values = property.values.into_iter();
+        values.next().filter(|value| !value.is_empty())
+    }
+
+    fn time(&mut self, name: &str) -> Time {
+        let Some(mut property) = self.take(name) else {
+            return Time::Milliseconds(0);
+        };
+        if let Some(source) = property.source {
+            return Time::Property(source);
+        }
+        let Some(text) = property.values.pop() else {
+            return Time::Milliseconds(0);
+        };
+        let number = text.parse().ok().filter(|number| *number >= 0);
+        let wanted = "a number of milliseconds";
+        Time::Milliseconds(number.unwrap_or_else(|| self.wrong(name, &text, wanted)))
+    }
+
+    fn flag(&mut self, name: &str) -> bool {
+        let Some(text) = self.text(name) else {
+            return false;
+        };
+        let truth = text.parse().ok();
+        truth.unwrap_or_else(|| self.wrong(name, &text, "`true` or `false`"))
+    }
+
+    fn wrong<T: Default>(&mut self, name: &str, value: &At<String>, wanted: &'static str) -> T {
+        let finding = ScdlError::WrongValue {
+            name: name.to_owned(),
+            value: value.value.clone(),
+            wanted,
+            at: value.span,
+        };
+        self.report.push(finding.diagnostic());
+        T::default()
+    }
+
+    /// `user`, `password` and `url` as one address; a password becomes a variable of the environment.
+    fn broker(&mut self) -> String {
+        let Some(url) = self.text("url") else {
+            return BROKER.to_owned();
+        };
+        let (user, password) = (self.text("user"), self.text("password"));
+        let password = password.map(|password| match names_variable(&password) {
+            true => password.value,
+            false => self.hide(password.span),
+        });
+        address(
+            &url,
+            user.as_ref().map(|user| user.value.as_str()),
+            password.as_deref(),
+        )
+    }
+
+    /// The variable that takes the place of a password.
+    fn hide(&mut self, at: Span) -> String {
+        let of = self.component.name.value.clone();
+        let variable = name::password_variable(&of);
+        let shown = format!("${{{variable}}}");
+        let finding = ScdlError::Password { of, variable, at };
+        self.report.push(finding.diagnostic());
+        shown
+    }
+
+    /// `trajectory=plan`, a value each; or both names one after the other.
+    fn rename(&mut self) -> Vec<(String, String)> {
+        let Some(property) = self.take("topicRename") else {
+            return Vec::new();
+        };
+        let words = property.values.iter().flat_map(|value| {
+            let words = value.split(|letter: char| letter.is_whitespace() || letter == ';');
+            words.filter(|word| !word.is_empty()).map(str::to_owned)
+        });
+        let words: Vec<String> = words.collect();
+        let separated = |word: &String| {
+            let (from, to) = word.split_once(['=', ',', ':'])?;
+            Some((from.to_owned(), to.to_owned()))
+        };
+        if let Some(pairs) = words.iter().map(separated).collect() {
+            return pairs;
+        }
+        let pairs = words.chunks(2).map(|pair| match pair {
+            [from, to] => Some((from.clone(), to.clone())),
+            _ => None,
+        });
+        pairs.collect::<Option<_>>().unwrap_or_else(|| {
+            let text = words.join(" ");
+            let wanted = "pairs of names, as in `trajectory=plan`";
+            self.wrong("topicRename", &At::new(text, property.name.span), wanted)
+        })
+    }
+}
+
+/// `scheme://user:password@host`.
+fn address(url: &str, user: Option<&str>, password: Option<&str>) -> String {
+    let Some((scheme, host)) = url.split_once("://") else {
+        return url.to_owned();
+    };
+    match (user, password) {
+        (Some(user), Some(password)) => format!("{scheme}://{user}:{password}@{host}"),
+        (Some(user), None) => format!("{scheme}://{user}@{host}"),
+        (None, Some(password)) => format!("{scheme}://:{password}@{host}"),
+        (None, None) => url.to_owned(),
+    }
+}
+
+/// An address taken apart: `url`, `user`, `password`. A password that is written out is left out.
+fn apart(address: &str) -> [(&'static str, Option<String>); 3] {
+    let parts = || {
+        let (scheme, rest) = address.split_once("://")?;
+        let (who, host) = rest.rsplit_once('@')?;
+        let (user, password) = match colon(who) {
+            Some(colon) => (&who[..colon], Some(&who[colon + 1..])),
+            None => (who, None),
+        };
+        Some((format!("{scheme}://{host}"), user, password))
+    };
+    let Some((url, user, password)) = parts() else {
+        return [
+            ("user", None),
+            ("password", None),
+            ("url", Some(address.to_owned())),
+        ];
+    };
+    let user = (!user.is_empty()).then(|| user.to_owned());
+    let password = password.filter(|it| names_variable(it)).map(str::to_owned);
+    [("user", user), ("password", password), ("url", Some(url))]
+}
+
+/// The colon between user and password; one may also stand in the default of a variable.
+fn colon(who: &str) -> Option<usize> {
+    let mut depth = 0_u32;
+    let colon = who.char_indices().find(|(_, letter)| {
+        match letter {
+            '{' => depth += 1,
+            '}' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        *letter == ':' && depth == 0
+    });
+    colon.map(|(at, _)| at)
+}
+
+/// Whether a password is written out in an address.
+pub(crate) fn has_password(address: &str) -> bool {
+    let who = address
+        .split_once("://")
+        .and_then(|(_, rest)| rest.rsplit_once('@'));
+    let password = who.and_then(|(who, _)| Some(&who[colon(who)? + 1..]));
+    password.is_some_and(|password| !names_variable(password))
+}
+
+/// The ten properties that say this, in the order of the paper.
+pub(crate) fn properties(task: &Task, at: Span) -> Vec<Property> {
+    let one = |name: &str, value: &str| property(name, vec![value.to_owned()], at);
+    let time = |name: &str, time: &Time| match time {
+        Time::Milliseconds(number) => one(name, &number.to_string()),
+        Time::Property(source) => Property {
+            source: Some(source.clone()),
+            ..property(name, Vec::new(), at)
+        },
+    };
+    let flag = |name: &str, truth: bool| one(name, if truth { "true" } else { "false" });
+    let mut properties = vec![
+        one("id", &task.id),
+        time("period", &task.period),
+        time("delay", &task.delay),
+        flag("runOnStartup", task.run_on_startup),
+        flag("mayInterruptIfRunning", task.may_interrupt_if_running),
+        flag("useJMS", task.broker.is_some()),
+    ];
+    let named = task.broker.as_deref().filter(|address| *address != BROKER);
+    for (name, value) in named.into_iter().flat_map(apart) {
+        properties.extend(value.map(|value| one(name, &value)));
+    }
+    if !task.rename.is_empty() {
+        let pairs = task.rename.iter();
+        let pairs = pairs.map(|(from, to)| format!("{from}={to}")).collect();
+        properties.push(Property {
+            many: true,
+            ..property("topicRename", pairs, at)
+        });
+    }
+    properties
+}
+
+fn property(name: &str, values: Vec<String>, at: Span) -> Property {
+    Property {
+        name: At::new(name.to_owned(), at),
+        kind: None,
+        values: values.into_iter().map(|value| At::new(value, at)).collect(),
+        many: false,
+        source: None,
+        must_supply: false,
+        notes: Vec::new(),
+    }
+}

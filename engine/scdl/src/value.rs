@@ -1,0 +1,132 @@
+//! Values: the simple types of XML Schema there, the types of properties here.
+
+use assembly::model::Scalar;
+use assembly::tree::{Branch, Node};
+use toml_edit::{Array, Formatted, Value};
+
+/// The type of XML Schema for each type of a property; the first of a type is the one that is written.
+const TYPES: &[(&str, Scalar)] = &[
+    ("string", Scalar::Text),
+    ("boolean", Scalar::Boolean),
+    ("byte", Scalar::I8),
+    ("short", Scalar::I16),
+    ("int", Scalar::I32),
+    ("long", Scalar::I64),
+    ("integer", Scalar::I64),
+    ("unsignedByte", Scalar::U8),
+    ("unsignedShort", Scalar::U16),
+    ("unsignedInt", Scalar::U32),
+    ("unsignedLong", Scalar::U64),
+    ("nonNegativeInteger", Scalar::U64),
+    ("positiveInteger", Scalar::U64),
+    ("float", Scalar::F32),
+    ("double", Scalar::F64),
+    ("decimal", Scalar::F64),
+    ("anyURI", Scalar::Uri),
+    // these two have no type of their own there
+    ("string", Scalar::Path),
+    ("string", Scalar::Secret),
+];
+
+/// The type that a type of XML Schema is.
+pub(crate) fn scalar(xml: &str) -> Option<Scalar> {
+    let found = TYPES.iter().find(|(known, _)| *known == xml);
+    found.map(|(_, scalar)| *scalar)
+}
+
+/// The type of XML Schema that a type is.
+pub(crate) fn xml_type(scalar: Scalar) -> &'static str {
+    let found = TYPES.iter().find(|(_, known)| *known == scalar);
+    found.map_or("string", |(xml, _)| xml)
+}
+
+/// What people call the values of a type.
+pub(crate) fn wanted(scalar: Scalar) -> &'static str {
+    match scalar {
+        Scalar::Boolean => "`true` or `false`",
+        Scalar::I8 | Scalar::I16 | Scalar::I32 | Scalar::I64 => "a whole number",
+        Scalar::U8 | Scalar::U16 | Scalar::U32 | Scalar::U64 => "a natural number",
+        Scalar::F32 | Scalar::F64 => "a number",
+        Scalar::Text | Scalar::Uri | Scalar::Path | Scalar::Secret => "a text",
+    }
+}
+
+/// The value that a text is as this type; `None` where it is none of it.
+pub(crate) fn typed(text: &str, scalar: Scalar) -> Option<Value> {
+    match scalar {
+        Scalar::Text | Scalar::Uri | Scalar::Path | Scalar::Secret => Some(verbatim(text)),
+        Scalar::Boolean => match text {
+            "true" | "1" => Some(true.into()),
+            "false" | "0" => Some(false.into()),
+            _ => None,
+        },
+        Scalar::I8 | Scalar::I16 | Scalar::I32 | Scalar::I64 => {
+            text.parse::<i64>().ok().map(Value::from)
+        }
+        Scalar::U8 | Scalar::U16 | Scalar::U32 | Scalar::U64 => {
+            let number = text.parse::<i64>().ok()?;
+            (number >= 0).then(|| number.into())
+        }
+        Scalar::F32 | Scalar::F64 => text.parse::<f64>().ok().map(real),
+    }
+}
+
+/// The value that a text is where nobody says its type: what is written as the value would be.
+pub(crate) fn guessed(text: &str) -> Value {
+    if let Ok(truth) = text.parse::<bool>() {
+        return truth.into();
+    }
+    if let Some(number) = text.parse::<i64>().ok().filter(|it| it.to_string() == text) {
+        return number.into();
+    }
+    match text.parse::<f64>() {
+        Ok(number) if format!("{number:?}") == text => real(number),
+        Ok(_) | Err(_) => verbatim(text),
+    }
+}
+
+/// A number with a fraction; TOML shows a whole one with `.0`.
+fn real(number: f64) -> Value {
+    Value::Float(Formatted::new(number))
+}
+
+/// A text in which a dollar stands for itself, unless it already names a variable of the environment.
+fn verbatim(text: &str) -> Value {
+    match names_variable(text) {
+        true => text.into(),
+        false => text.replace("${", "$${").into(),
+    }
+}
+
+/// Whether a text is `${NAME}`.
+pub(crate) fn names_variable(text: &str) -> bool {
+    let inner = text
+        .strip_prefix("${")
+        .and_then(|rest| rest.strip_suffix('}'));
+    let letters =
+        |letter: char| letter.is_ascii_uppercase() || letter.is_ascii_digit() || letter == '_';
+    inner.is_some_and(|name| !name.is_empty() && name.chars().all(letters))
+}
+
+/// A list of values.
+pub(crate) fn list(values: impl IntoIterator<Item = Value>) -> Value {
+    Value::Array(values.into_iter().collect::<Array>())
+}
+
+/// The texts of a value of a composite file; `None` where it is no value or list of values.
+pub(crate) fn texts(node: &Node) -> Option<Vec<String>> {
+    match &node.value {
+        Branch::List(items) => items.iter().map(text).collect(),
+        _ => text(node).map(|text| vec![text]),
+    }
+}
+
+fn text(node: &Node) -> Option<String> {
+    match &node.value {
+        Branch::Text(text) | Branch::Date(text) => Some(text.replace("$${", "${")),
+        Branch::Integer(number) => Some(number.to_string()),
+        Branch::Float(number) => Some(format!("{number:?}")),
+        Branch::Boolean(truth) => Some(truth.to_string()),
+        Branch::List(_) | Branch::Table(_) => None,
+    }
+}

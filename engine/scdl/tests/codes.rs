@@ -1,0 +1,56 @@
+//! The pages of the codes of SCDL: what their wrong example earns, the mended one does not.
+#![allow(missing_docs, clippy::expect_used, reason = "tests")]
+
+mod support;
+
+use asm_lang::codes::Code;
+use assembly::Tables;
+use scdl::CODES;
+use source::{Diagnostic, Report, Severity};
+
+/// What is found in an example: SCDL that comes in, or a composite file that goes out.
+fn found(code: &Code, which: &str) -> Report {
+    if let Some(text) = code.example(&format!("xml {which}")) {
+        let files = [("example.composite".to_owned(), text.to_owned())];
+        return scdl::import(&files, &Tables::EMPTY).report;
+    }
+    let text = code.example(&format!("toml {which}")).expect("an example");
+    let opened = support::open(&[("example.toml".to_owned(), text.to_owned())]);
+    let composite = opened.composite.expect("a composite");
+    scdl::export(&composite).expect("no fault").report
+}
+
+#[test]
+fn pages_have_examples_that_are_true() {
+    for code in CODES {
+        let wrong = found(code, "wrong").diagnostics;
+        let codes: Vec<_> = wrong.iter().map(|it| it.code).collect();
+        assert!(
+            codes.contains(&code.name),
+            "{}: the wrong example earns {codes:?}",
+            code.name
+        );
+        let mended = found(code, "mended").diagnostics;
+        let is_left = |it: &&Diagnostic| it.severity == Severity::Error || it.code == code.name;
+        let left: Vec<_> = mended
+            .iter()
+            .filter(is_left)
+            .map(|it| &it.message)
+            .collect();
+        assert!(
+            left.is_empty(),
+            "{}: the mended example earns {left:?}",
+            code.name
+        );
+    }
+}
+
+#[test]
+fn codes_have_a_page_each() {
+    let files = std::fs::read_dir("codes").expect("the pages");
+    assert_eq!(files.count(), CODES.len());
+    for code in CODES {
+        let heading = format!("# {}: {}\n\n", code.name, code.meaning());
+        assert!(code.page.starts_with(&heading), "{}", code.name);
+    }
+}

@@ -1,0 +1,78 @@
+//! SCDL comes in: nothing is dropped in silence, and what comes out can be checked.
+#![allow(missing_docs, clippy::expect_used, reason = "tests")]
+
+mod support;
+
+use support::{import, open, rendered};
+
+/// All files, and what was found.
+fn shown(imported: &scdl::Imported) -> String {
+    let files = imported.files.iter();
+    let files = files.map(|(name, text)| format!("==== {name}\n{text}"));
+    let files: Vec<String> = files.collect();
+    let found = rendered(&imported.report, &imported.sources);
+    format!("{}\n==== findings\n{found}", files.join("\n"))
+}
+
+#[test]
+fn c14_nested_composites_are_imported_and_pass_the_check() {
+    let imported = import(&[
+        "outer.composite",
+        "motor.composite",
+        "inner.composite",
+        "planner.composite",
+    ]);
+    insta::assert_snapshot!(shown(&imported));
+    assert!(!imported.report.has_errors());
+    let names: Vec<_> = imported
+        .files
+        .iter()
+        .map(|(name, _)| name.as_str())
+        .collect();
+    assert_eq!(
+        names,
+        [
+            "OuterComposite.composite.toml",
+            "InnerComposite.composite.toml",
+            "MotorComposite.composite.toml",
+        ]
+    );
+    let opened = open(&imported.files);
+    let said = rendered(&opened.report, &opened.sources);
+    assert!(!opened.report.has_errors(), "{said}");
+    let plan = opened.plan(None).expect("a plan");
+    let components: Vec<_> = plan.components.iter().map(|it| it.name.as_str()).collect();
+    assert_eq!(
+        components,
+        [
+            "RoverComponent/DriveComponent",
+            "RoverComponent/MotorComponent/Controller",
+            "MapComponent",
+        ]
+    );
+}
+
+#[test]
+fn it_says_what_is_wrong_and_what_has_no_counterpart() {
+    insta::assert_snapshot!(shown(&import(&["mistakes.composite"])));
+}
+
+#[test]
+fn it_refuses_what_is_no_scdl() {
+    for text in [
+        "",
+        "no XML",
+        "<composite name=\"a\"/>",
+        "<composite xmlns=\"http://www.osoa.org/xmlns/sca/1.0\"",
+        "<composite xmlns=\"http://www.osoa.org/xmlns/sca/1.0\" name=\"a\">",
+        "<composite xmlns=\"http://www.osoa.org/xmlns/sca/1.0\" name=\"a\">&unknown;</composite>",
+        &"<composite>".repeat(100_000),
+    ] {
+        let imported = scdl::import(
+            &[("a".to_owned(), text.to_owned())],
+            &assembly::Tables::EMPTY,
+        );
+        assert!(imported.files.is_empty(), "{text:.60}");
+        assert!(imported.report.has_errors(), "{text:.60}");
+    }
+}

@@ -1,0 +1,59 @@
+//! There and back: SCDL → composite file → SCDL.
+#![allow(missing_docs, clippy::expect_used, reason = "tests")]
+
+mod support;
+
+use support::{import, open, rendered, text};
+
+/// The SCDL of the first composite of an import.
+fn exported(imported: &scdl::Imported) -> scdl::Exported {
+    let opened = open(&imported.files);
+    let composite = opened.composite.expect("a composite");
+    scdl::export(&composite).expect("no fault")
+}
+
+#[test]
+fn t23_the_ten_properties_come_back_as_they_went() {
+    let imported = import(&["planner.composite"]);
+    let (_, composite) = imported.files.first().expect("a composite");
+    insta::assert_snapshot!(composite);
+    let back = exported(&imported);
+    assert_eq!(back.text, text("planner.composite"));
+    assert_eq!(back.report.diagnostics, []);
+}
+
+#[test]
+fn t23_a_password_stays_out_of_all_that_is_written() {
+    let written = text("planner.composite").replace("${ROVER_PASSWORD}", "geheim");
+    let files = [("planner.composite".to_owned(), written)];
+    let imported = scdl::import(&files, &assembly::Tables::EMPTY);
+    let found = rendered(&imported.report, &imported.sources);
+    assert!(
+        found.contains("X005") && found.contains("TRAJECTORYPLANNER_PASSWORD"),
+        "{found}"
+    );
+    let (_, composite) = imported.files.first().expect("a composite");
+    assert!(!composite.contains("geheim"), "{composite}");
+    let back = exported(&imported).text;
+    assert!(
+        back.contains("${TRAJECTORYPLANNER_PASSWORD}") && !back.contains("geheim"),
+        "{back}"
+    );
+}
+
+#[test]
+fn c14_what_comes_back_of_nested_composites_is_imported_to_the_same() {
+    let imported = import(&["outer.composite", "inner.composite", "motor.composite"]);
+    for (index, (name, file)) in imported.files.iter().enumerate() {
+        let mut files = imported.files.clone();
+        files.swap(0, index);
+        let back = scdl::export(&open(&files).composite.expect("a composite")).expect("no fault");
+        let again = scdl::import(&[(name.clone(), back.text)], &assembly::Tables::EMPTY);
+        let (_, again) = again.files.first().expect("a composite");
+        let without_comments = |text: &str| {
+            let lines = text.lines().filter(|line| !line.starts_with('#'));
+            lines.collect::<Vec<_>>().join("\n")
+        };
+        assert_eq!(without_comments(again), without_comments(file), "{name}");
+    }
+}

@@ -1,0 +1,38 @@
+//! What the tests of this room share.
+#![allow(dead_code, reason = "not every test uses all of it")]
+
+use asm_lang::{Files, Style};
+use assembly::{Context, Opened, Tables};
+use scdl::Imported;
+use source::{Report, Sources};
+
+/// The text of a file of `tests/scdl`.
+pub fn text(file: &str) -> String {
+    std::fs::read_to_string(format!("tests/scdl/{file}")).expect("a file")
+}
+
+/// Imports a file of `tests/scdl`, with others beside it.
+pub fn import(files: &[&str]) -> Imported {
+    let files: Vec<_> = files
+        .iter()
+        .map(|file| ((*file).to_owned(), text(file)))
+        .collect();
+    scdl::import(&files, &Tables::EMPTY)
+}
+
+/// The findings, as people see them.
+pub fn rendered(report: &Report, sources: &Sources) -> String {
+    let findings = report.diagnostics.iter();
+    let findings = findings.map(|it| asm_lang::render(it, sources, Style::Plain));
+    findings.collect::<Vec<_>>().join("\n\n")
+}
+
+/// Opens the first of these composite files.
+pub fn open(files: &[(String, String)]) -> Opened {
+    let mut loader = Files::new();
+    for (name, text) in files {
+        loader.add(name, text.as_str());
+    }
+    let first = files.first().map_or("", |(name, _)| name);
+    assembly::open(first, &Context::files(&loader))
+}

@@ -1,0 +1,157 @@
+//! `asmotion scdl`: composites from and to the XML of the Service Component Architecture.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use asm_lang::Loader;
+use clap::{Args, Subcommand};
+
+use crate::build::{self, BUILD};
+use crate::exit::Exit;
+use crate::files::{Disk, reason};
+use crate::terminal::Terminal;
+
+/// Reads composites of the Service Component Architecture, and writes them.
+#[derive(Args)]
+pub struct Scdl {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Subcommand)]
+enum What {
+    /// Makes composite files of an SCDL file
+    Import(Import),
+    /// Writes a composite as SCDL
+    Export(Export),
+}
+
+#[derive(Args)]
+struct Import {
+    /// The SCDL file; the composites that it nests are looked for beside it.
+    file: String,
+
+    /// The folder that the composite files go to; without it, the first is shown.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+}
+
+#[derive(Args)]
+struct Export {
+    /// The composite.
+    composite: String,
+
+    /// The file that the SCDL goes to; without it, it is shown.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+impl Scdl {
+    /// Does it.
+    pub fn run(self, terminal: &mut Terminal) -> Exit {
+        match self.what {
+            What::Import(import) => import.run(terminal),
+            What::Export(export) => export.run(terminal),
+        }
+    }
+}
+
+impl Import {
+    fn run(self, terminal: &mut Terminal) -> Exit {
+        let files = match read(&self.file) {
+            Ok(files) => files,
+            Err((path, reason)) => {
+                terminal.error(format_args!("cannot read `{path}`: {reason}"));
+                return Exit::Usage;
+            }
+        };
+        let imported = scdl::import(&files, &BUILD);
+        terminal.report(&imported.report, &imported.sources);
+        match &self.output {
+            None => {
+                if let Some((_, text)) = imported.files.first() {
+                    terminal.result(text.trim_end());
+                }
+            }
+            Some(folder) => {
+                for (name, text) in &imported.files {
+                    if let Err(exit) = write(&folder.join(name), text, terminal) {
+                        return exit;
+                    }
+                }
+            }
+        }
+        match imported.report.has_errors() {
+            true => Exit::Findings,
+            false => Exit::Ok,
+        }
+    }
+}
+
+/// A file and the SCDL files beside it, with their texts.
+fn read(file: &str) -> Result<Vec<(String, String)>, (String, String)> {
+    let read = |path: &str| match Disk.read(path) {
+        Ok(text) => Ok((path.to_owned(), text.to_string())),
+        Err(error) => Err((error.path, error.reason)),
+    };
+    let mut files = vec![read(file)?];
+    let folder = Path::new(file).parent().unwrap_or(Path::new(""));
+    let folder = if folder.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        folder
+    };
+    let beside = std::fs::read_dir(folder).and_then(Iterator::collect::<io::Result<Vec<_>>>);
+    let beside = beside.map_err(|error| (folder.display().to_string(), reason(&error)))?;
+    let mut beside: Vec<PathBuf> = beside.into_iter().map(|entry| entry.path()).collect();
+    beside.sort();
+    for path in beside {
+        let is_scdl = path.extension().is_some_and(|ending| ending == "composite");
+        if is_scdl && path.file_name() != Path::new(file).file_name() {
+            files.push(read(&path.display().to_string())?);
+        }
+    }
+    Ok(files)
+}
+
+fn write(path: &Path, text: &str, terminal: &mut Terminal) -> Result<(), Exit> {
+    match std::fs::write(path, text) {
+        Ok(()) => {
+            terminal.status("Wrote", path.display());
+            Ok(())
+        }
+        Err(error) => {
+            let path = path.display();
+            terminal.error(format_args!("cannot write `{path}`: {}", reason(&error)));
+            Err(Exit::Usage)
+        }
+    }
+}
+
+impl Export {
+    fn run(self, terminal: &mut Terminal) -> Exit {
+        let opened = build::open(&self.composite, &[], &Disk);
+        terminal.report(&opened.report, &opened.sources);
+        let composite = opened.composite.filter(|_| !opened.report.has_errors());
+        let Some(composite) = composite else {
+            return Exit::refused(&self.composite);
+        };
+        let exported = match scdl::export(&composite) {
+            Ok(exported) => exported,
+            Err(error) => {
+                terminal.error(format_args!("cannot write SCDL: {error}"));
+                return Exit::Usage;
+            }
+        };
+        terminal.report(&exported.report, &opened.sources);
+        match &self.output {
+            None => terminal.result(exported.text.trim_end()),
+            Some(path) => {
+                if let Err(exit) = write(path, &exported.text, terminal) {
+                    return exit;
+                }
+            }
+        }
+        Exit::Ok
+    }
+}
