@@ -105,6 +105,13 @@ fn it_expands_every_composite_of_this_repository_to_itself() {
             }
         }
     }
+    for file in std::fs::read_dir("tests/composites").expect("a folder") {
+        let file = file.expect("an entry").file_name();
+        let file = file.to_str().expect("a name");
+        if file.ends_with(".toml") {
+            expansions("tests/composites", file);
+        }
+    }
 }
 
 #[test]

@@ -216,8 +216,8 @@ impl<'d> Draft<'d> {
     /// The frame that a topic is in, and its own name, which may have slashes of its own.
     fn known(&self, name: &str) -> (usize, String) {
         let slashes = name.match_indices('/').map(|(at, _)| at);
-        let inner = slashes.filter_map(|at| Some((at, self.frames.get(&name[..at])?)));
-        match inner.last() {
+        let mut inner = slashes.filter_map(|at| Some((at, self.frames.get(&name[..at])?)));
+        match inner.next_back() {
             Some((at, frame)) => (*frame, name[at + 1..].to_owned()),
             None => (0, name.to_owned()),
         }

@@ -53,7 +53,7 @@ pub(crate) fn take(component: &mut Component, report: &mut Report) -> Option<Tas
             .iter()
             .any(|it| it.name.value == **name)
     };
-    if !REQUIRED.iter().all(|name| has(name)) {
+    if !REQUIRED.iter().all(has) {
         return None;
     }
     let mut ten = Ten { component, report };
