@@ -9,6 +9,7 @@
 )]
 
 mod access;
+mod assembly;
 mod cli;
 mod composites;
 mod describe;
