@@ -16,6 +16,7 @@ mod describe;
 mod faults;
 mod health;
 mod house;
+mod inspection;
 mod language;
 mod missions;
 mod pictures;
