@@ -246,12 +246,17 @@ impl Story {
                 return name.to_owned();
             }
         }
-        if let Ok(path) = shared.clone().read::<Path>() {
+        // what a message lacks gets its initial value: any data could be read as a path
+        let has = |field: &str| matches!(shared.clone().read::<Datum>(), Ok(it) if it.get(field).is_some());
+        if has("poses")
+            && let Ok(path) = shared.clone().read::<Path>()
+        {
             return self.path(&path);
         }
-        shared
-            .read::<OccupancyGrid>()
-            .map_or_else(|_| "done".to_owned(), |map| describe_map(&map))
+        match shared.clone().read::<OccupancyGrid>() {
+            Ok(map) if has("info") => describe_map(&map),
+            _ => "done".to_owned(),
+        }
     }
 
     fn path(&mut self, path: &Path) -> String {

@@ -37,7 +37,7 @@ fn ports_are_read_and_written_and_the_life_cycle_is_driven_from_outside() {
     );
     refused(
         &["port", "read", "RoverDriver.odo"],
-        "has no port `odo`; it has `odom`",
+        "has no port `odo`; it has `wheels`, `odom`",
     );
     refused(&["port", "read", "RoverDriver.twist"], "is an input");
     refused(&["port", "write", "RoverDriver.odom", "{}"], "is an output");
