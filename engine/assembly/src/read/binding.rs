@@ -70,17 +70,10 @@ fn monitored(reader: &mut Reader<'_>, function: &At<String>, node: &Node) -> Opt
 
 /// `topic = "estop"` or `service = "move.moveTo"`.
 fn source(keys: &mut Keys<'_, '_, '_>) -> Option<Source> {
-    match (keys.entry("topic"), keys.entry("service")) {
-        (Some((first_at, _)), Some((at, _))) => {
-            let (first, second) = (("topic", first_at), ("service", at));
-            excluded(keys, first, second, "a value comes from one place");
-            keys.text("topic", "\"estop\"").map(Source::Topic)
-        }
-        (None, Some(_)) => {
-            let operation = keys.text("service", "\"move.moveTo\"")?;
-            name::end(keys.reader, &operation).map(Source::Request)
-        }
-        (_, None) => keys.needed_text("topic", "\"estop\"").map(Source::Topic),
+    let reason = "a value comes from one place";
+    match keys.one_of(&["topic", "service"], "\"estop\"", reason)? {
+        ("topic", topic) => Some(Source::Topic(topic)),
+        (_, operation) => name::end(keys.reader, &operation).map(Source::Request),
     }
 }
 
