@@ -3,7 +3,7 @@
 use toml_edit::{Array, InlineTable, Item, Table, Value as Toml};
 
 use super::write::{Keys, inline, value};
-use crate::binding::{Action, Argument, Binding, Call, Effect, Monitored};
+use crate::binding::{Action, Argument, Binding, Call, Effect, Monitored, Source};
 use crate::value::Value;
 
 pub(super) fn bind(binding: &Binding) -> Table {
@@ -33,10 +33,18 @@ pub(super) fn bind(binding: &Binding) -> Table {
 
 fn monitored(monitored: &Monitored) -> Keys {
     let mut keys = Keys::new();
-    keys.text("topic", &monitored.port);
+    match &monitored.from {
+        Source::Port(port) => keys.text("topic", port),
+        Source::Request { service, operation } => {
+            keys.text("service", &format!("{service}.{operation}"));
+        }
+    }
     keys.word("receive", monitored.receive);
     keys.texts("field", monitored.field.iter());
     keys.texts("map", monitored.map.iter());
+    if !monitored.is.is_empty() {
+        keys.put("is", monitored.is.iter().collect::<Array>());
+    }
     if let Some(none) = &monitored.none {
         keys.put("none", value(none));
     }
@@ -93,6 +101,7 @@ fn call(call: &Call, keys: &mut Keys) {
     keys.texts("failed", call.failed.iter());
     keys.texts("timeout", call.timeout.iter());
     keys.texts("event", call.event.iter());
+    keys.texts("reply", call.reply.iter());
 }
 
 fn argument(argument: &Argument) -> Toml {

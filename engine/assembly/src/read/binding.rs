@@ -70,18 +70,19 @@ fn monitored(reader: &mut Reader<'_>, function: &At<String>, node: &Node) -> Opt
 
 /// `topic = "estop"` or `service = "move.moveTo"`.
 fn source(keys: &mut Keys<'_, '_, '_>) -> Option<Source> {
-    match (keys.entry("topic"), keys.entry("service")) {
+    let places = (keys.entry("topic"), keys.entry("service"));
+    match places {
         (Some((first_at, _)), Some((at, _))) => {
             let (first, second) = (("topic", first_at), ("service", at));
             excluded(keys, first, second, "a value comes from one place");
-            keys.text("topic", "\"estop\"").map(Source::Topic)
         }
-        (None, Some(_)) => {
-            let operation = keys.text("service", "\"move.moveTo\"")?;
-            name::end(keys.reader, &operation).map(Source::Request)
-        }
-        (_, None) => keys.needed_text("topic", "\"estop\"").map(Source::Topic),
+        (None, None) => keys.need("topic", "\"estop\""),
+        (Some(_), None) | (None, Some(_)) => {}
     }
+    let topic = keys.text("topic", "\"estop\"");
+    let operation = keys.text("service", "\"move.moveTo\"");
+    let request = operation.and_then(|text| name::end(keys.reader, &text));
+    topic.map(Source::Topic).or(request.map(Source::Request))
 }
 
 /// `edge = true` is a way to receive; together with `receive` it would say two things.
