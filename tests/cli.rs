@@ -503,7 +503,7 @@ fn check_knows_every_kind_of_file() {
     let types = "schema = \"composite-types/1\"\n[type.\"t/A\"]\nfields = { x = \"f64\" }\n";
     let (_folder, path) = file("types.toml", types);
     assert_eq!(run(&["check", &path]).0, 0);
-    let (_folder, types) = file("types.toml", &types.replace("f64", "f65"));
+    let (_folder, types) = file("types.toml", types.replace("f64", "f65"));
     let (code, out, _) = run(&["check", "--format", "concise", &types]);
     assert_eq!(code, 1);
     assert!(out.contains("error[C110]"), "{out}");

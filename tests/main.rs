@@ -9,12 +9,14 @@
 )]
 
 mod access;
+mod assembly;
 mod cli;
 mod composites;
 mod describe;
 mod faults;
 mod health;
 mod house;
+mod inspection;
 mod language;
 mod missions;
 mod pictures;

@@ -325,7 +325,7 @@ fn without_its_partner_a_process_goes_on_and_its_calls_fail() {
 }
 
 /// What a tool says: exit code, standard output, standard error.
-fn tool(broker: &Calm, url: &str, arguments: &[&str]) -> (Option<i32>, String, String) {
+pub(super) fn tool(broker: &Calm, url: &str, arguments: &[&str]) -> (Option<i32>, String, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
     command.args(arguments).env("ASMOTION_BUS", url);
     command.env("ASMOTION_PASSWORD", broker.password());

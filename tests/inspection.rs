@@ -1,0 +1,147 @@
+//! What can be seen of a running system over a broker, and done to it: ports, shapes, the life cycle, the monitor.
+
+use crate::processes::{Running, navigation, over, there, tool};
+use std::process::Command;
+
+#[test]
+fn ports_are_read_and_written_and_the_life_cycle_is_driven_from_outside() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let (user, address) = (broker.user(), broker.address());
+    let url = format!("amqp://{user}@{address}/{}", vhost.name());
+    let tool = |arguments: &[&str]| tool(&broker, &url, arguments);
+    let composite = navigation().join("navigation.composite.toml");
+    let _onboard = Running::start(&mut over(&composite, &broker, &vhost, Some("onboard")));
+    there(&vhost, "onboard");
+    let refused = |arguments: &[&str], reason: &str| {
+        let (code, _, err) = tool(arguments);
+        assert_eq!(code, Some(2), "{arguments:?}");
+        assert!(err.contains(reason), "{arguments:?}: {err}");
+    };
+
+    // J15: what is introspected is stable
+    let (code, out, err) = tool(&["component", "info", "RoverDriver", "--json"]);
+    assert_eq!(code, Some(0), "{err}");
+    insta::assert_snapshot!("j15_a_component_as_json", out);
+
+    // J13, J18: every way to be wrong has its words, and harms nobody
+    let read = |port: &str| tool(&["port", "read", port]);
+    let (code, out, err) = read("RoverDriver.odom");
+    assert_eq!(code, Some(0), "{err}");
+    let odom: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert!(odom["pose"]["pose"]["position"]["x"].is_f64(), "{out}");
+    refused(&["port", "read", "RoverDriver"], "is no port");
+    refused(
+        &["port", "read", "RoverDrive.odom"],
+        "did you mean `RoverDriver`?",
+    );
+    refused(
+        &["port", "read", "RoverDriver.odo"],
+        "has no port `odo`; it has `odom`",
+    );
+    refused(&["port", "read", "RoverDriver.twist"], "is an input");
+    refused(&["port", "write", "RoverDriver.odom", "{}"], "is an output");
+    refused(&["port", "write", "RoverDriver.twist", "{"], "is no JSON");
+    refused(
+        &[
+            "port",
+            "write",
+            "RoverDriver.twist",
+            r#"{"linear": "fast"}"#,
+        ],
+        "`RoverDriver.twist` takes geometry_msgs/Twist: `linear`",
+    );
+    refused(
+        &["port", "write", "RoverDriver.twist", r#"{"lineal": {}}"#],
+        "lineal",
+    );
+    let (code, _, err) = tool(&[
+        "port",
+        "write",
+        "RoverDriver.twist",
+        r#"{"linear": {"x": 0}}"#,
+    ]);
+    assert_eq!(code, Some(0), "{err}");
+
+    // J8: the life cycle, with RTT's guards
+    let state = || tool(&["component", "info", "LaserDriver"]).1;
+    let go = |what: &str| {
+        let (code, _, err) = tool(&["component", what, "LaserDriver"]);
+        assert_eq!(code, Some(0), "{what}: {err}");
+    };
+    refused(&["component", "cleanup", "LaserDriver"], "it is Running");
+    go("stop");
+    go("cleanup");
+    assert!(state().contains("PreOperational"), "{}", state());
+    refused(
+        &["component", "start", "LaserDriver"],
+        "it is PreOperational",
+    );
+    refused(
+        &["component", "reset", "LaserDriver"],
+        "it is PreOperational",
+    );
+    go("configure");
+    go("start");
+    assert!(state().contains("Running"), "{}", state());
+
+    monitor(broker.password(), &url);
+}
+
+/// Plays a person at a terminal: looks, presses keys, goes.
+const PERSON: &str = r#"
+import os, pty, select, sys, time
+pid, screen = pty.fork()
+if pid == 0:
+    os.environ["TERM"] = "xterm"
+    os.execv(sys.argv[1], sys.argv[1:])
+import fcntl, struct, termios
+fcntl.ioctl(screen, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
+seen, sent, until = b"", False, time.time() + 20
+while time.time() < until:
+    if select.select([screen], [], [], 0.1)[0]:
+        try:
+            seen += os.read(screen, 65536)
+        except OSError:
+            break
+    if b"RoverDriver" in seen and not sent:
+        os.write(screen, b"\x03")
+        sent = True
+_, status = os.waitpid(pid, 0)
+sys.stdout.buffer.write(seen)
+sys.exit(os.waitstatus_to_exitcode(status) if sent else 99)
+"#;
+
+/// In a real terminal: it draws on a screen of its own, sees the system, and gives the terminal back at Ctrl-C.
+fn monitor(password: &str, url: &str) {
+    let person = Command::new("python3")
+        .args(["-c", PERSON, env!("CARGO_BIN_EXE_asmotion"), "top"])
+        .env("ASMOTION_BUS", url)
+        .env("ASMOTION_PASSWORD", password)
+        .output();
+    let Ok(person) = person else {
+        eprintln!("skipped: there is no python3");
+        return;
+    };
+    let screen = String::from_utf8_lossy(&person.stdout);
+    assert_eq!(person.status.code(), Some(0), "{screen}");
+    let (enters, leaves) = ("\u{1b}[?1049h", "\u{1b}[?1049l");
+    assert!(
+        screen.contains(enters) && screen.contains(leaves),
+        "{screen:?}"
+    );
+    assert!(screen.rfind(leaves) > screen.rfind(enters), "{screen:?}");
+    assert!(screen.contains("RoverDriver"), "{screen:?}");
+}
+
+#[test]
+fn the_monitor_wants_a_terminal() {
+    let output = Command::new(env!("CARGO_BIN_EXE_asmotion"))
+        .args(["top", "--bus", "amqp://a@127.0.0.1:1"])
+        .env("ASMOTION_PASSWORD", "a")
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("draws on a terminal"), "{said}");
+}
