@@ -152,7 +152,7 @@ mod tests {
             ),
             (
                 "nav::TrajectoryFollower",
-                "path: nav_msgs/Path, odom: nav_msgs/Odometry | twist: geometry_msgs/Twist, event: nav/Event |  | ",
+                "path: nav_msgs/Path, odom: nav_msgs/Odometry, permit: std_msgs/Bool | twist: geometry_msgs/Twist, event: nav/Event |  | ",
             ),
             (
                 "nav::sim::RoverDriver",
