@@ -25,12 +25,6 @@ signature:
 definitions:
 	function blocked = mode = FAULT and errorFlags
 
-	CTLSPEC ag(notify = NOTE_IDLE implies mode = IDLE)
-	CTLSPEC ag(writeCommands implies mode = BUSY)
-	CTLSPEC ag(mode = BUSY implies ef(mode = IDLE))
-	CTLSPEC ag((mode = BUSY and errorFlags and newStatus) implies ax(mode = FAULT))
-	CTLSPEC ag((mode = BUSY and goal) implies ax(not solve))
-
 	rule r_remember =
 		if moveRequest and not blocked then waiting := true endif
 
@@ -49,6 +43,12 @@ definitions:
 		else
 			par notify := QUIET  writeCommands := false  r_remember[] endpar
 		endif endif endif endif
+
+	CTLSPEC ag(notify = NOTE_IDLE implies mode = IDLE)
+	CTLSPEC ag(writeCommands implies mode = BUSY)
+	CTLSPEC ag(mode = BUSY implies ef(mode = IDLE))
+	CTLSPEC ag((mode = BUSY and errorFlags and newStatus) implies ax(mode = FAULT))
+	CTLSPEC ag((mode = BUSY and goal) implies ax(not solve))
 
 	main rule r_Main =
 		par
