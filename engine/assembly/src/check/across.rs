@@ -120,11 +120,7 @@ impl<'s> Across<'s, '_> {
     fn home(&self, name: &str) -> Option<Home<'s>> {
         let mut homes = self.scene.parts.iter().map(|part| {
             let component = part.component;
-            let broker = component
-                .pace
-                .as_ref()
-                .and_then(|pace| pace.broker.as_ref());
-            let home = match (nested(component), broker) {
+            let home = match (nested(component), self.scene.composite.broker_of(component)) {
                 (Some(_), _) => Home::Nested,
                 (None, Some(broker)) => Home::On(&broker.value),
                 (None, None) => Home::Inside,

@@ -47,4 +47,20 @@ impl Composite {
             .iter()
             .find(|component| component.name.value == name)
     }
+
+    /// The broker that a component is on, where components name theirs: a `task` stays inside unless it names one. An
+    /// `activity` has no key for it, so where a connection joins it to a topic, it is on the composite's only broker.
+    pub fn broker_of<'c>(&'c self, component: &'c Component) -> Option<&'c At<String>> {
+        let of_pace = |it: &'c Component| it.pace.as_ref()?.broker.as_ref();
+        let is_task = component.pace.as_ref().is_some_and(|pace| pace.is_task);
+        let default = || match &*self.brokers {
+            [only] if !is_task && self.components.iter().any(|it| of_pace(it).is_some()) => {
+                let mut connections = self.connections.iter();
+                let on_topic = |it: &Connection| it.joins_to_topic(&component.name.value);
+                connections.any(on_topic).then_some(&only.name)
+            }
+            _ => None,
+        };
+        of_pace(component).or_else(default)
+    }
 }

@@ -11,6 +11,8 @@ use crate::choice::choice;
 pub struct Pace {
     /// The place of the table.
     pub span: Span,
+    /// Whether the table is `task`, which can name a broker.
+    pub is_task: bool,
     /// `task.id`: queue name, log name, label of metrics.
     pub id: Option<At<String>>,
     /// Time between two cycles; 0 is event-driven.

@@ -131,6 +131,19 @@ pub struct Connection {
     pub policy: Policy,
 }
 
+impl Connection {
+    /// Whether it joins a port of this component to a topic.
+    pub fn joins_to_topic(&self, component: &str) -> bool {
+        let own =
+            |end: &Terminal| matches!(end, Terminal::Port(end) if end.component.value == component);
+        let topic = |end: &Terminal| matches!(end, Terminal::Topic(_));
+        let joins = |some: &[Terminal], others: &[Terminal]| {
+            some.iter().any(own) && others.iter().any(topic)
+        };
+        joins(&self.from, &self.to) || joins(&self.to, &self.from)
+    }
+}
+
 /// `policy`: RTT's connection policy, and what a reader does with old data.
 #[derive(Clone, Debug, Default)]
 pub struct Policy {

@@ -1,5 +1,5 @@
-//! Over which broker what goes. A component that names none stays inside; where no component names one, all are on the
-//! only one there is.
+//! Over which broker what goes: over that of the component, which [`crate::model::Composite::broker_of`] gave it; where no
+//! component has one, all are on the only one there is.
 
 use std::collections::BTreeSet;
 

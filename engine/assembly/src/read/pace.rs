@@ -7,6 +7,7 @@ use crate::model::{Lifecycle, Pace};
 /// TCA's periodic task.
 pub(crate) fn task(mut keys: Keys<'_, '_, '_>) -> Pace {
     Pace {
+        is_task: true,
         id: keys.text("id", "\"planner\""),
         may_interrupt_if_running: keys.flag("may_interrupt_if_running"),
         broker: keys.text("broker", "\"main\""),
@@ -31,6 +32,7 @@ pub(crate) fn activity(mut keys: Keys<'_, '_, '_>) -> Pace {
 fn common(keys: &mut Keys<'_, '_, '_>) -> Pace {
     Pace {
         span: keys.span,
+        is_task: false,
         id: None,
         period_ms: keys.amount("period_ms", 0..=DAY_MS),
         delay_ms: keys.amount("delay_ms", 0..=DAY_MS),

@@ -144,7 +144,11 @@ fn pace(source: &Source<'_>, notes: &mut Notes) -> Pace {
             .is_none_or(|run| run.value),
         may_interrupt_if_running: pace.is_some_and(|pace| given(&pace.may_interrupt_if_running)),
         overrun: pace.map(|pace| given(&pace.overrun)).unwrap_or_default(),
-        broker: pace.and_then(|pace| pace.broker.as_ref()).map(local),
+        broker: source
+            .member
+            .composite
+            .broker_of(source.component)
+            .map(local),
         scheduler: pace.map(|pace| given(&pace.scheduler)).unwrap_or_default(),
         priority: pace.and_then(|pace| number(&pace.priority)),
         cpu: pace
