@@ -1,22 +1,18 @@
-//! A broker from the command line: how it is named, where the password comes from, and who is there.
+//! A broker from the command line: how it is named, where the password comes from.
 
-use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use amqp::{AmqpBus, Credentials, Identity, Settings};
 use assembly::model::Tls;
 use assembly::plan;
-use assembly::presence::{Presence, presence_topic};
-use bus::{Bell, Bus, BusError, Overflow, Pattern, Queue, Subscription};
 use clap::Args;
+use remote::Remote;
 
 /// How long to wait for the broker.
 const CONNECT: Duration = Duration::from_secs(10);
-/// How long to listen for who is there: each process speaks once a second.
-const LISTEN: Duration = Duration::from_millis(1500);
 
 /// The variable with the password.
 const PASSWORD: &str = "ASMOTION_PASSWORD";
@@ -87,67 +83,17 @@ impl Broker {
         Ok(settings)
     }
 
-    /// A bus over it.
+    /// The systems on it.
     ///
     /// # Errors
     /// It is not there, or does not let us.
-    pub fn connect(&self) -> Result<AmqpBus, String> {
+    pub fn remote(&self) -> Result<Remote, String> {
         let settings = self.settings()?;
         let place = settings.place();
-        AmqpBus::connect(settings, CONNECT).map_err(|reason| {
+        let bus = AmqpBus::connect(settings, CONNECT).map_err(|reason| {
             format!("the broker at {place}: {reason}\n  `asmotion doctor` says how to mend it")
-        })
-    }
-}
-
-/// Everything that a pattern matches.
-///
-/// # Errors
-/// The broker does not let us.
-pub fn listen(bus: &AmqpBus, pattern: &str) -> Result<Subscription, BusError> {
-    let queue = Queue::All {
-        size: 4096,
-        overflow: Overflow::DropOldest,
-    };
-    bus.subscribe("tool", &Pattern::new(pattern), queue, Arc::new(Bell::new()))
-}
-
-/// Who is there, by robot and process. Takes a second and a half.
-///
-/// # Errors
-/// The broker does not let us.
-pub fn presences(bus: &AmqpBus) -> Result<BTreeMap<(String, String), Presence>, BusError> {
-    let subscription = listen(bus, "#.presence.*")?;
-    let until = Instant::now() + LISTEN;
-    let mut known = BTreeMap::new();
-    while let Some(left) = until.checked_duration_since(Instant::now()) {
-        let Some(envelope) = subscription.next_within(left) else {
-            break;
-        };
-        let datum = envelope.payload.to_datum();
-        // what is not ours is none of ours
-        let Ok(presence) = datum.and_then(|datum| datum.to::<Presence>()) else {
-            continue;
-        };
-        let topic = presence_topic(&presence.process);
-        let robot = envelope.topic.strip_suffix(&topic).unwrap_or_default();
-        let name = (
-            robot.trim_end_matches('.').to_owned(),
-            presence.process.clone(),
-        );
-        match presence.leaves {
-            true => known.remove(&name),
-            false => known.insert(name, presence),
-        };
-    }
-    Ok(known)
-}
-
-/// A robot's topic or address as a whole key.
-pub fn key(robot: &str, name: &str) -> String {
-    match robot {
-        "" => name.to_owned(),
-        robot => format!("{robot}.{name}"),
+        })?;
+        Remote::over(Arc::new(bus), None).map_err(|error| error.to_string())
     }
 }
 

@@ -1,8 +1,6 @@
 //! A composite put together, and its run until something ends it.
 
-mod contact;
 mod error;
-mod herald;
 mod process;
 mod watch;
 
@@ -18,8 +16,8 @@ use assembly::plan::Terminal;
 use assembly::{Opened, Plan, Standard};
 use component::{Event, Observer, Pace, Run, Time};
 use datum::Datum;
+use remote::Contact;
 
-use self::contact::Contact;
 use crate::build;
 use crate::files::Disk;
 use crate::story::{Story, Summary};

@@ -1,6 +1,8 @@
 //! The floor plan: which crate may use which. Arrows fall, none climbs.
 
 use cargo_metadata::{DependencyKind, MetadataCommand};
+use std::collections::BTreeSet;
+use std::process::Command;
 
 /// The rooms from the ground up; a room uses only rooms below it.
 const FLOORS: &[&[&str]] = &[
@@ -20,7 +22,7 @@ const FLOORS: &[&[&str]] = &[
     &["engine-component"],
     &["engine-bridge", "engine-coordinator", "engine-mqueue"],
     &["engine-assembly"],
-    &["engine-scdl", "engine-drawing"],
+    &["engine-scdl", "engine-drawing", "engine-remote"],
     // the robot
     &["robot-messages"],
     &["robot-geometry"],
@@ -105,5 +107,66 @@ fn the_engine_knows_no_robot_and_the_language_knows_no_engine() {
             !engine_knows_robot && !language_looks_up,
             "{from} uses {to}"
         );
+    }
+}
+
+/// Every crate that a crate is built from, as `cargo tree` says.
+fn built_from(package: &str) -> BTreeSet<String> {
+    let tree = Command::new(env!("CARGO"))
+        .args(["tree", "-e", "normal", "--prefix", "none", "--offline"])
+        .args(["--locked", "-p", package])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output()
+        .expect("cargo tree");
+    let text = String::from_utf8(tree.stdout).expect("text");
+    let names = text.lines().filter_map(|line| line.split(' ').next());
+    names.map(str::to_owned).collect()
+}
+
+#[test]
+fn j5_the_core_is_built_without_any_transport() {
+    // begins of words in the names of crates
+    const TRANSPORTS: [&str; 8] = [
+        "amqp", "lapin", "rabbit", "ros", "rcl", "corba", "tokio", "hyper",
+    ];
+    let is_transport = |name: &str| {
+        let mut words = name.split(['-', '_']);
+        words.any(|word| {
+            TRANSPORTS
+                .iter()
+                .any(|transport| word.starts_with(transport))
+        })
+    };
+    for core in [
+        "engine-bus",
+        "engine-component",
+        "engine-coordinator",
+        "engine-bridge",
+        "engine-assembly",
+        "robot-components",
+    ] {
+        let used = built_from(core);
+        assert!(used.contains("engine-datum"), "{core}: {used:?}");
+        let found: Vec<_> = used.iter().filter(|name| is_transport(name)).collect();
+        assert!(found.is_empty(), "{core} is built from {found:?}");
+    }
+    let amqp = built_from("engine-bus-amqp");
+    assert!(amqp.iter().any(|name| is_transport(name)), "{amqp:?}");
+}
+
+/// Another back end is another crate beside `engine-bus-amqp`: who joins systems names it, and nobody below.
+#[test]
+fn j6_back_ends_are_named_only_where_systems_are_joined_and_pass_one_suite() {
+    let arrows = arrows();
+    let knowing = arrows.iter().filter(|(_, to)| to == "engine-bus-amqp");
+    let knowing: BTreeSet<&str> = knowing.map(|(from, _)| &**from).collect();
+    assert_eq!(knowing, BTreeSet::from(["asmotion", "engine-remote"]));
+    for suite in [
+        "engine/bus/tests/local.rs",
+        "engine/bus/amqp/tests/rabbitmq/contract.rs",
+    ] {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(suite);
+        let text = std::fs::read_to_string(path).expect(suite);
+        assert!(text.contains("contract::violations("), "{suite}");
     }
 }

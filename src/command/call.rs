@@ -1,14 +1,11 @@
 //! `asmotion call`: calls an operation of a live component.
 
-use crate::broker::{self, Broker};
+use crate::broker::Broker;
 use crate::exit::Exit;
 use crate::terminal::Terminal;
-use amqp::AmqpBus;
-use asm_lang::source::similar;
-use bus::{Bell, Bus, CallFailure, Origin, Payload, Request};
 use clap::Args;
 use datum::Datum;
-use std::sync::Arc;
+use remote::RemoteError;
 use std::time::Duration;
 
 /// Calls an operation of a live component.
@@ -33,67 +30,32 @@ pub struct Call {
 impl Call {
     /// Calls, and shows the answer as JSON.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
-        let called = self.call();
-        let (bus, end) = match called {
-            Ok(called) => called,
-            Err(problem) => {
-                terminal.error(problem);
-                return Exit::Usage;
-            }
-        };
-        let answer = end.and_then(|payload| {
-            let unreadable = |error: datum::DatumError| bus::Refusal {
-                code: "BAD_REPLY".to_owned(),
-                detail: error.to_string(),
-            };
-            let text = (payload.to_datum()).and_then(|datum| datum::json::encode_pretty(&datum));
-            Ok(text.map_err(unreadable)?)
-        });
-        match answer {
-            Ok(text) => {
-                terminal.result(text);
+        match self.call() {
+            Ok(Ok(answer)) => {
+                terminal.result(answer);
                 Exit::Ok
             }
-            Err(CallFailure::Unavailable) => {
-                terminal.error(self.nobody(&bus));
-                Exit::Findings
-            }
-            Err(failure) => {
+            Ok(Err(failure)) => {
                 terminal.error(failure);
                 Exit::Findings
             }
-        }
-    }
-
-    fn call(&self) -> Result<(AmqpBus, Result<Payload, CallFailure>), String> {
-        let argument: Datum = datum::json::decode(&self.argument)
-            .map_err(|error| format!("`{}` is no JSON: {error}", self.argument))?;
-        let timeout = Duration::try_from_secs_f64(self.timeout)
-            .map_err(|error| format!("`--timeout {}`: {error}", self.timeout))?;
-        let bus = self.broker.connect()?;
-        let origin = Origin::new("asmotion-tool", 0);
-        let request = Request::new(origin, Payload::of(argument), timeout);
-        let pending = (bus.call(&self.operation, request, Arc::new(Bell::new())))
-            .map_err(|error| error.to_string())?;
-        let end = pending.wait();
-        Ok((bus, end))
-    }
-
-    /// Nobody serves there; perhaps another name was meant.
-    fn nobody(&self, bus: &AmqpBus) -> String {
-        let mut known = Vec::new();
-        for ((robot, _), presence) in broker::presences(bus).unwrap_or_default() {
-            for component in presence.components {
-                for service in component.services {
-                    let path = format!("{robot}.{}.{}", component.name, service.name);
-                    let operations = service.operations.into_iter();
-                    known.extend(operations.map(|operation| format!("{path}.{}", operation.name)));
-                }
+            Err(problem) => {
+                terminal.error(problem);
+                Exit::Usage
             }
         }
-        let meant = similar(&self.operation, &known);
-        let meant = meant.map(|name| format!("; did you mean `{name}`?"));
-        let meant = meant.unwrap_or_default();
-        format!("nobody serves `{}`{meant}", self.operation)
+    }
+
+    /// What is answered; or why there is no answer; or why it is not even asked.
+    fn call(&self) -> Result<Result<String, RemoteError>, String> {
+        let argument: Datum = datum::json::decode(&self.argument)
+            .map_err(|error| format!("`{}` is no JSON: {error}", self.argument))?;
+        let patience = Duration::try_from_secs_f64(self.timeout)
+            .map_err(|error| format!("`--timeout {}`: {error}", self.timeout))?;
+        let sent = (self.broker.remote()?)
+            .send(&self.operation, argument, patience)
+            .map_err(|error| error.to_string())?;
+        let answer = sent.collect();
+        Ok(answer.and_then(|answer| Ok(datum::json::encode_pretty(&answer)?)))
     }
 }

@@ -1,19 +1,14 @@
 //! `asmotion component`: who is there on a broker, how they are, and what they shall do.
 
 use super::run::property_value;
-use crate::broker::{self, Broker};
+use crate::broker::Broker;
 use crate::exit::Exit;
 use crate::table;
 use crate::terminal::{NAME, Terminal};
-use amqp::AmqpBus;
-use asm_lang::source::similar;
-use assembly::order::{Order, Wish, control_address};
-use assembly::presence::{Presence, Present, Typed};
-use bus::{Bell, Bus, CallFailure, Origin, Payload, Request};
 use clap::{Args, Subcommand};
+use component::Transition;
 use datum::Datum;
-use std::sync::Arc;
-use std::time::Duration;
+use remote::{Remote, RemoteError, Typed};
 
 /// Shows the components that are there on a broker, starts and stops them.
 #[derive(Args)]
@@ -74,41 +69,13 @@ enum What {
     },
 }
 
-/// How long an order may take.
-const PATIENCE: Duration = Duration::from_secs(10);
-
-/// A component and where it is.
-pub(super) struct Found {
-    robot: String,
-    process: String,
-    component: Present,
-}
-
 impl Component {
     /// Does it.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
-        let done = self.broker.connect().and_then(|bus| {
-            let found = find(&bus)?;
-            match self.what {
-                What::List => list(&found, terminal),
-                What::Info { name, json: false } => show(named(&name, &found)?, terminal),
-                What::Info { name, json: true } => {
-                    let declared = order(&bus, named(&name, &found)?, Wish::Describe)?;
-                    let text = datum::json::encode_pretty(&declared);
-                    terminal.result(text.map_err(|error| error.to_string())?);
-                }
-                What::Configure { name } => done(&bus, &name, &found, Wish::Configure)?,
-                What::Start { name } => done(&bus, &name, &found, Wish::Start)?,
-                What::Stop { name } => done(&bus, &name, &found, Wish::Stop)?,
-                What::Cleanup { name } => done(&bus, &name, &found, Wish::Cleanup)?,
-                What::Reset { name } => done(&bus, &name, &found, Wish::Reset)?,
-                What::Set { name, values } => {
-                    let values = values.iter().map(|value| setting(value));
-                    let wish = Wish::Set(values.collect::<Result<_, _>>()?);
-                    done(&bus, &name, &found, wish)?;
-                }
-            }
-            Ok(())
+        let done = self.broker.remote().and_then(|remote| {
+            let values = self.what.values()?;
+            let done = self.what.run(&remote, values, terminal);
+            done.map_err(|error| error.to_string())
         });
         match done {
             Ok(()) => Exit::Ok,
@@ -120,38 +87,43 @@ impl Component {
     }
 }
 
-/// All components that are there.
-pub(super) fn find(bus: &AmqpBus) -> Result<Vec<Found>, String> {
-    let presences = broker::presences(bus).map_err(|error| error.to_string())?;
-    let of = |((robot, process), presence): ((String, String), Presence)| {
-        presence.components.into_iter().map(move |component| Found {
-            robot: robot.clone(),
-            process: process.clone(),
-            component,
-        })
-    };
-    Ok(presences.into_iter().flat_map(of).collect())
-}
+impl What {
+    /// The properties to be set.
+    fn values(&self) -> Result<Vec<(String, Datum)>, String> {
+        match self {
+            Self::Set { values, .. } => values.iter().map(|value| setting(value)).collect(),
+            Self::List
+            | Self::Info { .. }
+            | Self::Configure { .. }
+            | Self::Start { .. }
+            | Self::Stop { .. }
+            | Self::Cleanup { .. }
+            | Self::Reset { .. } => Ok(Vec::new()),
+        }
+    }
 
-/// The component of a name; before it may stand its robot, `rover1.RoverDriver`.
-pub(super) fn named<'f>(name: &str, found: &'f [Found]) -> Result<&'f Found, String> {
-    let whole = |it: &Found| format!("{}.{}", it.robot, it.component.name);
-    let named: Vec<_> = found
-        .iter()
-        .filter(|it| it.component.name == name || whole(it) == name)
-        .collect();
-    match named.as_slice() {
-        [one] => Ok(one),
-        [] => {
-            let known = found.iter().map(|it| &it.component.name);
-            let meant = similar(name, known).map(|name| format!("; did you mean `{name}`?"));
-            let meant = meant.unwrap_or_default();
-            Err(format!("no component `{name}` is there{meant}"))
+    fn run(
+        self,
+        remote: &Remote,
+        values: Vec<(String, Datum)>,
+        terminal: &mut Terminal,
+    ) -> Result<(), RemoteError> {
+        let take = |name: String, transition| remote.component(&name)?.transition(transition);
+        match self {
+            Self::List => list(&remote.components(), terminal),
+            Self::Info { name, json: false } => show(&remote.component(&name)?, terminal),
+            Self::Info { name, json: true } => {
+                let declared = Datum::of(&remote.component(&name)?.declaration()?)?;
+                terminal.result(datum::json::encode_pretty(&declared)?);
+            }
+            Self::Configure { name } => take(name, Transition::Configure)?,
+            Self::Start { name } => take(name, Transition::Start)?,
+            Self::Stop { name } => take(name, Transition::Stop)?,
+            Self::Cleanup { name } => take(name, Transition::Cleanup)?,
+            Self::Reset { name } => take(name, Transition::ResetException)?,
+            Self::Set { name, .. } => remote.component(&name)?.set_all(values)?,
         }
-        several => {
-            let several: Vec<_> = several.iter().map(|it| whole(it)).collect();
-            Err(format!("which `{name}`? {}", several.join(", ")))
-        }
+        Ok(())
     }
 }
 
@@ -162,34 +134,13 @@ fn setting(written: &str) -> Result<(String, Datum), String> {
     Ok((property.trim().to_owned(), property_value(value.trim())))
 }
 
-/// Has an order carried out that has no answer.
-fn done(bus: &AmqpBus, name: &str, found: &[Found], wish: Wish) -> Result<(), String> {
-    order(bus, named(name, found)?, wish).map(drop)
-}
-
-/// Has a component's process carry out an order, and says what it answers.
-pub(super) fn order(bus: &AmqpBus, found: &Found, wish: Wish) -> Result<Datum, String> {
-    let component = found.component.name.clone();
-    let order = Datum::of(&Order { component, wish }).map_err(|error| error.to_string())?;
-    let address = broker::key(&found.robot, &control_address(&found.process));
-    let origin = Origin::new("asmotion-tool", 0);
-    let request = Request::new(origin, Payload::of(order), PATIENCE);
-    let pending =
-        (bus.call(&address, request, Arc::new(Bell::new()))).map_err(|error| error.to_string())?;
-    match pending.wait() {
-        Ok(answer) => answer.to_datum().map_err(|error| error.to_string()),
-        Err(CallFailure::Refused(refusal)) => Err(refusal.detail),
-        Err(failure) => Err(failure.to_string()),
-    }
-}
-
-fn list(found: &[Found], terminal: &mut Terminal) {
+fn list(found: &[remote::Component], terminal: &mut Terminal) {
     let rows = found.iter().map(|found| {
-        let component = &found.component;
+        let component = found.present();
         vec![
             component.name.clone(),
-            found.robot.clone(),
-            found.process.clone(),
+            found.robot().to_owned(),
+            found.process().to_owned(),
             component.state.clone(),
             format!("{:.1}", component.rate_hz),
             component.overruns.to_string(),
@@ -201,11 +152,14 @@ fn list(found: &[Found], terminal: &mut Terminal) {
     }
 }
 
-fn show(found: &Found, terminal: &mut Terminal) {
-    let component = &found.component;
+fn show(found: &remote::Component, terminal: &mut Terminal) {
+    let component = found.present();
     terminal.result(format_args!(
         "{NAME}{}{NAME:#}: {} in process {} of {}",
-        component.name, component.state, found.process, found.robot
+        component.name,
+        component.state,
+        found.process(),
+        found.robot()
     ));
     terminal.result(format_args!(
         "  cycles      {}, {:.1} a second, {} periods missed",

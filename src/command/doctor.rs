@@ -1,6 +1,6 @@
 //! `asmotion doctor`: what is wrong with a broker, and how to mend it.
 
-use crate::broker::{self, Broker};
+use crate::broker::Broker;
 use crate::exit::Exit;
 use crate::terminal::{BAD, GOOD, Terminal};
 use amqp::{AmqpBus, Settings};
@@ -153,7 +153,7 @@ fn take(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
 
 /// Whether topics work.
 fn exchange(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
-    let read = broker::listen(bus, TRIED)
+    let read = remote::listen(bus, TRIED)
         .map_err(|error| forbidden("a topic cannot be read", &error.to_string(), settings))?;
     let sending = Sending::events(NonZeroUsize::MIN);
     let origin = Origin::new("asmotion-doctor", 0);

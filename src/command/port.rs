@@ -1,12 +1,11 @@
 //! `asmotion port`: reads and writes ports of live components.
 
-use super::component::{find, named, order};
 use crate::broker::Broker;
 use crate::exit::Exit;
 use crate::terminal::Terminal;
-use assembly::order::Wish;
 use clap::{Args, Subcommand};
 use datum::Datum;
+use remote::RemoteError;
 
 /// Reads what left an output port last, and writes to an input port.
 #[derive(Args)]
@@ -63,17 +62,14 @@ impl Port {
         let (component, port) = whole
             .rsplit_once('.')
             .ok_or_else(|| format!("`{whole}` is no port: write `Component.port`"))?;
-        let port = port.to_owned();
-        let bus = self.broker.connect()?;
-        let found = find(&bus)?;
-        let component = named(component, &found)?;
-        match message {
-            Some(message) => order(&bus, component, Wish::Write(port, message)).map(|_| None),
+        let remote = self.broker.remote()?;
+        let asked = (remote.component(component)).and_then(|component| match message {
+            Some(message) => component.write(port, message).map(|()| None),
             None => {
-                let read = order(&bus, component, Wish::Read(port))?;
-                let text = datum::json::encode(&read).map_err(|error| error.to_string())?;
-                Ok(Some(text))
+                let read: Datum = component.read(port)?;
+                Ok(Some(datum::json::encode(&read)?))
             }
-        }
+        });
+        asked.map_err(|error: RemoteError| error.to_string())
     }
 }

@@ -1,13 +1,12 @@
 //! `asmotion top`: a running system on the terminal, as it changes.
 
-use crate::broker::{self, Broker};
+use crate::broker::Broker;
 use crate::exit::Exit;
 use crate::terminal::Terminal;
 use crate::top::{Board, Key, View, draw};
-use amqp::AmqpBus;
-use bus::Bus;
 use clap::Args;
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind, KeyModifiers};
+use remote::Remote;
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
@@ -33,8 +32,8 @@ impl Top {
         }
         let shown = (self.broker.settings()).and_then(|settings| {
             let place = settings.place();
-            let bus = self.broker.connect()?;
-            show(&bus, &place).map_err(|error| error.to_string())
+            let remote = self.broker.remote()?;
+            show(&remote, &place).map_err(|error| error.to_string())
         });
         match shown {
             Ok(()) => Exit::Ok,
@@ -47,8 +46,8 @@ impl Top {
 }
 
 /// Draws and listens; the terminal is as it was afterwards, whatever happens.
-fn show(bus: &AmqpBus, place: &str) -> Result<(), Box<dyn std::error::Error>> {
-    let everything = broker::listen(bus, "#")?;
+fn show(remote: &Remote, place: &str) -> Result<(), Box<dyn std::error::Error>> {
+    let everything = remote.listen("#")?;
     let began = Instant::now();
     let (mut board, mut view) = (Board::default(), View::default());
     let mut screen = ratatui::try_init()?;
@@ -57,7 +56,7 @@ fn show(bus: &AmqpBus, place: &str) -> Result<(), Box<dyn std::error::Error>> {
             board.hear(&envelope, began.elapsed());
         }
         let now = began.elapsed();
-        board.feel(bus.health().link, now);
+        board.feel(remote.bus().health().link, now);
         if let Err(error) = screen.draw(|frame| draw(frame, &board, &view, place, now)) {
             break Err(error);
         }

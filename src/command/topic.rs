@@ -35,18 +35,18 @@ enum What {
 impl Topic {
     /// Does it.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
-        let bus = match self.broker.connect() {
-            Ok(bus) => bus,
+        let remote = match self.broker.remote() {
+            Ok(remote) => remote,
             Err(problem) => {
                 terminal.error(problem);
                 return Exit::Usage;
             }
         };
         let end = match self.what {
-            What::List(list) => list.run(&bus, terminal),
-            What::Echo(echo) => echo.run(&bus, terminal),
-            What::Hz(hz) => hz.run(&bus, terminal),
-            What::Pub(publish) => publish.run(&bus, terminal),
+            What::List(list) => list.run(&remote, terminal),
+            What::Echo(echo) => echo.run(&remote, terminal),
+            What::Hz(hz) => hz.run(&remote, terminal),
+            What::Pub(publish) => publish.run(&remote, terminal),
         };
         match end {
             Ok(exit) => exit,

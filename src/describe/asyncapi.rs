@@ -3,10 +3,9 @@
 use std::collections::BTreeSet;
 
 use assembly::Plan;
-use assembly::order::control_address;
 use assembly::plan::Broker;
-use assembly::presence::presence_topic;
 use datum::Schema;
+use remote::{control_address, presence_topic};
 use serde_json::{Map, Value, json};
 
 use super::schema::{Definitions, key};

@@ -5,13 +5,12 @@ use std::sync::Arc;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use amqp::{AmqpBus, Settings};
-use assembly::order::Newest;
 use assembly::plan::Broker;
 use assembly::{Part, Plan};
 use bus::{Bus, BusError};
 use component::System;
+use remote::{Contact, Newest};
 
-use super::contact::Contact;
 use super::{Mission, MissionError};
 
 /// How long to wait for a broker at the start; later on, as long as it takes.
@@ -169,13 +168,10 @@ impl Mission {
                 attached.map_err(of_all)?;
             }
         }
-        let newest = Newest::default();
-        if !connected.is_empty() {
-            system.observe(newest.clone());
-        }
         let name = self.process.as_deref().unwrap_or(&plan.name);
         let contact = |it: &'p Connected| {
-            let newest = newest.clone();
+            let newest = Newest::default();
+            system.observe(newest.clone());
             let contact = Contact::new(plan, part.clone(), name, &*it.bus, incarnation, newest);
             contact.map_err(|reason| broker_error(&it.place, reason))
         };

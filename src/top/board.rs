@@ -3,9 +3,9 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 
-use assembly::presence::{Presence, Present, presence_topic};
 use bus::{Envelope, Link};
 use datum::{Datum, DatumError};
+use remote::{Presence, Present, Word};
 
 /// A process speaks once a second; one that has been silent for so long may be gone.
 const SILENT: Duration = Duration::from_millis(2500);
@@ -73,14 +73,14 @@ pub enum Silence {
 impl Board {
     /// Takes in a message.
     pub fn hear(&mut self, envelope: &Envelope, now: Duration) {
-        let content = envelope.payload.to_datum();
         if is_presence(&envelope.topic) {
             // what is not ours is none of ours
-            if let Ok(Ok(presence)) = content.map(|content| content.to::<Presence>()) {
-                self.meet(&envelope.topic, presence, now);
+            if let Some(word) = Word::of(envelope) {
+                self.meet(word, now);
             }
             return;
         }
+        let content = envelope.payload.to_datum();
         let name = envelope.topic.to_string();
         let topic = self.topics.entry(name).or_insert_with_key(|name| Topic {
             name: name.clone(),
@@ -100,13 +100,12 @@ impl Board {
         topic.arrivals.push_back(now);
     }
 
-    fn meet(&mut self, topic: &str, mut presence: Presence, now: Duration) {
-        let own = presence_topic(&presence.process);
-        let robot = topic.strip_suffix(&own).unwrap_or_default();
-        let key = (
-            robot.trim_end_matches('.').to_owned(),
-            presence.process.clone(),
-        );
+    fn meet(&mut self, word: Word, now: Duration) {
+        let Word {
+            robot,
+            mut presence,
+        } = word;
+        let key = (robot, presence.process.clone());
         if let (true, Some(known)) = (presence.leaves, self.processes.get(&key)) {
             // the last word need not repeat what was there
             presence.components.clone_from(&known.presence.components);

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use assembly::presence::{PRESENCE, Presence, Present};
 use bus::{Envelope, Link, Payload};
 use datum::{Datum, Numbers};
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
+use remote::{PRESENCE, Presence, Present};
 
 use super::{Board, Key, View, draw};
 

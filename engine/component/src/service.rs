@@ -4,6 +4,7 @@ mod caller;
 mod post;
 mod provider;
 
+use bus::CallFailure;
 use datum::{Datum, DatumError, Message};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -104,6 +105,19 @@ pub enum CallError {
     /// The caller took it back.
     #[error("cancelled by the caller")]
     Cancelled,
+}
+
+impl From<CallFailure> for CallError {
+    fn from(failure: CallFailure) -> Self {
+        match failure {
+            CallFailure::Timeout => Self::Timeout,
+            CallFailure::Unavailable => Self::Unavailable,
+            CallFailure::Refused(refusal) => {
+                Self::Fault(ServiceFault::new(refusal.code, refusal.detail))
+            }
+            CallFailure::Cancelled => Self::Cancelled,
+        }
+    }
 }
 
 /// What has become of a call that was sent (RTT `SendStatus`).

@@ -1,14 +1,13 @@
 //! `asmotion topic echo`: the messages of a topic, as they come.
 
-use crate::broker;
 use crate::build::BUILD;
 use crate::exit::Exit;
 use crate::terminal::Terminal;
-use amqp::AmqpBus;
 use assembly::Catalogue;
 use bus::Envelope;
 use clap::Args;
 use datum::{Datum, Message};
+use remote::Remote;
 use serde_json::json;
 use std::time::{Duration, Instant};
 
@@ -28,8 +27,8 @@ pub struct Echo {
 
 impl Echo {
     /// Shows each message as an object on a line. Without any, that is a finding.
-    pub fn run(self, bus: &AmqpBus, terminal: &mut Terminal) -> Result<Exit, String> {
-        let subscription = broker::listen(bus, &self.topic).map_err(|error| error.to_string())?;
+    pub fn run(self, remote: &Remote, terminal: &mut Terminal) -> Result<Exit, String> {
+        let subscription = (remote.listen(&self.topic)).map_err(|error| error.to_string())?;
         let until = Instant::now() + Duration::from_secs(self.limit);
         let mut shown = 0;
         while self.count.is_none_or(|count| shown < count) {

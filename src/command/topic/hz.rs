@@ -1,10 +1,9 @@
 //! `asmotion topic hz`: how often a topic's messages come.
 
-use crate::broker;
 use crate::exit::Exit;
 use crate::terminal::Terminal;
-use amqp::AmqpBus;
 use clap::Args;
+use remote::Remote;
 use std::time::{Duration, Instant};
 
 #[derive(Args)]
@@ -19,9 +18,9 @@ pub struct Hz {
 
 impl Hz {
     /// Counts. Silence is a finding.
-    pub fn run(self, bus: &AmqpBus, terminal: &mut Terminal) -> Result<Exit, String> {
+    pub fn run(self, remote: &Remote, terminal: &mut Terminal) -> Result<Exit, String> {
         let window = Duration::try_from_secs_f64(self.window).map_err(|error| error.to_string())?;
-        let subscription = broker::listen(bus, &self.topic).map_err(|error| error.to_string())?;
+        let subscription = (remote.listen(&self.topic)).map_err(|error| error.to_string())?;
         let until = Instant::now() + window;
         let mut arrivals = Vec::new();
         let next = || subscription.next_within(until.saturating_duration_since(Instant::now()));

@@ -1,11 +1,10 @@
 //! `asmotion topic list`: the topics, their types, who writes and reads them, and how often.
 
-use crate::broker;
 use crate::exit::Exit;
 use crate::table;
 use crate::terminal::Terminal;
-use amqp::AmqpBus;
 use clap::Args;
+use remote::Remote;
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
@@ -24,11 +23,10 @@ struct Known {
 
 impl List {
     /// Asks and listens, for a second and a half.
-    pub fn run(self, bus: &AmqpBus, terminal: &mut Terminal) -> Result<Exit, String> {
-        let failed = |error: bus::BusError| error.to_string();
-        let everything = broker::listen(bus, "#").map_err(failed)?;
+    pub fn run(self, remote: &Remote, terminal: &mut Terminal) -> Result<Exit, String> {
+        let everything = (remote.listen("#")).map_err(|error| error.to_string())?;
         let began = Instant::now();
-        let presences = broker::presences(bus).map_err(failed)?;
+        let words = remote.processes();
         let mut topics: BTreeMap<String, Known> = BTreeMap::new();
         while let Some(envelope) = everything.try_next() {
             let known = topics.entry(envelope.topic.to_string()).or_default();
@@ -37,9 +35,9 @@ impl List {
             known.publishers.insert(envelope.source.to_string());
         }
         let seconds = began.elapsed().as_secs_f64();
-        for ((robot, _), presence) in &presences {
-            for topic in &presence.topics {
-                let known = topics.entry(broker::key(robot, &topic.name)).or_default();
+        for word in &words {
+            for topic in &word.presence.topics {
+                let known = topics.entry(word.key(&topic.name)).or_default();
                 if let Some(kind) = &topic.kind {
                     known.kind.clone_from(kind);
                 }

@@ -2,10 +2,10 @@
 
 use crate::exit::Exit;
 use crate::terminal::Terminal;
-use amqp::AmqpBus;
-use bus::{Bus, Origin, Payload, Sending};
+use bus::{Origin, Payload, Sending};
 use clap::Args;
 use datum::{Codec, Datum, Schema};
+use remote::Remote;
 use std::num::NonZeroUsize;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -33,7 +33,7 @@ pub struct Pub {
 
 impl Pub {
     /// Publishes. That nobody reads it is worth a word, and no failure.
-    pub fn run(self, bus: &AmqpBus, terminal: &mut Terminal) -> Result<Exit, String> {
+    pub fn run(self, remote: &Remote, terminal: &mut Terminal) -> Result<Exit, String> {
         let message: Datum = datum::json::decode(&self.message)
             .map_err(|error| format!("`{}` is no JSON: {error}", self.message))?;
         let pause = Duration::try_from_secs_f64(1.0 / self.rate)
@@ -41,6 +41,7 @@ impl Pub {
         let origin = Origin::new("asmotion-tool", 0);
         let sending = Sending::events(NonZeroUsize::MIN.saturating_add(255)).by(Codec::Json);
         let kind = Schema::opaque(self.kind);
+        let bus = remote.bus();
         let mut publisher = (bus.publisher(&self.topic, &origin, &kind, sending))
             .map_err(|error| error.to_string())?;
         for number in 0..self.count {

@@ -3,22 +3,24 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use assembly::order::{Begun, Newest, Order, control_address};
-use assembly::presence::presence_topic;
 use assembly::{Part, Plan};
 use bus::{
-    Bell, Bus, BusError, Call, Overflow, Pattern, Payload, Queue, Refusal, Serving, Subscription,
+    Bell, Bus, BusError, Call, Origin, Overflow, Pattern, Payload, Queue, Refusal, Sending,
+    Serving, Subscription,
 };
 use component::{Asked, Run};
-use datum::Datum;
+use datum::{Datum, Schema};
 
-use super::herald::Herald;
+use crate::herald::Herald;
+use crate::{Begun, Newest, Order, Reason, control_address, presence_topic};
 
 /// How many orders may wait.
 const WAITING: usize = 16;
 
-/// The contact.
-pub(super) struct Contact<'p> {
+/// The contact of a process over a bus: attended to again and again while the system runs.
+pub struct Contact<'p> {
+    plan: &'p Plan,
+    origin: Origin,
     herald: Herald<'p>,
     bus: &'p dyn Bus,
     orders: Serving,
@@ -31,7 +33,11 @@ pub(super) struct Contact<'p> {
 }
 
 impl<'p> Contact<'p> {
-    pub(super) fn new(
+    /// A contact. What leaves the outputs is seen by `newest`, an observer of the system that no other contact has.
+    ///
+    /// # Errors
+    /// The bus does not let us.
+    pub fn new(
         plan: &'p Plan,
         part: Part,
         process: &str,
@@ -46,6 +52,8 @@ impl<'p> Contact<'p> {
             overflow: Overflow::DropOldest,
         };
         Ok(Self {
+            plan,
+            origin: Origin::new(process, incarnation),
             presences: bus.subscribe(process, &everyone, queue, Arc::clone(&bell))?,
             herald: Herald::new(plan, part, process, bus, incarnation)?,
             bus,
@@ -57,11 +65,12 @@ impl<'p> Contact<'p> {
     }
 
     /// Does what is due: carries out orders, greets newcomers, and speaks.
-    pub(super) fn attend(&mut self, run: &mut dyn Run) {
+    pub fn attend(&mut self, run: &mut dyn Run) {
         while let Some(call) = self.orders.try_next() {
-            match begin(&call, run, &self.newest) {
+            match self.begin(&call, run) {
                 Ok(Begun::Asked(asked)) => self.begun.push((call, asked)),
                 Ok(Begun::Done(answer)) => call.reply(Ok(Payload::of(answer))),
+                Ok(Begun::Watched(port, schema)) => call.reply(self.watch(&port, &schema)),
                 Err(refusal) => call.reply(Err(refusal)),
             }
         }
@@ -75,7 +84,7 @@ impl<'p> Contact<'p> {
         for (call, asked) in std::mem::take(&mut self.begun) {
             match asked.try_take() {
                 Some(done) => {
-                    let done = done.map_err(|reason| refusal("REFUSED", reason));
+                    let done = done.map_err(|error| Reason::Refused.refusal(error));
                     call.reply(done.map(|()| Payload::of(Datum::Null)));
                     self.herald.hurry();
                 }
@@ -97,23 +106,30 @@ impl<'p> Contact<'p> {
     }
 
     /// Says the last word.
-    pub(super) fn leave(&mut self) {
+    pub fn leave(&mut self) {
         self.herald.leave();
     }
-}
 
-fn begin(call: &Call, run: &mut dyn Run, newest: &Newest) -> Result<Begun, Refusal> {
-    let order = call.argument.to_datum();
-    let order: Order = order
-        .and_then(|order| order.to())
-        .map_err(|error| refusal("BAD_REQUEST", error))?;
-    let begun = order.begin(run, newest);
-    begun.map_err(|reason| refusal(reason.code(), reason))
-}
-
-fn refusal(code: &str, reason: impl ToString) -> Refusal {
-    Refusal {
-        code: code.to_owned(),
-        detail: reason.to_string(),
+    fn begin(&self, call: &Call, run: &mut dyn Run) -> Result<Begun, Refusal> {
+        let order = call.argument.to_datum();
+        let order: Order = order
+            .and_then(|order| order.to())
+            .map_err(|error| Reason::BadRequest.refusal(error))?;
+        let begun = order.begin(self.plan, run, &self.newest);
+        begun.map_err(|error| error.reason().refusal(error))
     }
+
+    /// Has an output published for a while; says on which topic.
+    fn watch(&self, port: &str, schema: &Schema) -> Result<Payload, Refusal> {
+        let topic = watch_topic(port);
+        let publisher = || (self.bus).publisher(&topic, &self.origin, schema, Sending::state());
+        let watched = self.newest.watch(port, publisher);
+        watched.map_err(|error| Reason::Refused.refusal(error))?;
+        Ok(Payload::of(Datum::text(topic)))
+    }
+}
+
+/// Where a watched output is published: `watch.RoverDriver.odom`.
+pub(crate) fn watch_topic(port: &str) -> String {
+    format!("watch.{port}")
 }

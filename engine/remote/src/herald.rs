@@ -1,28 +1,32 @@
 //! The herald: tells others on the bus, again and again, what this process is and how it is.
 
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant};
 
-use assembly::presence::{PRESENCE, Presence, presence_topic};
 use assembly::{Part, Plan};
 use bus::{Bus, BusError, Origin, Payload, Publisher, Sending};
 use component::Run;
 use datum::{Codec, Datum, Schema};
 
+use crate::newest::now;
+use crate::{PRESENCE, Presence, presence_topic};
+
 /// How often it speaks.
 const PERIOD: Duration = Duration::from_secs(1);
 
 /// Tells what a running part of a plan is.
-pub(super) struct Herald<'p> {
+pub(crate) struct Herald<'p> {
     plan: &'p Plan,
     part: Part,
     process: String,
     publisher: Box<dyn Publisher>,
     /// When it spoke last, and what it said.
     last: Option<(Instant, Presence)>,
+    /// It shall not wait until it is time.
+    hurries: bool,
 }
 
 impl<'p> Herald<'p> {
-    pub(super) fn new(
+    pub(crate) fn new(
         plan: &'p Plan,
         part: Part,
         process: &str,
@@ -42,15 +46,16 @@ impl<'p> Herald<'p> {
                 sending,
             )?,
             last: None,
+            hurries: false,
         })
     }
 
     /// Speaks, if it is time.
-    pub(super) fn speak(&mut self, run: &mut dyn Run) {
+    pub(crate) fn speak(&mut self, run: &mut dyn Run) {
         let now = Instant::now();
         let before = self.last.take();
         let since = before.as_ref().map(|(at, _)| now.duration_since(*at));
-        if since.is_some_and(|since| since < PERIOD) {
+        if !self.hurries && since.is_some_and(|since| since < PERIOD) {
             self.last = before;
             return;
         }
@@ -59,15 +64,16 @@ impl<'p> Herald<'p> {
         let presence = presence.after(before.as_ref(), since.unwrap_or_default().as_secs_f64());
         self.publish(&presence);
         self.last = Some((now, presence));
+        self.hurries = false;
     }
 
     /// It shall speak as soon as it can: something has changed.
-    pub(super) fn hurry(&mut self) {
-        self.last = None;
+    pub(crate) fn hurry(&mut self) {
+        self.hurries = true;
     }
 
     /// Says the last word.
-    pub(super) fn leave(&mut self) {
+    pub(crate) fn leave(&mut self) {
         let mut presence = self.last.take().map(|(_, last)| last).unwrap_or_default();
         presence.leaves = true;
         self.publish(&presence);
@@ -78,8 +84,6 @@ impl<'p> Herald<'p> {
         let Ok(datum) = Datum::of(presence) else {
             return;
         };
-        let now = SystemTime::now().duration_since(UNIX_EPOCH);
-        let stamp = i64::try_from(now.unwrap_or_default().as_nanos()).unwrap_or(i64::MAX);
-        let _ = self.publisher.publish(stamp, Payload::of(datum));
+        let _ = self.publisher.publish(now(), Payload::of(datum));
     }
 }

@@ -1,74 +1,48 @@
 //! Orders to a running system: ports are read and written, shapes described, the life cycle is driven.
-#![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
 
-use assembly::order::{Begun, Newest, Order, Wish};
-use component::{
-    Activity, Component, Cycle, Fault, In, Operation, Out, Property, Provided, Run, Simulation,
-    Span, State, System,
-};
+use assembly::{Opened, Standard};
+use component::{Run, Simulation, Span, State};
 use datum::Datum;
+use remote::{Begun, Newest, Order, Wish};
 
-datum::message! {
-    /// Where the joints are.
-    pub struct Joints = "test/Joints" {
-        /// radians
-        pub position: [f64; 2],
-    }
+use crate::driver::{self, BUILD, files, open};
+
+/// A system in simulated time, its plan, and what has left its outputs.
+struct Driven {
+    opened: Opened,
+    run: Simulation,
+    newest: Newest,
 }
 
-struct Mirror;
-
-impl Operation for Mirror {
-    type Request = Joints;
-    type Response = Joints;
-    const INTERFACE: &'static str = "test/Mirror";
-    const NAME: &'static str = "mirror";
-}
-
-/// Says where it was told to go.
-struct Driver {
-    commands: In<Joints>,
-    status: Out<Joints>,
-    _scale: Property<f64>,
-    _mirror: Provided<Mirror>,
-}
-
-impl Component for Driver {
-    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
-        if let Some(joints) = cycle.read(self.commands).new().cloned() {
-            cycle.write(self.status, joints);
-        }
-        Ok(())
-    }
-}
-
-fn driver() -> (Simulation, Newest) {
-    let mut system = System::new();
-    let added = system.add("Driver", Activity::periodic(10.ms()), |interface| {
-        Box::new(Driver {
-            commands: interface.input("commands", "where to go"),
-            status: interface.output("status", "where it is"),
-            _scale: interface.property("scale", 1.0, "of all that is told"),
-            _mirror: interface.serve("mirror", "turned about"),
-        })
-    });
-    added.expect("a component");
+fn driver() -> Driven {
+    let (opened, files) = (open(&[]), files());
+    let mut workshop = Standard {
+        catalogue: &BUILD,
+        loader: &files,
+        seed: 1,
+        builtins: &mut |_, _| None,
+    };
+    let plan = opened.plan(None).expect("a plan");
+    let mut system = assembly::start(plan, &mut workshop).expect("a system");
     let newest = Newest::default();
     system.observe(newest.clone());
-    (system.simulate(), newest)
+    let run = system.simulate();
+    Driven {
+        opened,
+        run,
+        newest,
+    }
 }
 
 /// What is answered, or the code and the words of a refusal.
-fn order(
-    (run, newest): &mut (Simulation, Newest),
-    component: &str,
-    wish: Wish,
-) -> Result<Datum, String> {
+fn order(driven: &mut Driven, component: &str, wish: Wish) -> Result<Datum, String> {
     let component = component.to_owned();
-    let begun = Order { component, wish }.begin(run, newest);
+    let plan = driven.opened.plan(None).expect("a plan");
+    let begun = Order { component, wish }.begin(plan, &mut driven.run, &driven.newest);
     let refused = |code: &str, reason: String| format!("{code}: {reason}");
-    match begun.map_err(|error| refused(error.code(), error.to_string()))? {
+    match begun.map_err(|error| refused(error.reason().code(), error.to_string()))? {
         Begun::Done(answer) => Ok(answer),
+        Begun::Watched(port, _) => Ok(Datum::text(port)),
         Begun::Asked(asked) => match asked.try_take() {
             Some(Ok(())) => Ok(Datum::Null),
             Some(Err(error)) => Err(refused("REFUSED", error.to_string())),
@@ -78,7 +52,7 @@ fn order(
 }
 
 fn joints(position: [f64; 2]) -> Datum {
-    Datum::of(&Joints { position }).expect("data")
+    Datum::of(&driver::joints(position)).expect("data")
 }
 
 #[test]
@@ -87,7 +61,7 @@ fn j13_a_port_is_written_and_read_from_outside() {
     let there = joints([0.5, 1.0]);
     let write = Wish::Write("commands".to_owned(), there.clone());
     assert_eq!(order(&mut driver, "Driver", write), Ok(Datum::Null));
-    driver.0.run_for(20.ms());
+    driver.run.run_for(20.ms());
     let read = order(&mut driver, "Driver", Wish::Read("status".to_owned()));
     assert_eq!(read, Ok(there));
 }
@@ -95,7 +69,7 @@ fn j13_a_port_is_written_and_read_from_outside() {
 #[test]
 fn j13_j18_every_way_to_be_wrong_has_its_code_and_harms_nobody() {
     let mut driver = driver();
-    driver.0.run_for(20.ms());
+    driver.run.run_for(20.ms());
     let write = |port: &str, value| Wish::Write(port.to_owned(), value);
     let read = |port: &str| Wish::Read(port.to_owned());
     let fields = |name: &'static str, value| Datum::record([(name, value)]);
@@ -121,7 +95,7 @@ fn j13_j18_every_way_to_be_wrong_has_its_code_and_harms_nobody() {
     ];
     let refused: Vec<_> = refused.map(|it| it.expect_err("a refusal")).into();
     insta::assert_snapshot!(refused.join("\n"));
-    assert_eq!(driver.0.state("Driver"), Some(State::Running));
+    assert_eq!(driver.run.state("Driver"), Some(State::Running));
 }
 
 #[test]
@@ -144,5 +118,5 @@ fn j8_the_life_cycle_is_driven_from_outside_with_its_guards() {
         let refused = go(wish).expect_err("it is well");
         assert!(refused.contains("it is Running"), "{refused}");
     }
-    assert_eq!(driver.0.state("Driver"), Some(State::Running));
+    assert_eq!(driver.run.state("Driver"), Some(State::Running));
 }

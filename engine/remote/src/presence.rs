@@ -1,11 +1,11 @@
 //! Presence: what a process says of itself, for tools and for strangers. `docs/wire.md` describes it.
 
+use assembly::Part;
+use assembly::plan::{self, End, Plan};
+use bus::Envelope;
 use component::{Losses, Run, State};
 use datum::Datum;
 use serde::{Deserialize, Serialize};
-
-use crate::plan::{End, Plan};
-use crate::start::Part;
 
 /// The type of the message.
 pub const PRESENCE: &str = "asmotion/Presence";
@@ -13,6 +13,41 @@ pub const PRESENCE: &str = "asmotion/Presence";
 /// The topic of a process' presence: `presence.onboard`.
 pub fn presence_topic(process: &str) -> String {
     format!("presence.{process}")
+}
+
+/// What a process said, and on whose behalf.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Word {
+    /// The robot, which its topics are below; empty if it has no name.
+    pub robot: String,
+    /// What was said.
+    pub presence: Presence,
+}
+
+impl Word {
+    /// The word in a message; none if it is another one.
+    pub fn of(envelope: &Envelope) -> Option<Self> {
+        let presence = envelope.payload.to_datum().ok()?.to::<Presence>().ok()?;
+        let topic = presence_topic(&presence.process);
+        let robot = envelope.topic.strip_suffix(&topic)?;
+        Some(Self {
+            robot: robot.trim_end_matches('.').to_owned(),
+            presence,
+        })
+    }
+
+    /// A topic or address of this robot, as a whole key.
+    pub fn key(&self, name: &str) -> String {
+        key(&self.robot, name)
+    }
+}
+
+/// A topic or address of a robot as a whole key.
+pub fn key(robot: &str, name: &str) -> String {
+    match robot {
+        "" => name.to_owned(),
+        robot => format!("{robot}.{name}"),
+    }
 }
 
 /// What a process says of itself.
@@ -156,7 +191,7 @@ fn topics(plan: &Plan, part: &Part) -> Vec<PresentTopic> {
         let here = ends.iter().filter(|end| part.has(&end.component));
         here.map(End::to_string).collect()
     };
-    let topic = |topic: &crate::plan::Topic| PresentTopic {
+    let topic = |topic: &plan::Topic| PresentTopic {
         name: topic.name.clone(),
         kind: topic.kind.clone(),
         publishers: here(&topic.publishers),
@@ -169,7 +204,8 @@ fn topics(plan: &Plan, part: &Part) -> Vec<PresentTopic> {
 }
 
 impl Present {
-    fn of(name: &str, plan: &Plan, run: &mut dyn Run) -> Self {
+    /// What there is to say of a component.
+    pub(crate) fn of(name: &str, plan: &Plan, run: &mut dyn Run) -> Self {
         let declared = run.declaration(name).unwrap_or_default();
         let typed = |ports: &[component::declaration::PortDeclaration]| {
             let typed = ports.iter().map(|port| Typed {

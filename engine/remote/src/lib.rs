@@ -1,0 +1,45 @@
+//! A running system seen and driven from outside, over any bus.
+//!
+//! Both ends of the contact are here. The system's: what it says of itself ([`Presence`]), what may be done to it
+//! ([`Order`]), and who does both ([`Contact`]). The outside's: [`Remote`] finds [`Component`]s, whose life cycle,
+//! properties, ports and services are at hand as if they were here. `docs/wire.md` says what goes over the wire.
+//!
+//! ```no_run
+//! use std::time::Duration;
+//!
+//! let rover = remote::Remote::connect("amqp://ann:secret@rover1/cell", Some("navigation"))?;
+//! let follower = rover.component("TrajectoryFollower")?;
+//! follower.set("max_speed", 0.3)?;
+//! let map = rover.component("MapServer")?.service("maps")?;
+//! let request = datum::Datum::record([("name", datum::Datum::text("office"))]);
+//! map.send("getMap", request, Duration::from_secs(1))?
+//!     .then(|answer| println!("{answer:?}"))?;
+//! # Ok::<(), remote::RemoteError>(())
+//! ```
+
+mod call;
+mod contact;
+mod error;
+mod handle;
+mod herald;
+mod newest;
+mod order;
+mod presence;
+mod refusal;
+mod remote;
+mod roster;
+mod watch;
+
+pub use self::call::Sent;
+pub use self::contact::Contact;
+pub use self::error::RemoteError;
+pub use self::handle::{Component, Service};
+pub use self::newest::Newest;
+pub use self::order::{Begun, Order, Wish, control_address};
+pub use self::presence::{
+    PRESENCE, Presence, Present, PresentOperation, PresentService, PresentTopic, Typed, Word, key,
+    presence_topic,
+};
+pub use self::refusal::{OrderError, Reason};
+pub use self::remote::{Remote, listen};
+pub use self::watch::Watch;

@@ -1,0 +1,125 @@
+//! A driver of two joints, and a composite with it.
+
+use asm_lang::Files;
+use assembly::declaration::OperationDeclaration;
+use assembly::{Constructor, Context, EmptyEnvironment, NoSpecifications, Opened, Tables};
+use component::{Component, Cycle, Fault, In, Interface, Operation, Out, Property, Provided};
+use datum::{Message, Schema};
+
+datum::message! {
+    /// Where the joints are.
+    pub struct Joints = "test/Joints" {
+        /// radians
+        pub position: [f64; 2],
+    }
+}
+
+/// Turns joints about.
+pub struct Mirror;
+
+impl Operation for Mirror {
+    type Request = Joints;
+    type Response = Joints;
+    const INTERFACE: &'static str = "test/Mirror";
+    const NAME: &'static str = "mirror";
+}
+
+/// Says where it was told to go.
+struct Driver {
+    commands: In<Joints>,
+    status: Out<Joints>,
+    _scale: Property<f64>,
+    mirror: Provided<Mirror>,
+}
+
+impl Driver {
+    fn new(interface: &mut Interface) -> Box<dyn Component> {
+        Box::new(Self {
+            commands: interface.input("commands", "where to go"),
+            status: interface.output("status", "where it is"),
+            _scale: interface.property("scale", 1.0, "of all that is told"),
+            mirror: interface.serve("mirror", "turned about"),
+        })
+    }
+}
+
+impl Component for Driver {
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        if let Some(joints) = cycle.read(self.commands).new().cloned() {
+            cycle.write(self.status, joints);
+        }
+        for request in cycle.requests(self.mirror) {
+            let position = request.argument.position.map(|it| -it);
+            cycle.reply(self.mirror, request.id, Ok(Joints { position }));
+        }
+        Ok(())
+    }
+}
+
+const COMPONENTS: &[(&str, Constructor)] = &[("test::Driver", Driver::new)];
+
+/// The build.
+pub const BUILD: Tables = Tables {
+    components: COMPONENTS,
+    messages: &[(Joints::NAME, Joints::schema as fn() -> &'static Schema)],
+    interfaces: &[(Mirror::INTERFACE, mirror)],
+    builtins: &[],
+};
+
+fn mirror() -> Vec<OperationDeclaration> {
+    vec![OperationDeclaration {
+        name: Mirror::NAME.to_owned(),
+        request: Joints::schema().clone(),
+        response: Joints::schema().clone(),
+    }]
+}
+
+/// A driver, and a broker that it could be on.
+const COMPOSITE: &str = r#"
+schema = "composite/1"
+[composite]
+name = "arm"
+
+[properties]
+broker = { type = "uri", default = "amqp://arm1/cell" }
+
+[brokers.main]
+url = "${properties.broker}"
+
+[components.Driver]
+implementation = { rust = "test::Driver" }
+task = { period_ms = 10 }
+subscribe = { commands = "test/Joints" }
+publish = { status = "test/Joints" }
+"#;
+
+/// The files of the composite.
+pub fn files() -> Files {
+    let mut files = Files::new();
+    files.add("arm.composite.toml", COMPOSITE);
+    files
+}
+
+/// The composite, with these properties.
+pub fn open(settings: &[(String, String)]) -> Opened {
+    let files = files();
+    let context = Context {
+        loader: &files,
+        environment: &EmptyEnvironment,
+        catalogue: &BUILD,
+        specifications: &NoSpecifications,
+        settings,
+    };
+    let opened = assembly::open("arm.composite.toml", &context);
+    assert!(
+        !opened.report.has_errors(),
+        "{:?}",
+        opened.report.diagnostics
+    );
+    opened
+}
+
+/// Where the joints are.
+pub fn joints(position: [f64; 2]) -> Joints {
+    Joints { position }
+}

@@ -1,0 +1,72 @@
+//! A system that lives on a bus inside this process, attended to in a thread of its own.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+
+use assembly::{Part, Standard};
+use bus::Local;
+use component::{Run, Span};
+use remote::{Contact, Newest, Remote};
+
+use crate::driver::{BUILD, files, open};
+
+/// A running system; it ends with this.
+pub struct Robot {
+    pub bus: Local,
+    ends: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Robot {
+    /// A driver, on a bus of its own.
+    pub fn start() -> Self {
+        let (bus, ends) = (Local::new(), Arc::new(AtomicBool::new(false)));
+        let (on, until) = (bus.clone(), Arc::clone(&ends));
+        let thread = std::thread::spawn(move || live(&on, &until));
+        Self {
+            bus,
+            ends,
+            thread: Some(thread),
+        }
+    }
+
+    /// It from outside.
+    pub fn remote(&self) -> Remote {
+        Remote::over(Arc::new(self.bus.clone()), None).expect("a bus")
+    }
+}
+
+impl Drop for Robot {
+    fn drop(&mut self) {
+        self.ends.store(true, Ordering::Release);
+        if let Some(thread) = self.thread.take() {
+            thread.join().expect("a system that ends in order");
+        }
+    }
+}
+
+fn live(bus: &Local, until: &AtomicBool) {
+    let opened = open(&[]);
+    let plan = opened.plan(None).expect("a plan");
+    let files = files();
+    let mut workshop = Standard {
+        catalogue: &BUILD,
+        loader: &files,
+        seed: 1,
+        builtins: &mut |_, _| None,
+    };
+    let part = Part::with_brokers(plan);
+    let mut system = assembly::start_part(plan, &part, &mut workshop).expect("a system");
+    system.attach(Arc::new(bus.clone()), 1).expect("a bus");
+    let newest = Newest::default();
+    system.observe(newest.clone());
+    let mut contact = Contact::new(plan, part, "arm", bus, 1, newest).expect("a bus");
+    let mut run = system.live();
+    while !until.load(Ordering::Acquire) {
+        contact.attend(&mut run);
+        run.run_for(5.ms());
+    }
+    run.stop();
+    contact.leave();
+}
