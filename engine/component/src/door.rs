@@ -20,6 +20,8 @@ const WAITING: usize = 64;
 pub(crate) struct Door {
     /// `Component.port`.
     name: String,
+    /// Where what comes in is told to come from: the port, or a topic.
+    place: String,
     component: usize,
     /// Whether samples trigger the component.
     trigger: bool,
@@ -43,8 +45,6 @@ pub(crate) enum Place {
     Port(usize),
     /// All who read a topic.
     Topic(usize),
-    /// One who reads a topic: which topic, and which of its readers.
-    Reader(usize, usize),
 }
 
 impl Doors {
@@ -108,13 +108,6 @@ impl Doors {
         Ok(Place::Topic(index))
     }
 
-    /// Finds the port that reads a topic.
-    pub(crate) fn reader(&self, topic: usize, port: &str) -> Option<Place> {
-        let mut doors = self.topics.get(topic)?.1.iter();
-        let reader = doors.position(|door| door.name == port)?;
-        Some(Place::Reader(topic, reader))
-    }
-
     /// Gives a sample to its place.
     pub(crate) fn give(
         &mut self,
@@ -126,7 +119,6 @@ impl Doors {
         let name = match place {
             Place::Port(port) => &self.ports[port].name,
             Place::Topic(topic) => &self.topics[topic].0,
-            Place::Reader(topic, reader) => &self.topics[topic].1[reader].name,
         };
         outside.emit(
             now,
@@ -140,31 +132,10 @@ impl Doors {
         }
     }
 
-    /// Counts a sample that nobody could read.
-    pub(crate) fn refuse(
-        &mut self,
-        place: Place,
-        reason: &DatumError,
-        now: Time,
-        outside: &mut dyn Outside,
-    ) {
-        for door in self.at(place) {
-            door.drop_some(1, Some(reason), now, outside);
-        }
-    }
-
-    /// Counts samples of a topic that were lost on their way.
-    pub(crate) fn lose(&mut self, place: Place, count: u64, now: Time, outside: &mut dyn Outside) {
-        for door in self.at(place) {
-            door.drop_some(count, None, now, outside);
-        }
-    }
-
     fn at(&mut self, place: Place) -> &mut [Door] {
         match place {
             Place::Port(port) => std::slice::from_mut(&mut self.ports[port]),
             Place::Topic(topic) => self.topics[topic].1.as_mut_slice(),
-            Place::Reader(topic, reader) => std::slice::from_mut(&mut self.topics[topic].1[reader]),
         }
     }
 }
@@ -183,8 +154,10 @@ impl Door {
             .open(connection, &policy.for_outsider(), None)
             .ok()?;
         input.join(incoming);
+        let name = format!("{}.{}", unit.name, port.name);
         Some(Self {
-            name: format!("{}.{}", unit.name, port.name),
+            place: name.clone(),
+            name,
             component: unit.index,
             trigger: policy.trigger,
             expected: port.schema.to_string(),
@@ -203,7 +176,13 @@ impl Door {
             })
     }
 
-    /// Gives a sample that came to this port alone.
+    /// A door at the end of a topic: what comes in is told to come from there.
+    pub(crate) fn of_topic(mut self, topic: &str) -> Self {
+        topic.clone_into(&mut self.place);
+        self
+    }
+
+    /// Lets in a sample that came to this port alone.
     pub(crate) fn let_in(
         &mut self,
         sample: &Arc<dyn Sample>,
@@ -213,7 +192,7 @@ impl Door {
         outside.emit(
             now,
             &Event::Injected {
-                place: &self.name,
+                place: &self.place,
                 sample: &**sample,
             },
         );

@@ -2,8 +2,10 @@
 //! references reach services of others.
 //!
 //! It is looked after by one thread, the courier's or the simulation's: a cycle leaves what it sends in a queue, and
-//! waits for no transport.
+//! waits for no transport. In a live system messages of topics need not wait for that thread: whoever brings one puts it
+//! into its port.
 
+mod incoming;
 mod line;
 mod offered;
 mod reached;
@@ -18,6 +20,7 @@ use self::line::Line;
 use crate::Time;
 use crate::door::Doors;
 use crate::health;
+use crate::live::World;
 use crate::outside::Outside;
 use crate::system::{Abroad, Joints, Topic};
 use crate::unit::Unit;
@@ -85,6 +88,13 @@ impl Exchange {
             inside: Some((inside, doors)),
             bell: abroad.bell,
         })
+    }
+
+    /// From now on topics come in by the threads that bring them.
+    pub(crate) fn go_live(&self, world: &World) {
+        for line in &self.lines {
+            line.go_live(world);
+        }
     }
 
     /// Lets in what has come, and lets out what waits.

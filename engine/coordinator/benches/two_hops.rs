@@ -22,8 +22,9 @@ use engine_coordinator::{
 use tokio::runtime::Runtime;
 use tokio::sync::mpsc::UnboundedReceiver;
 
-const ROUNDS: usize = 9;
-const PINGS: usize = 300;
+/// Many and short, so that what else the machine does falls on both.
+const ROUNDS: usize = 61;
+const PINGS: usize = 60;
 const SIZE: usize = 256;
 
 /// A command for every event.
@@ -216,13 +217,16 @@ fn main() {
     let vhost = broker.vhost().unwrap();
     let mut ours = Ours::new(&vhost.url());
     let mut bare = Bare::new(&broker, vhost.name());
-    let mut ratios = Vec::new();
-    for _ in 0..ROUNDS {
-        let (bare, ours) = (bare.latency(), ours.latency());
-        ratios.push(ours.as_secs_f64() / bare.as_secs_f64());
-        println!("one hop, bare {bare:>10.1?}   event to command over two hops {ours:>10.1?}");
-    }
+    let rounds = (0..ROUNDS).map(|_| (bare.latency(), ours.latency()));
+    let mut rounds: Vec<(Duration, Duration)> = rounds.collect();
+    let ratio = |(bare, ours): &(Duration, Duration)| ours.as_secs_f64() / bare.as_secs_f64();
+    let mut ratios: Vec<f64> = rounds.iter().map(ratio).collect();
     let ratio = median(&mut ratios);
-    println!("event to command: {ratio:.2} of one bare hop (aim: at most 2.5)");
+    let (low, high) = (ratios[ROUNDS / 4], ratios[ROUNDS * 3 / 4]);
+    let (bare_hop, two_hops) = median(&mut rounds);
+    println!("one hop, bare {bare_hop:.1?}; event to command over two hops {two_hops:.1?}");
+    println!(
+        "event to command: {ratio:.2} of one bare hop, half of the rounds {low:.2} to {high:.2} (aim: at most 2.5)"
+    );
     bare.close();
 }

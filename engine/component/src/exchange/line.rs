@@ -10,6 +10,7 @@ use super::offered::Offers;
 use super::reached::Reached;
 use super::topics::Topics;
 use crate::Time;
+use crate::live::World;
 use crate::outside::Outside;
 use crate::system::{Abroad, Joints, Topic, is_on};
 use crate::unit::Unit;
@@ -54,6 +55,11 @@ impl Line {
             offers,
             reached: reached.collect(),
         })
+    }
+
+    /// From now on topics come in by the threads that bring them.
+    pub(super) fn go_live(&self, world: &World) {
+        self.topics.go_live(world);
     }
 
     /// Lets in what has come, and lets out what waits.

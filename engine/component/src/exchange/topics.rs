@@ -2,45 +2,28 @@
 
 use std::sync::Arc;
 
-use bus::{
-    Bus, BusError, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription,
-};
+use bus::{Bus, BusError, Origin, Payload, Publisher, Sending};
 use connection::Delivery;
-use datum::{DatumError, Problem, Sample, Schema};
+use datum::{DatumError, Problem, Sample};
 
 use super::Membership;
+use super::incoming::Incoming;
+use crate::Time;
 use crate::cause::Cause;
-use crate::door::{Doors, Place};
+use crate::door::Doors;
 use crate::health::{HEALTH_TOPIC, HealthTeller};
+use crate::live::World;
 use crate::outside::Outside;
 use crate::port::{AnySender, Link};
 use crate::system::{End, Joints, Topic, port_topic};
 use crate::unit::Unit;
-use crate::{Kind, Time};
-
-/// How many messages of a topic may wait between two deliveries, at least; when full, the oldest is dropped.
-const WAITING: usize = 256;
-
-/// A topic of the bus, on its way into a port. Each port that reads it has a queue of its own there, so that none waits
-/// for another, and operators see who does not keep up.
-struct Incoming {
-    place: Place,
-    /// What the port takes.
-    schema: Schema,
-    /// What the next cycle of its component follows from.
-    cause: Arc<Cause>,
-    subscription: Subscription,
-    /// How many of its messages are known to be lost.
-    lost: u64,
-}
 
 /// The system's topics, as they are on the bus.
 pub(super) struct Topics {
-    /// What carries it is our own, and does not come in again: it was handed over inside.
-    own: Option<u64>,
-    doors: Doors,
     incoming: Vec<Incoming>,
     health: HealthTeller,
+    /// Those of the topic of health.
+    doors: Doors,
     bus: Arc<dyn Bus>,
 }
 
@@ -62,76 +45,44 @@ impl Topics {
         for (end, sending) in exposed {
             publish(units, end, &port_topic(&end.name), *sending, membership)?;
         }
-        let doors = Doors::of_topics(units, topics, joints);
+        let own = (!abroad).then_some(membership.incarnation);
+        let is_health = |topic: &&Topic| topic.name == HEALTH_TOPIC;
         let mut incoming = Vec::new();
-        for (index, topic) in topics.iter().enumerate() {
-            if topic.name == HEALTH_TOPIC {
-                continue;
-            }
-            let pattern = Pattern::new(&*topic.name);
+        for topic in topics.iter().filter(|topic| !is_health(topic)) {
             for (end, policy) in &topic.subscribers {
-                let Some(place) = doors.reader(index, &end.name) else {
-                    continue;
-                };
-                let unit = &units[end.unit];
-                let bell = Arc::clone(&membership.bell);
-                let queue = queue(policy.kind);
-                incoming.push(Incoming {
-                    place,
-                    cause: Arc::clone(&unit.body.cause),
-                    schema: unit.body.inputs[end.index].schema().clone(),
-                    subscription: (membership.bus).subscribe(&unit.name, &pattern, queue, bell)?,
-                    lost: 0,
-                });
+                let input = (&mut units[end.unit], end.index);
+                let number = joints.number();
+                let made = Incoming::new(&topic.name, input, policy, number, own, membership)?;
+                incoming.extend(made);
             }
         }
+        let health: Vec<Topic> = topics
+            .iter()
+            .filter(is_health)
+            .map(|it| it.of(|_| true))
+            .collect();
         Ok(Self {
-            own: (!abroad).then_some(membership.incarnation),
-            doors,
             incoming,
-            health: HealthTeller::new(topics),
+            health: HealthTeller::new(&health),
+            doors: Doors::of_topics(units, &health, joints),
             bus: Arc::clone(&membership.bus),
         })
+    }
+
+    /// From now on what comes is let in by the thread that brings it.
+    pub(super) fn go_live(&self, world: &World) {
+        for incoming in &self.incoming {
+            incoming.go_live(world);
+        }
     }
 
     /// Lets in what has come, and tells how the bus is.
     pub(super) fn deliver(&mut self, now: Time, outside: &mut dyn Outside) {
         let bus = &self.bus;
         (self.health).tell(|| bus.health(), &mut self.doors, now, outside);
-        for topic in &mut self.incoming {
-            while let Some(envelope) = topic.subscription.try_next() {
-                if self.own == Some(envelope.incarnation) {
-                    continue;
-                }
-                match envelope.to_sample(&topic.schema) {
-                    Ok(sample) => {
-                        if let Some(trace) = envelope.trace {
-                            topic.cause.arrive(trace);
-                        }
-                        self.doors.give(topic.place, &sample, now, outside);
-                    }
-                    Err(reason) => self.doors.refuse(topic.place, &reason, now, outside),
-                }
-            }
-            let received = topic.subscription.received();
-            let lost = received.dropped + received.missed + received.unreadable;
-            if lost > topic.lost {
-                let more = lost - topic.lost;
-                topic.lost = lost;
-                self.doors.lose(topic.place, more, now, outside);
-            }
+        for incoming in &self.incoming {
+            incoming.deliver(now, outside);
         }
-    }
-}
-
-/// What the bus keeps of a topic for a port: where it wants the newest, the newest.
-fn queue(kind: Kind) -> Queue {
-    match kind {
-        Kind::Data => Queue::Latest,
-        Kind::Buffer(size) | Kind::Circular(size) => Queue::All {
-            size: size.max(WAITING),
-            overflow: Overflow::DropOldest,
-        },
     }
 }
 

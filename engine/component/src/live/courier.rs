@@ -1,4 +1,5 @@
-//! The courier: a thread that lets in what comes over the bus.
+//! The courier: a thread that lets in what comes over the bus and is no message of a topic: requests, replies, its
+//! health.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -24,6 +25,7 @@ impl Courier {
     pub(crate) fn new(mut exchange: Exchange, mut world: World) -> Self {
         let ended = Arc::new(AtomicBool::new(false));
         let bell = exchange.bell();
+        exchange.go_live(&world);
         let ending = Arc::clone(&ended);
         let work = move || {
             while !ending.load(Ordering::Acquire) {
