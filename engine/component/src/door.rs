@@ -20,8 +20,6 @@ const WAITING: usize = 64;
 pub(crate) struct Door {
     /// `Component.port`.
     name: String,
-    /// Where what comes in is told to come from: the port, or a topic.
-    place: String,
     component: usize,
     /// Whether samples trigger the component.
     trigger: bool,
@@ -154,10 +152,8 @@ impl Door {
             .open(connection, &policy.for_outsider(), None)
             .ok()?;
         input.join(incoming);
-        let name = format!("{}.{}", unit.name, port.name);
         Some(Self {
-            place: name.clone(),
-            name,
+            name: format!("{}.{}", unit.name, port.name),
             component: unit.index,
             trigger: policy.trigger,
             expected: port.schema.to_string(),
@@ -176,12 +172,6 @@ impl Door {
             })
     }
 
-    /// A door at the end of a topic: what comes in is told to come from there.
-    pub(crate) fn of_topic(mut self, topic: &str) -> Self {
-        topic.clone_into(&mut self.place);
-        self
-    }
-
     /// Lets in a sample that came to this port alone.
     pub(crate) fn let_in(
         &mut self,
@@ -192,7 +182,7 @@ impl Door {
         outside.emit(
             now,
             &Event::Injected {
-                place: &self.place,
+                place: &self.name,
                 sample: &**sample,
             },
         );

@@ -3,6 +3,7 @@
 mod caller;
 mod post;
 mod provider;
+mod reference;
 
 use bus::CallFailure;
 use datum::{Datum, DatumError, Message};
@@ -10,9 +11,10 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Duration;
 
-pub(crate) use caller::{Caller, Mailbox, Reference, Slot, Wiring};
+pub(crate) use caller::{Caller, Mailbox};
 pub(crate) use post::{Answer, AnswerTo, Ask, CallKey, Post};
 pub(crate) use provider::{Handler, Inbox, Service};
+pub(crate) use reference::{Reference, Slot, Wiring};
 
 use crate::Time;
 
@@ -143,8 +145,10 @@ pub(crate) fn unreadable(code: &str, error: &DatumError) -> ServiceFault {
 pub struct Wire {
     /// How long one attempt may take.
     pub timeout: Duration,
-    /// How often an attempt that timed out is made again.
+    /// How often an attempt that got no answer is made again.
     pub retries: u32,
+    /// The rest before it is made again the first time; each further one is twice as long.
+    pub backoff: Duration,
     /// Whether the provider is told that an attempt timed out.
     pub cancel_on_timeout: bool,
     /// Whether calls have no reply at all (SCA `@OneWay`).
@@ -157,6 +161,7 @@ impl Default for Wire {
         Self {
             timeout: Duration::from_secs(1),
             retries: 0,
+            backoff: Duration::ZERO,
             cancel_on_timeout: true,
             one_way: false,
         }
@@ -184,5 +189,11 @@ impl Wire {
     #[must_use]
     pub fn retries(self, retries: u32) -> Self {
         Self { retries, ..self }
+    }
+
+    /// The rest after so many attempts.
+    fn rest_after(&self, attempts: u32) -> Duration {
+        let doublings = attempts.saturating_sub(1);
+        self.backoff.saturating_mul(2_u32.saturating_pow(doublings))
     }
 }

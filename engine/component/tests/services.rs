@@ -245,6 +245,49 @@ fn c6_retries_follow_a_timeout_and_a_late_answer_counts_once() {
 }
 
 #[test]
+fn c6_an_attempt_is_made_again_after_a_rest_that_doubles() {
+    let replies = Replies::default();
+    let wire = Wire {
+        backoff: 50.ms(),
+        ..Wire::timeout(100.ms()).retries(2)
+    };
+    let (system, log) = wired(
+        Activity::event(),
+        &replies,
+        (Activity::event(), mute()),
+        wire,
+    );
+    system.simulate().run_for(1.s());
+    // three attempts of 100 ms, rests of 50 ms and 100 ms
+    let end = (at(450), Err(CallError::Timeout));
+    assert_eq!(*replies.lock().unwrap(), [end]);
+    assert_eq!(log.lines_with("attempt").len(), 3);
+}
+
+#[test]
+fn c6_who_finds_nobody_tries_again_after_a_rest_and_not_at_once() {
+    for (backoff, end) in [(0.ms(), Err(CallError::Unavailable)), (80.ms(), Ok(42))] {
+        let replies = Replies::default();
+        let wire = Wire {
+            backoff,
+            ..Wire::timeout(100.ms()).retries(2)
+        };
+        let provider = (Activity::event(), doubler());
+        let (system, _) = wired(Activity::event(), &replies, provider, wire);
+        let mut run = system.simulate();
+        run.transition("Provider", Transition::Stop).unwrap();
+        run.run_for(50.ms());
+        run.transition("Provider", Transition::Start).unwrap();
+        run.run_for(1.s());
+        let replies = replies.lock().unwrap();
+        assert_eq!(
+            replies.iter().map(|(_, end)| end).collect::<Vec<_>>(),
+            [&end]
+        );
+    }
+}
+
+#[test]
 fn a_provider_is_told_what_nobody_waits_for_any_more() {
     let replies = Replies::default();
     let told: Arc<Mutex<Vec<(Time, RequestId)>>> = Arc::default();

@@ -314,6 +314,7 @@ impl Building<'_> {
         let how = Wire {
             timeout: Duration::from_millis(wire.timeout_ms),
             retries: u32::try_from(wire.retry_attempts).unwrap_or(u32::MAX),
+            backoff: Duration::from_millis(wire.retry_backoff_ms),
             cancel_on_timeout: wire.cancel == model::Cancel::OnTimeout,
             one_way: wire.oneway,
         };

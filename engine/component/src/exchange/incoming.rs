@@ -81,7 +81,7 @@ impl Incoming {
         let queue = queue(policy.kind);
         let way = Way {
             subscription: bus.subscribe(&unit.name, &pattern, queue, Arc::new(bell))?,
-            door: door.of_topic(topic),
+            door,
             schema: unit.body.inputs[input].schema().clone(),
             cause: Arc::clone(&unit.body.cause),
             own,

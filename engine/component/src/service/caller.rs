@@ -6,9 +6,9 @@ use bus::Trace;
 use crossbeam_queue::ArrayQueue;
 use datum::Sample;
 
-use super::{Answer, AnswerTo, Ask, CallError, CallId, CallKey, Inbox, Post, Wire};
+use super::reference::{Reference, Slot, names, wire_of, wiring};
+use super::{Answer, AnswerTo, Ask, CallError, CallId, CallKey, Post};
 use crate::cause::Cause;
-use crate::declaration::ReferenceDeclaration;
 use crate::outside::{Leaving, Outside};
 use crate::{Event, Time};
 
@@ -31,42 +31,6 @@ impl Mailbox {
     }
 }
 
-/// A reference at run time.
-pub(crate) struct Reference {
-    pub declaration: ReferenceDeclaration,
-    /// One; several where nobody answers, and all are told.
-    pub wirings: Vec<Wiring>,
-}
-
-/// What a reference is joined to.
-pub(crate) struct Wiring {
-    pub inbox: Arc<Inbox>,
-    /// The service: `TrajectoryPlanner.planning`.
-    pub to: String,
-    /// The provider's place in the system, if it is there.
-    pub provider: Option<usize>,
-    /// The service's position of each of the reference's operations.
-    pub operations: Vec<usize>,
-    pub wire: Wire,
-}
-
-impl Wiring {
-    /// Leaves a question with the provider.
-    fn ask(&self, ask: Ask, leaving: &mut Leaving<'_>) -> Result<(), CallError> {
-        if self.inbox.ask(ask, leaving.outside)? {
-            self.trigger(leaving);
-        }
-        Ok(())
-    }
-
-    /// Something is in the provider's inbox. One beyond the bus hears the inbox' bell.
-    fn trigger(&self, leaving: &mut Leaving<'_>) {
-        if let Some(provider) = self.provider {
-            leaving.outside.trigger(provider);
-        }
-    }
-}
-
 /// All calls of one component.
 pub(crate) struct Caller {
     mailbox: Arc<Mailbox>,
@@ -83,18 +47,14 @@ pub(crate) struct Caller {
     cause: Arc<Cause>,
 }
 
-/// Which operation of which reference.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Slot {
-    pub port: usize,
-    pub operation: usize,
-}
-
 struct Outstanding {
     number: u64,
     slot: Slot,
     attempt: u32,
+    /// When the attempt has waited long enough; or, when it has, when the next one is made.
     deadline: Time,
+    /// Whether it rests between two attempts.
+    resting: bool,
     /// Kept for another attempt.
     argument: Arc<dyn Sample>,
     /// What the cycle that made it followed from.
@@ -149,6 +109,7 @@ impl Caller {
             slot,
             attempt: 1,
             deadline: leaving.now + wire.timeout,
+            resting: false,
             argument,
             cause: self.cause.present(),
         };
@@ -156,16 +117,12 @@ impl Caller {
             return self.tell(references, &call, leaving);
         }
         let full = self.outstanding.len() + self.ended.len() + self.frozen.len() >= UNDER_WAY;
-        let posted = match full {
-            true => Err(CallError::Unavailable),
-            false => self.post(references, &call, leaving),
-        };
-        match posted {
-            Ok(()) => {
-                leaving.outside.wake_at(leaving.me, call.deadline);
-                self.outstanding.push(call);
-            }
-            Err(error) => self.end(references, &call, Err(error), leaving),
+        if full {
+            return self.end(references, &call, Err(CallError::Unavailable), leaving);
+        }
+        match self.post(references, &call, leaving) {
+            Ok(()) => self.await_until(call, leaving),
+            Err(error) => self.failed(references, call, error, leaving),
         }
     }
 
@@ -240,7 +197,12 @@ impl Caller {
             let found = (self.outstanding.iter()).position(|one| one.number == answer.number);
             if let Some(index) = found {
                 let call = self.outstanding.remove(index);
-                self.end(references, &call, answer.result, leaving);
+                match answer.result {
+                    Err(CallError::Unavailable) if !call.resting => {
+                        self.failed(references, call, CallError::Unavailable, leaving);
+                    }
+                    result => self.end(references, &call, result, leaving),
+                }
             }
         }
         let now = leaving.now;
@@ -251,30 +213,58 @@ impl Caller {
         !self.ended.is_empty()
     }
 
-    /// An attempt has timed out: another one, or the end.
-    fn expire(
+    /// An attempt has waited long enough, or rested.
+    fn expire(&mut self, references: &[Reference], call: Outstanding, leaving: &mut Leaving<'_>) {
+        if call.resting {
+            return self.try_again(references, call, leaving);
+        }
+        if wire_of(references, call.slot).cancel_on_timeout {
+            tell_cancelled(references, &call, leaving);
+        }
+        self.failed(references, call, CallError::Timeout, leaving);
+    }
+
+    /// An attempt got no answer: another one, at once or after a rest, or the end. Who found nobody tries again only
+    /// after a rest: at once, nobody would be there again.
+    fn failed(
+        &mut self,
+        references: &[Reference],
+        mut call: Outstanding,
+        error: CallError,
+        leaving: &mut Leaving<'_>,
+    ) {
+        let wire = wire_of(references, call.slot);
+        let rest = wire.rest_after(call.attempt);
+        let in_vain = error == CallError::Unavailable && rest.is_zero();
+        if call.attempt > wire.retries || in_vain {
+            return self.end(references, &call, Err(error), leaving);
+        }
+        if rest.is_zero() {
+            return self.try_again(references, call, leaving);
+        }
+        call.resting = true;
+        call.deadline = leaving.now + rest;
+        self.await_until(call, leaving);
+    }
+
+    fn try_again(
         &mut self,
         references: &[Reference],
         mut call: Outstanding,
         leaving: &mut Leaving<'_>,
     ) {
-        let wire = wire_of(references, call.slot);
-        if wire.cancel_on_timeout {
-            tell_cancelled(references, &call, leaving);
-        }
-        if call.attempt > wire.retries {
-            let timeout = Err(CallError::Timeout);
-            return self.end(references, &call, timeout, leaving);
-        }
         call.attempt += 1;
-        call.deadline = leaving.now + wire.timeout;
+        call.resting = false;
+        call.deadline = leaving.now + wire_of(references, call.slot).timeout;
         match self.post(references, &call, leaving) {
-            Ok(()) => {
-                leaving.outside.wake_at(leaving.me, call.deadline);
-                self.outstanding.push(call);
-            }
-            Err(error) => self.end(references, &call, Err(error), leaving),
+            Ok(()) => self.await_until(call, leaving),
+            Err(error) => self.failed(references, call, error, leaving),
         }
+    }
+
+    fn await_until(&mut self, call: Outstanding, leaving: &mut Leaving<'_>) {
+        leaving.outside.wake_at(leaving.me, call.deadline);
+        self.outstanding.push(call);
     }
 
     fn end(
@@ -382,26 +372,6 @@ fn question(
         trace: call.cause,
         answer_to,
     }
-}
-
-/// The wiring whose service answers.
-fn wiring(references: &[Reference], slot: Slot) -> Option<&Wiring> {
-    references.get(slot.port)?.wirings.first()
-}
-
-fn wire_of(references: &[Reference], slot: Slot) -> Wire {
-    wiring(references, slot).map_or_else(Wire::default, |wiring| wiring.wire)
-}
-
-fn names(references: &[Reference], slot: Slot) -> (&str, &str) {
-    let Some(reference) = references.get(slot.port) else {
-        return ("", "");
-    };
-    let operation = reference.declaration.operations.get(slot.operation);
-    (
-        &reference.declaration.name,
-        operation.map_or("", |operation| &operation.name),
-    )
 }
 
 fn tell_cancelled(references: &[Reference], call: &Outstanding, leaving: &mut Leaving<'_>) {
