@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use source::{Diagnostic, Report, Span};
 
+use super::codec;
 use super::scene::{Scene, nested};
 use super::topic::{Role, Topics};
 use crate::finding::{Finding, Findings};
@@ -161,6 +162,9 @@ impl<'s> Across<'s, '_> {
     fn connection(&mut self, from: &End, to: &End) {
         let what = format!("the connection from `{from}` to `{to}`");
         self.meet(what, &from.component, &to.component, to.span());
+        if self.apart(&from.component, &to.component).is_some() {
+            codec::connection(self.scene, from, to, self.report);
+        }
     }
 
     fn topic(&mut self, topic: &str, roles: &[Role]) {

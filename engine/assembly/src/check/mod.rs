@@ -7,6 +7,7 @@ mod across;
 mod annotation;
 mod binding;
 mod builtin;
+mod codec;
 mod component;
 mod component_error;
 mod connection;

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use component::{BusHealth, HEALTH_TOPIC};
-use datum::{DatumError, Message, Schema};
+use datum::Message;
 use source::{Diagnostic, Report, Span};
 
+use super::codec;
 use super::component::topic;
 use super::connection::TopicLink;
 use super::connection_error::ConnectionError;
@@ -13,7 +14,7 @@ use super::face::Kind;
 use super::scene::{Part, Scene};
 use super::wire::own_place;
 use crate::finding::{Finding, Findings};
-use crate::model::{self, Codec, Promoted};
+use crate::model::{self, Promoted};
 use crate::nearest::{Nearest, Suggest, nearest};
 use crate::read::error::ReadError;
 
@@ -48,13 +49,6 @@ pub(crate) enum TopicError {
         topic: String,
         at: Span,
         nearest: Option<Nearest>,
-    },
-    #[error("topic `{topic}`: {reason}")]
-    Uncarried {
-        topic: String,
-        reason: DatumError,
-        codec: Span,
-        at: Span,
     },
     #[error("output `{port}` is on two topics: `{first}` and `{second}`")]
     TwoTopics {
@@ -132,14 +126,6 @@ impl Finding for TopicError {
             Self::Unused { at, nearest, .. } => Diagnostic::error("C056", self)
                 .label(*at, "no such topic")
                 .suggest_or(*at, nearest, "here stands how a topic goes over a broker"),
-            Self::Uncarried {
-                topic, codec, at, ..
-            } => Diagnostic::error("C057", self)
-                .label(*at, "its messages are of this type")
-                .label(*codec, "CDR is wanted here")
-                .help(format!(
-                    "describe the type, or send it otherwise: `codec = \"cbor\"` under `[topics.{topic}]`"
-                )),
             Self::TwoTopics { at, first_at, .. } => Diagnostic::error("C053", self)
                 .label(*at, "the second topic")
                 .label(*first_at, "the first topic")
@@ -215,7 +201,7 @@ pub(crate) fn check(scene: &Scene<'_>, links: &[TopicLink], report: &mut Report)
     for topic in &scene.composite.topics {
         sending(topic, &topics, report);
     }
-    codecs(scene, &topics, report);
+    codec::topics(scene, &topics, report);
     topics
 }
 
@@ -389,34 +375,6 @@ fn sending(topic: &model::Topic, topics: &Topics, report: &mut Report) {
             });
         }
         (Some(model::Outage::Queue), Some(_)) | (None | Some(_), None) => {}
-    }
-}
-
-/// What goes by CDR, because the topic or its broker says so, is of a type that CDR can carry.
-fn codecs(scene: &Scene<'_>, topics: &Topics, report: &mut Report) {
-    let brokers = scene.composite.brokers.iter();
-    let mut general = brokers.filter_map(|broker| broker.codec.as_ref());
-    let general = general.find(|codec| codec.value == Codec::Cdr);
-    for (name, roles) in topics.iter().filter(|(name, _)| *name != HEALTH_TOPIC) {
-        let mut written = scene.composite.topics.iter();
-        let written = written.find(|topic| topic.name.value == *name);
-        let own = written.and_then(|topic| topic.codec.as_ref());
-        let codec = own.or(general).filter(|codec| codec.value == Codec::Cdr);
-        let mut typed = roles.iter();
-        let typed = typed.find_map(|role| Some((role, role.kind.as_ref()?)));
-        let (Some(codec), Some((role, kind))) = (codec, typed) else {
-            continue;
-        };
-        let schema = scene.types.schema(&kind.text);
-        let schema = schema.unwrap_or_else(|| Schema::opaque(kind.text.clone()));
-        if let Err(reason) = datum::Codec::Cdr.carries(&schema) {
-            report.found(TopicError::Uncarried {
-                topic: name.clone(),
-                reason,
-                codec: codec.span,
-                at: kind.at.unwrap_or(role.at),
-            });
-        }
     }
 }
 
