@@ -67,10 +67,18 @@ impl Vhost<'_> {
 
     /// How many connections it has.
     pub fn connections(&self) -> Result<usize, BrokerError> {
+        self.count("rabbit_networking:connection_info_all([vhost])")
+    }
+
+    /// How many channels its connections have.
+    pub fn channels(&self) -> Result<usize, BrokerError> {
+        self.count("rabbit_channel:info_all([vhost])")
+    }
+
+    /// How many of these are here, told by their `vhost`.
+    fn count(&self, all: &str) -> Result<usize, BrokerError> {
         let vhost = &self.name;
-        let command = format!(
-            "length([1 || [{{vhost, V}}] <- rabbit_networking:connection_info_all([vhost]), V == <<\"{vhost}\">>])"
-        );
+        let command = format!("length([1 || [{{vhost, V}}] <- {all}, V == <<\"{vhost}\">>])");
         let answer = self.broker.evaluate(&command)?;
         answer
             .parse()

@@ -67,6 +67,11 @@ fn two_hundred_components_talk_over_one_bus() {
     let end = Time::ZERO + 2 * LONG;
     assert!(run.run_until_event(end, &mut all));
     assert_eq!(vhost.connections().unwrap(), 2, "publishers and consumers");
+    let channels = vhost.channels().unwrap();
+    assert!(
+        (2 * MANY..=2 * MANY + 4).contains(&channels),
+        "one for each writer and reader, few for the bus: {channels}"
+    );
     drop(run);
     std::thread::sleep(Duration::from_millis(100));
     assert_eq!(vhost.connections().unwrap(), 0);

@@ -149,6 +149,7 @@ fn a_call_is_tried_again_over_the_broker() {
     let wire = Wire {
         timeout: Duration::from_secs(1),
         retries: 2,
+        backoff: Duration::ZERO,
         cancel_on_timeout: true,
         one_way: false,
     };
