@@ -1,6 +1,7 @@
 //! What a composite is to the outside: its components, its topics, the operations it serves.
 
 pub mod asyncapi;
+mod envelope;
 mod schema;
 mod spoken;
 pub mod yaml;

@@ -17,6 +17,24 @@ fn asyncapi(composite: &str) -> Value {
     serde_json::from_str(&describe(&[composite, "--asyncapi"])).unwrap()
 }
 
+/// The navigation's composite with more of it, as a file of its own.
+fn navigation_with(more: &str) -> (tempfile::TempDir, String) {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = tempfile::tempdir().unwrap();
+    let specs = root.join("specs/navigation");
+    for entry in std::fs::read_dir(&specs).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            std::fs::copy(&path, folder.path().join(path.file_name().unwrap())).unwrap();
+        }
+    }
+    let composite = folder.path().join("navigation.composite.toml");
+    let mut file = std::fs::OpenOptions::new();
+    let mut file = file.append(true).open(&composite).unwrap();
+    file.write_all(more.as_bytes()).unwrap();
+    (folder, composite.to_str().unwrap().to_owned())
+}
+
 /// Every `$ref` in a document.
 fn references<'v>(value: &'v Value, found: &mut Vec<&'v str>) {
     match value {
@@ -68,6 +86,36 @@ fn check(document: &Value) {
         let lawful = |it: char| it.is_ascii_alphanumeric() || "._-".contains(it);
         assert!(key.chars().all(lawful), "{key}");
     }
+}
+
+#[test]
+fn exchanges_are_those_of_the_brokers_and_promoted_services_have_their_names() {
+    let (_folder, composite) = navigation_with(
+        "[brokers.main]
+        url = \"amqp://localhost\"
+        exchange = \"fleet\"
+        [[promote]]
+        service = \"TrajectoryPlanner.planning\"
+        as = \"plans\"
+        binding = \"amqp\"
+        ",
+    );
+    let document = asyncapi(&composite);
+    check(&document);
+    let exchange = |channel: &str| {
+        document["channels"][channel]["bindings"]["amqp"]["exchange"]["name"].clone()
+    };
+    assert_eq!(exchange("goal"), "fleet");
+    assert_eq!(
+        exchange("TrajectoryPlanner.planning.plan"),
+        "fleet.services"
+    );
+    assert_eq!(exchange("plans.plan"), "fleet.services");
+    assert_eq!(
+        document["channels"]["plans.plan"]["address"],
+        "navigation.plans.plan"
+    );
+    assert_eq!(document["operations"]["plans.plan"]["action"], "receive");
 }
 
 #[test]

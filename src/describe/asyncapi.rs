@@ -8,18 +8,21 @@ use datum::Schema;
 use remote::{control_address, presence_topic};
 use serde_json::{Map, Value, json};
 
+use super::envelope::{headers, refusals};
 use super::schema::{Definitions, key};
 use super::{Channel, Description, Served};
 
-/// The topic exchange; that of services is named after it.
+/// The topic exchange where the composite names no broker.
 const EXCHANGE: &str = "robots";
 /// Which version of the AMQP bindings.
-const BINDING: &str = "0.3.0";
+pub(super) const BINDING: &str = "0.3.0";
 
 /// The document. Topics and addresses are those of this robot.
 pub fn document(description: &Description<'_>, robot: &str) -> Value {
+    let plan = description.plan;
     let mut document = Document {
         robot,
+        plan,
         channels: Map::new(),
         operations: Map::new(),
         messages: Map::new(),
@@ -30,11 +33,11 @@ pub fn document(description: &Description<'_>, robot: &str) -> Value {
     }
     for served in &description.operations {
         document.service(served);
+        document.promoted(served);
     }
-    let mut processes: BTreeSet<&str> = (description.plan.processes.iter())
-        .map(|it| it.name.as_str())
-        .collect();
-    processes.insert(&description.plan.name);
+    let mut processes: BTreeSet<&str> =
+        (plan.processes.iter()).map(|it| it.name.as_str()).collect();
+    processes.insert(&plan.name);
     document.processes(&processes.into_iter().collect::<Vec<_>>());
     document.finish(description)
 }
@@ -56,6 +59,7 @@ fn servers(plan: &Plan) -> Map<String, Value> {
 
 struct Document<'a> {
     robot: &'a str,
+    plan: &'a Plan,
     channels: Map<String, Value>,
     operations: Map<String, Value>,
     messages: Map<String, Value>,
@@ -66,12 +70,14 @@ impl Document<'_> {
     fn topic(&mut self, topic: &Channel) {
         let message = self.publication(&topic.message);
         let channel = topic.name.as_str();
+        let mut ends = topic.publishers.iter().chain(&topic.subscribers);
+        let exchange = self.exchange(ends.find_map(|end| self.plan.broker_of(&end.component)));
         self.channels.insert(
             channel.to_owned(),
             json!({
                 "address": format!("{}.{channel}", self.robot),
                 "messages": { &message: message_reference(&message) },
-                "bindings": binding(EXCHANGE, "topic"),
+                "bindings": binding(&exchange, "topic"),
             }),
         );
         for (action, ends) in [("send", &topic.publishers), ("receive", &topic.subscribers)] {
@@ -89,35 +95,63 @@ impl Document<'_> {
         }
     }
 
-    fn service(&mut self, served: &Served) {
-        let address = served.address();
+    /// The exchange of a broker.
+    fn exchange(&self, broker: Option<&str>) -> String {
+        let mut brokers = self.plan.brokers.iter();
+        let broker = brokers.find(|it| Some(&*it.name) == broker);
+        broker.map_or(EXCHANGE, |it| &it.exchange).to_owned()
+    }
+
+    /// An operation at the names that its service is promoted under.
+    fn promoted(&mut self, served: &Served) {
+        for (name, broker) in self.plan.promoted_over_brokers(&served.service) {
+            let address = format!("{name}.{}", served.operation.name);
+            let request = self.channel_of(served, &address, broker);
+            let serves = self.operation("receive", served, &address, &request);
+            self.operations.insert(address, serves);
+        }
+    }
+
+    /// The channel of an operation at an address; the key of the request.
+    fn channel_of(&mut self, served: &Served, address: &str, broker: Option<&str>) -> String {
         let request = self.asked(&served.operation.request);
+        let exchange = format!("{}.services", self.exchange(broker));
         self.channels.insert(
-            address.clone(),
+            address.to_owned(),
             json!({
                 "address": format!("{}.{address}", self.robot),
                 "description": format!("Operation `{}` of `{}`.", served.operation.name, served.interface),
                 "messages": { &request: message_reference(&request) },
-                "bindings": binding(&format!("{EXCHANGE}.services"), "direct"),
+                "bindings": binding(&exchange, "direct"),
             }),
         );
-        let reply = (!served.one_way).then(|| self.reply(served));
-        let operation = |action: &str, component: &str| {
-            let mut operation = json!({
-                "action": action,
-                "channel": channel_reference(&address),
-                "messages": [message_of(&address, &request)],
-                "tags": [{ "name": component }],
-            });
-            if let Some(reply) = &reply {
-                operation["reply"] = reply.clone();
-            }
-            operation
-        };
-        let serves = operation("receive", &served.service.component);
+        request
+    }
+
+    /// What a component does with an operation at an address.
+    fn operation(&mut self, action: &str, served: &Served, address: &str, request: &str) -> Value {
+        let component = &served.service.component;
+        let mut operation = json!({
+            "action": action,
+            "channel": channel_reference(address),
+            "messages": [message_of(address, request)],
+            "tags": [{ "name": component }],
+        });
+        if !served.one_way {
+            operation["reply"] = self.reply(served);
+        }
+        operation
+    }
+
+    fn service(&mut self, served: &Served) {
+        let address = served.address();
+        let broker = self.plan.broker_of(&served.service.component);
+        let request = self.channel_of(served, &address, broker);
+        let serves = self.operation("receive", served, &address, &request);
         self.operations.insert(address.clone(), serves);
         for caller in &served.callers {
-            let mut calls = operation("send", &caller.reference.component);
+            let mut calls = self.operation("send", served, &address, &request);
+            calls["tags"] = json!([{ "name": caller.reference.component }]);
             calls["bindings"] = json!({ "amqp": {
                 "expiration": caller.timeout_ms, "mandatory": true, "bindingVersion": BINDING,
             } });
@@ -177,18 +211,22 @@ impl Document<'_> {
                 properties, states and rates; `leaves` in its last word."),
             word("order", "What a process is to do: start or stop a component, or set its properties."),
         ]);
+        let exchange = match &*self.plan.brokers {
+            [only] => &only.exchange,
+            _ => EXCHANGE,
+        };
         let channels = [
             (
                 "presence",
                 presence_topic("{process}"),
                 "presence",
-                binding(EXCHANGE, "topic"),
+                binding(exchange, "topic"),
             ),
             (
                 "control",
                 control_address("{process}"),
                 "order",
-                binding(&format!("{EXCHANGE}.services"), "direct"),
+                binding(&format!("{exchange}.services"), "direct"),
             ),
         ];
         for (channel, address, message, binding) in channels {
@@ -273,69 +311,6 @@ impl Document<'_> {
         }
         document
     }
-}
-
-/// Answers that all services have: the words of a fault, or nothing.
-fn refusals() -> [(String, Value); 2] {
-    let answer = |kind: &str, more: Value| {
-        let mut message = json!({
-            "name": kind,
-            "headers": { "$ref": format!("#/components/schemas/{kind}Headers") },
-            "bindings": { "amqp": { "messageType": kind, "bindingVersion": BINDING } },
-        });
-        if let (Value::Object(message), Value::Object(more)) = (&mut message, more) {
-            message.extend(more);
-        }
-        (kind.to_owned(), message)
-    };
-    let words = json!({ "type": "string", "description": "the words of a fault" });
-    [
-        answer(
-            "refusal",
-            json!({ "contentType": "text/plain", "payload": words }),
-        ),
-        answer(
-            "unavailable",
-            json!({ "description": "Nobody is there to answer, or the request is not known; without content." }),
-        ),
-    ]
-}
-
-/// The headers of `docs/wire.md`.
-fn headers() -> [(&'static str, Value); 5] {
-    let text = |doc: &str| json!({ "type": "string", "description": doc });
-    let whole = |doc: &str| json!({ "type": "integer", "description": doc });
-    let source = text("the component that sent it");
-    let incarnation = whole("which life of its process; grows with every restart");
-    [
-        (
-            "topicHeaders",
-            json!({ "type": "object", "properties": {
-                "source": source,
-                "incarnation": incarnation,
-                "sequence": whole("its number among this publisher's messages, from 1 without gaps"),
-                "stamp": whole("when it was sent, in nanoseconds"),
-                "clock": text("of which clock: `wall:rover1`"),
-                "traceparent": text("the trace it belongs to, as W3C writes it"),
-            } }),
-        ),
-        (
-            "requestHeaders",
-            json!({ "type": "object", "required": ["timeout"], "properties": {
-                "source": source,
-                "incarnation": incarnation,
-                "timeout": whole("how many nanoseconds the caller gives it"),
-                "deadline": whole("when the caller gives up, in nanoseconds of Unix time"),
-                "callback": text("the address where the caller serves what comes later"),
-            } }),
-        ),
-        ("resultHeaders", json!({ "type": "object" })),
-        (
-            "refusalHeaders",
-            json!({ "type": "object", "properties": { "code": text("the code of the fault") } }),
-        ),
-        ("unavailableHeaders", json!({ "type": "object" })),
-    ]
 }
 
 /// A channel of an exchange, by routing key. Exchanges are durable.

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{Broker, Plan, Wire};
+use super::{Broker, End, Plan, Wire};
 use crate::model::Transport;
 use crate::start::Part;
 
@@ -51,17 +51,26 @@ impl Plan {
                 doors.push((own.clone(), self.broker_of_wire(wire)));
             }
         }
-        for promoted in &self.promoted {
-            if promoted.what == "service"
-                && promoted.binding == Transport::Amqp
-                && promoted.inside == own
-            {
-                let broker = promoted.broker.as_deref();
-                let broker = broker.or_else(|| self.broker_of(component));
-                doors.push((promoted.name.clone(), broker));
-            }
-        }
+        let end = End {
+            component: component.to_owned(),
+            name: service.to_owned(),
+        };
+        let promoted = self.promoted_over_brokers(&end);
+        doors.extend(promoted.map(|(name, broker)| (name.to_owned(), broker)));
         doors
+    }
+
+    /// The names that a service is promoted under over brokers, and which.
+    pub fn promoted_over_brokers<'p>(
+        &'p self,
+        service: &End,
+    ) -> impl Iterator<Item = (&'p str, Option<&'p str>)> {
+        let inside = service.to_string();
+        let own = self.broker_of(&service.component);
+        let promoted = self.promoted.iter().filter(move |it| {
+            it.what == "service" && it.binding == Transport::Amqp && it.inside == inside
+        });
+        promoted.map(move |it| (it.name.as_str(), it.broker.as_deref().or(own)))
     }
 
     /// The brokers that a part of the system speaks to.
