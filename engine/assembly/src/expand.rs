@@ -10,7 +10,7 @@ use toml_edit::{Array, DocumentMut, Item, Table};
 use self::write::{Keys, table, tables};
 use crate::model::{BridgeKind, Flow, Transport};
 use crate::opened::Opened;
-use crate::plan::{Bridge, Broker, Connection, Plan, Promoted, Topic, Wire};
+use crate::plan::{Bridge, Broker, Connection, Plan, Policy, Promoted, Terminal, Topic, Wire};
 
 /// The text of a plan of `opened` as a composite file, which belongs beside the outermost one.
 pub fn expand(opened: &Opened, plan: &Plan) -> String {
@@ -48,7 +48,7 @@ pub fn expand(opened: &Opened, plan: &Plan) -> String {
         ("wires", tables(plan.wires.iter().map(wire))),
         (
             "connections",
-            tables(plan.connections.iter().map(connection)),
+            tables(joint(&plan.connections).map(connection)),
         ),
         ("promote", tables(plan.promoted.iter().map(promoted))),
     ];
@@ -137,8 +137,34 @@ fn remote(binding: Transport) -> Option<Transport> {
     Some(binding).filter(|binding| *binding != Transport::Local)
 }
 
-fn connection(connection: &Connection) -> Keys {
-    let policy = &connection.policy;
+/// The connections, those together that share one queue.
+fn joint(connections: &[Connection]) -> impl Iterator<Item = &[Connection]> {
+    let queue = |connection: &'_ Connection| connection.policy.queue.clone();
+    connections.chunk_by(move |one, next| queue(one).is_some() && queue(one) == queue(next))
+}
+
+/// Connections of one policy; each of their writers is joined to each of their readers.
+fn connection(connections: &[Connection]) -> Keys {
+    let mut keys = Keys::new();
+    keys.one_or_many("from", each_once(connections.iter().map(|it| &it.from)));
+    keys.one_or_many("to", each_once(connections.iter().map(|it| &it.to)));
+    if let Some(connection) = connections.first() {
+        keys.inline("policy", policy(&connection.policy));
+    }
+    keys
+}
+
+fn each_once<'p>(ends: impl Iterator<Item = &'p Terminal>) -> impl Iterator<Item = String> {
+    let mut listed: Vec<String> = Vec::new();
+    for end in ends.map(Terminal::to_string) {
+        if !listed.contains(&end) {
+            listed.push(end);
+        }
+    }
+    listed.into_iter()
+}
+
+fn policy(policy: &Policy) -> Keys {
     let mut how = Keys::new();
     how.word("type", policy.kind);
     // the last value has no size
@@ -158,11 +184,7 @@ fn connection(connection: &Connection) -> Keys {
     how.word("delivery", policy.delivery);
     how.wholes("poll_ms", policy.poll_ms);
     how.wholes("data_size", policy.data_size);
-    let mut keys = Keys::new();
-    keys.text("from", &connection.from.to_string());
-    keys.text("to", &connection.to.to_string());
-    keys.inline("policy", how);
-    keys
+    how
 }
 
 fn promoted(promoted: &Promoted) -> Keys {

@@ -115,6 +115,27 @@ fn it_expands_every_composite_of_this_repository_to_itself() {
 }
 
 #[test]
+fn ends_that_share_one_queue_stay_together() {
+    let text = "schema = \"composite/1\"\n[composite]\nname = \"shared\"\n\
+        [components.A]\nimplementation = { process = \"a\" }\nports.out = { n = \"f64\", m = \"f64\" }\n\
+        [components.B]\nimplementation = { process = \"b\" }\nports.in = { n = \"f64\", m = \"f64\" }\n\
+        [[connections]]\nfrom = [\"A.n\", \"A.m\"]\nto = [\"B.n\", \"B.m\"]\n\
+        policy = { type = \"buffer\", size = 8, buffer = \"shared\" }\n";
+    let loader = With {
+        files: Files::new("tests/composites"),
+        name: "shared.toml",
+        text,
+    };
+    let opened = open(&loader, "shared.toml");
+    let expanded = expand(&opened, opened.plan(None).expect("a plan"));
+    assert_eq!(expanded.matches("[[connections]]").count(), 1, "{expanded}");
+    assert!(
+        expanded.contains("from = [\"A.n\", \"A.m\"]\nto = [\"B.n\", \"B.m\"]"),
+        "{expanded}"
+    );
+}
+
+#[test]
 fn it_shows_no_secret() {
     let text = "schema = \"composite/1\"\n[composite]\nname = \"secret\"\n[properties]\nword = { type = \"secret\", default = \"${ROBOT_PASSWORD_FILE}\" }\n\
         [brokers.main]\nurl = \"amqp://${ROBOT_USER}:${ROBOT_PASSWORD_FILE}@desk\"\n\
