@@ -88,3 +88,17 @@ fn it_has_a_planted_mistake_for_every_code() {
         );
     }
 }
+
+#[test]
+fn c10_annotations_and_composite_that_disagree_are_an_error() {
+    for (file, code) in [
+        ("c102_not_listed.toml", "C102"),
+        ("c103_other_interface.toml", "C103"),
+        ("c104_not_annotated.toml", "C104"),
+    ] {
+        let opened = support::open("tests/composites", file);
+        assert!(opened.report.has_errors(), "{file}");
+        let mut findings = opened.report.diagnostics.iter();
+        assert!(findings.any(|finding| finding.code == code), "{file}");
+    }
+}
