@@ -122,6 +122,13 @@ impl Story {
             Event::Overrun { component, missed } => Some(format!(
                 "{NOTE}overrun{NOTE:#} {component} missed {missed} periods"
             )),
+            Event::Late {
+                component,
+                took,
+                deadline,
+            } => Some(format!(
+                "{NOTE}late{NOTE:#} {component} took {took:.1?} for a cycle, and has {deadline:?}"
+            )),
             Event::Denied { component, denied } => {
                 Some(format!("{NOTE}denied{NOTE:#} {component}: {denied}"))
             }

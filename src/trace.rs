@@ -85,6 +85,15 @@ impl Trace {
             } => format!("life {component} {from:?} {to:?}"),
             Event::Fault { component, fault } => format!("fault {component} {fault}"),
             Event::Overrun { component, missed } => format!("overrun {component} {missed}"),
+            Event::Late {
+                component,
+                took,
+                deadline,
+            } => format!(
+                "late {component} {} {}",
+                took.as_nanos(),
+                deadline.as_nanos()
+            ),
             Event::Denied { component, denied } => format!("denied {component} {denied}"),
             Event::Dropped {
                 component,

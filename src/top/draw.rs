@@ -3,6 +3,7 @@
 
 use std::time::Duration;
 
+use assembly::presence::Present;
 use bus::Link;
 use datum::Datum;
 use ratatui::Frame;
@@ -164,16 +165,18 @@ fn component(component: &Component<'_>, several: bool) -> Row<'static> {
         Span::raw(asked),
         Span::raw(now(measured)),
         Span::raw(present.cycles.to_string()),
-        Span::styled(
-            present.overruns.to_string(),
-            if present.overruns > 0 {
-                NOTE
-            } else {
-                Style::new()
-            },
-        ),
+        overruns(present),
     ])
     .style(if known { Style::new() } else { FAINT })
+}
+
+/// The periods that it has missed, and its cycles that took longer than their deadline.
+fn overruns(present: &Present) -> Span<'static> {
+    match (present.overruns, present.late) {
+        (0, 0) => Span::raw("0"),
+        (missed, 0) => Span::styled(missed.to_string(), NOTE),
+        (missed, late) => Span::styled(format!("{missed}+{late} late"), NOTE),
+    }
 }
 
 fn topics(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now: Duration) {

@@ -22,6 +22,8 @@ pub struct Activity {
     pub may_interrupt: bool,
     /// What happens to periods that a slow cycle missed.
     pub overrun: Overrun,
+    /// How long a cycle may take; as long as it likes, if absent.
+    pub deadline: Option<Deadline>,
     /// What happens when the component fails in a cycle.
     pub on_exception: OnException,
     /// The scheduling class of its thread.
@@ -105,6 +107,29 @@ pub enum Overrun {
     Fail,
 }
 
+/// How long a cycle may take, from its beginning to its end. One that takes longer is counted and told in any case
+/// ([`Event::Late`](crate::Event::Late)).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Deadline {
+    /// So long.
+    pub within: Duration,
+    /// What happens when it takes longer.
+    pub on_late: OnLate,
+}
+
+/// What happens to a component whose cycle took longer than its deadline. What the cycle did has happened by then.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OnLate {
+    /// Nothing more.
+    #[default]
+    Report,
+    /// It is stopped.
+    Stop,
+    /// It fails.
+    Fail,
+}
+
 impl Overrun {
     /// After a cycle that was due at `due` and ran from `begin` to `end`: how many periods it has missed, and when the
     /// next one is due.
@@ -143,6 +168,7 @@ impl Activity {
             run_on_startup: true,
             may_interrupt: false,
             overrun: Overrun::Skip,
+            deadline: None,
             on_exception: OnException::Stay,
             scheduler: Scheduler::Other,
             cpus: Vec::new(),
@@ -201,6 +227,13 @@ impl Activity {
     #[must_use]
     pub fn overrun(self, overrun: Overrun) -> Self {
         Self { overrun, ..self }
+    }
+
+    /// With this long for each cycle.
+    #[must_use]
+    pub fn deadline(self, within: Duration, on_late: OnLate) -> Self {
+        let deadline = Some(Deadline { within, on_late });
+        Self { deadline, ..self }
     }
 
     /// In this scheduling class.

@@ -32,6 +32,8 @@ pub(crate) struct Body {
     pub cause: Arc<Cause>,
     /// What the present cycle has done, in order; it happens when the cycle is committed.
     pub journal: Vec<Action>,
+    /// How long the present cycle takes in simulated time.
+    pub lasts: Duration,
 }
 
 /// Something a cycle does.
@@ -81,12 +83,14 @@ impl Body {
             caller: Caller::new(component, Arc::clone(&cause)),
             cause,
             journal: Vec::new(),
+            lasts: Duration::ZERO,
         }
     }
 
     /// What came since the last cycle becomes visible to the next one.
     pub(crate) fn freeze(&mut self, leaving: &mut Leaving<'_>) {
         self.cause.freeze();
+        self.lasts = Duration::ZERO;
         for (input, declared) in self.inputs.iter_mut().zip(&self.declaration.inputs) {
             let unreadable = input.freeze(leaving.now);
             if unreadable > 0 {
@@ -183,8 +187,8 @@ impl Body {
         self.caller.abandon(&self.references, leaving);
     }
 
-    /// Sets properties, all or none; see [`Body::apply`].
-    pub(crate) fn prepare(
+    /// Whether properties can have these values.
+    pub(crate) fn check(
         &mut self,
         component: &str,
         values: &[(String, Datum)],
@@ -198,10 +202,31 @@ impl Body {
                     problem: Box::new(problem),
                 })?;
         }
+        Ok(())
+    }
+
+    /// Sets properties, all or none; see [`Body::apply`].
+    pub(crate) fn prepare(
+        &mut self,
+        component: &str,
+        values: &[(String, Datum)],
+    ) -> Result<(), PropertyError> {
+        self.check(component, values)?;
         for (name, value) in values {
             self.property(component, name)?.prepare(value);
         }
         Ok(())
+    }
+
+    /// A reference has a service no more.
+    pub(crate) fn unwire(&mut self, reference: usize, service: &str, leaving: &mut Leaving<'_>) {
+        let wirings = (self.references.get(reference)).map_or(&[][..], |it| &it.wirings);
+        if wirings.first().is_some_and(|first| first.to == service) {
+            self.caller.part(&self.references, reference, leaving);
+        }
+        if let Some(reference) = self.references.get_mut(reference) {
+            reference.wirings.retain(|wiring| wiring.to != service);
+        }
     }
 
     fn property(

@@ -239,6 +239,12 @@ impl<'a> Cycle<'a> {
         self.body.journal.push(Action::SetPeriod(period));
     }
 
+    /// Says how long this cycle's work takes: simulated time, which stands still in a cycle, has no other way to hold
+    /// it against its deadline. Live, the clock knows.
+    pub fn lasts(&mut self, how_long: Duration) {
+        self.body.lasts = how_long;
+    }
+
     /// Whether somebody wants the component to stop, and its activity allows to interrupt it: a long cycle asks now
     /// and then, and returns (TCA `mayInterruptIfRunning`). What it wrote until then counts.
     pub fn interrupted(&self) -> bool {

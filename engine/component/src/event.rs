@@ -5,6 +5,8 @@ mod owned;
 
 pub(crate) use owned::Owned;
 
+use std::time::Duration;
+
 use datum::{Datum, DatumError, Sample};
 
 use crate::{CallError, CallId, Denied, Fault, State, Time};
@@ -117,6 +119,15 @@ pub enum Event<'a> {
         component: &'a str,
         /// Periods missed by this cycle.
         missed: u64,
+    },
+    /// A cycle took longer than its deadline.
+    Late {
+        /// Whose.
+        component: &'a str,
+        /// How long it took.
+        took: Duration,
+        /// How long it may take.
+        deadline: Duration,
     },
     /// The system does not permit what the component's activity wants; it runs without.
     Denied {

@@ -31,6 +31,8 @@ pub(crate) struct Status {
     pub cycles: AtomicU64,
     /// Periods missed.
     pub overruns: AtomicU64,
+    /// Cycles that took longer than their deadline.
+    pub late: AtomicU64,
     /// Somebody wants the present cycle to end.
     pub interrupt: AtomicBool,
     dropped: AtomicU64,
@@ -55,6 +57,7 @@ impl Status {
             target: AtomicU8::new(state as u8),
             cycles: AtomicU64::new(0),
             overruns: AtomicU64::new(0),
+            late: AtomicU64::new(0),
             interrupt: AtomicBool::new(false),
             dropped: AtomicU64::new(0),
             misfits: AtomicU64::new(0),

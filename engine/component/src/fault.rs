@@ -3,6 +3,7 @@
 use std::any::Any;
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
@@ -34,6 +35,13 @@ pub enum Fault {
     Overrun {
         /// How many periods were missed.
         missed: u64,
+    },
+    /// A cycle took longer than its deadline, and the activity forbids that.
+    Late {
+        /// How long it took.
+        took: Duration,
+        /// How long it may take.
+        deadline: Duration,
     },
     /// A mandatory connection was full, or could not carry the sample.
     NotDelivered {
@@ -80,6 +88,9 @@ impl fmt::Display for Fault {
                 components.join(", ")
             ),
             Self::Overrun { missed } => write!(f, "missed {missed} periods"),
+            Self::Late { took, deadline } => {
+                write!(f, "a cycle took {took:?}, and has {deadline:?}")
+            }
             Self::NotDelivered { port, to } => {
                 write!(f, "`{port}` could not deliver to mandatory `{to}`")
             }

@@ -35,7 +35,7 @@ mod time;
 mod unit;
 
 pub use ::connection::{Delivery, Kind};
-pub use activity::{Activity, Denied, Drive, OnException, Overrun, Scheduler};
+pub use activity::{Activity, Deadline, Denied, Drive, OnException, OnLate, Overrun, Scheduler};
 pub use component::Component;
 pub use cycle::Cycle;
 pub use declaration::Declaration;
@@ -50,7 +50,10 @@ pub use log::Log;
 pub use policy::{Lock, OnStale, Policy, Sharing};
 pub use port::Flow;
 pub use property::{PropertyError, PropertyProblem, PropertyValue, Setting};
-pub use run::{Asked, Losses, Reader, Run, RunError, Sent, Subscription, WriteError, Writer};
+pub use run::{
+    Asked, Change, ChangeError, Losses, Reader, Run, RunError, Sent, Subscription, WriteError,
+    Writer,
+};
 pub use service::{
     CallError, CallId, Dynamic, Operation, Reply, Request, RequestId, SendStatus, ServiceFault,
     Wire,

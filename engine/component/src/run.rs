@@ -1,11 +1,13 @@
 //! A running system, whichever executor drives it.
 
+mod change;
 mod every;
 mod executor;
 mod operation;
 mod reader;
 mod writer;
 
+pub use self::change::{Change, ChangeError};
 pub(crate) use self::executor::{Act, Executor};
 pub use self::operation::Sent;
 pub use self::reader::{Reader, Subscription};
@@ -81,6 +83,10 @@ pub trait Run {
     /// read is gone; an input whose last sample came through it has no data then, as in RTT.
     fn disconnect(&mut self, from: &str, to: &str) -> Result<(), BuildError>;
 
+    /// Makes several changes, or none of them: where one is not possible, nobody feels anything. Each component's are
+    /// made at one border of its cycles; what they do not concern goes on.
+    fn change(&mut self, changes: &[Change]) -> Result<(), ChangeError>;
+
     /// Takes a component through a transition of its life cycle.
     fn transition(&mut self, component: &str, transition: Transition)
     -> Result<(), LifeCycleError>;
@@ -127,6 +133,9 @@ pub trait Run {
 
     /// How many periods a component has missed.
     fn overruns(&self, component: &str) -> u64;
+
+    /// How many cycles of a component took longer than their deadline.
+    fn late(&self, component: &str) -> u64;
 
     /// What a component says that it has lost.
     fn losses(&self, component: &str) -> Losses;

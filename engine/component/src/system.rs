@@ -14,9 +14,10 @@ use datum::Datum;
 
 pub use abroad::port_topic;
 pub(crate) use abroad::{Abroad, Offered, address, is_on};
-pub(crate) use ends::{End, Table, find, inputs, outputs, services};
+pub(crate) use ends::{End, Table, find, inputs, outputs, references, services};
 pub use error::BuildError;
-pub(crate) use joints::{ConnectionId, Joints};
+pub(crate) use join::fit;
+pub(crate) use joints::{ConnectionId, Forgotten, Joints};
 
 use crate::body::Body;
 use crate::declaration::Declaration;

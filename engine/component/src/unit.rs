@@ -1,5 +1,7 @@
 //! A unit: a component with its runtime state, taken through its life and its cycles. Executors drive units.
 
+mod timing;
+
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -333,16 +335,21 @@ impl Unit {
         *self.status.fault() = Some(fault);
     }
 
-    /// Counts periods that were missed.
-    pub(crate) fn overrun(&mut self, missed: u64, now: Time, outside: &mut dyn Outside) {
-        self.status.overruns.fetch_add(missed, Ordering::Relaxed);
-        let component = &self.name;
-        outside.emit(now, &Event::Overrun { component, missed });
-    }
-
     /// Changes the period of a component that has one or is event-driven; zero means event-driven.
     pub(crate) fn set_period(&mut self, period: Duration) {
         self.activity.drive = self.activity.drive.with_period(period);
+    }
+
+    /// Parts a reference from a service.
+    pub(crate) fn unwire(
+        &mut self,
+        reference: usize,
+        service: &str,
+        now: Time,
+        outside: &mut dyn Outside,
+    ) {
+        let mut leaving = leaving(&self.name, self.index, now, outside);
+        self.body.unwire(reference, service, &mut leaving);
     }
 
     /// Ends calls that have waited too long. Says whether anything waits for the next cycle.

@@ -82,6 +82,8 @@ pub struct Present {
     pub rate_hz: f64,
     /// How many periods it has missed.
     pub overruns: u64,
+    /// How many of its cycles took longer than their deadline.
+    pub late: u64,
     /// How many messages it has dropped, because too many waited.
     pub dropped: u64,
     /// How many it has left out, because they did not fit.
@@ -226,6 +228,7 @@ impl Present {
             cycles: run.cycles(name),
             rate_hz: 0.0,
             overruns: run.overruns(name),
+            late: run.late(name),
             dropped,
             misfits,
             inputs: typed(&declared.inputs),

@@ -32,12 +32,8 @@ pub(crate) enum DeployError {
         at: Span,
         nearest: Option<Nearest>,
     },
-    #[error("`{key}` is written, and this build does nothing with it")]
-    Idle {
-        key: &'static str,
-        at: Span,
-        instead: &'static str,
-    },
+    #[error("`record` is written, and this build does nothing with it")]
+    Idle { at: Span },
 }
 
 impl Finding for DeployError {
@@ -62,9 +58,9 @@ impl Finding for DeployError {
             Self::NoTopic { at, nearest, .. } => Diagnostic::warning("C073", self)
                 .label(*at, "no such topic")
                 .suggest(*at, nearest),
-            Self::Idle { at, instead, .. } => Diagnostic::warning("C076", self)
+            Self::Idle { at } => Diagnostic::warning("C076", self)
                 .label(*at, "without effect")
-                .help(*instead),
+                .help("`asmotion run --trace FILE` writes down what happens"),
         }
     }
 }
@@ -81,7 +77,6 @@ pub(crate) fn check(scene: &Scene<'_>, topics: &Topics, report: &mut Report) {
             report.found(DeployError::SameName { name, at, first });
         }
         place(scene, process, &mut places, report);
-        idle(process, report);
     }
     for component in &scene.composite.components {
         if !places.contains_key(component.name.value.as_str()) {
@@ -117,24 +112,9 @@ fn place<'s>(
     }
 }
 
-/// What a process has and this build does nothing with.
-fn idle(process: &Process, report: &mut Report) {
-    let scheduler = process.scheduler.as_ref().map(|it| ("scheduler", it.span));
-    let priority = process.priority.as_ref().map(|it| ("priority", it.span));
-    let cpu = process.cpu.first().map(|it| ("cpu", it.span));
-    for (key, at) in [scheduler, priority, cpu].into_iter().flatten() {
-        let instead = "say it of the components, in their `task` or `activity`";
-        report.found(DeployError::Idle { key, at, instead });
-    }
-}
-
 fn record(deploy: &Deploy, topics: &Topics, report: &mut Report) {
     if let Some(record) = &deploy.record {
-        report.found(DeployError::Idle {
-            key: "record",
-            at: record.span,
-            instead: "`asmotion run --trace FILE` writes down what happens",
-        });
+        report.found(DeployError::Idle { at: record.span });
     }
     let recorded = deploy.record.iter().flat_map(|record| &record.topics);
     for topic in recorded.filter(|topic| !topic.contains('*')) {

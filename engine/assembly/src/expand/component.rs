@@ -4,7 +4,7 @@ use toml_edit::{Item, Table};
 
 use super::binding;
 use super::write::{Keys, beside, table, value};
-use crate::model::{Builtin, OnDeadline, Scheduler};
+use crate::model::{Builtin, OnDeadline};
 use crate::plan::{
     Component, Implementation, Notify, Pace, Plan, Port, ProxyEntry, RosEntry, Service, Terminal,
 };
@@ -92,7 +92,7 @@ fn pace(component: &Component, keys: &mut Keys) {
         on_deadline,
         master,
     } = &component.pace;
-    let scheduled = *scheduler != Scheduler::default()
+    let scheduled = scheduler.is_some()
         || priority.is_some()
         || !cpu.is_empty()
         || deadline_ms.is_some()
@@ -111,7 +111,9 @@ fn pace(component: &Component, keys: &mut Keys) {
         pace.texts("broker", broker.iter());
         return keys.inline("task", pace);
     }
-    pace.word("scheduler", *scheduler);
+    if let Some(scheduler) = scheduler {
+        pace.word("scheduler", *scheduler);
+    }
     pace.wholes("priority", *priority);
     pace.numbers("cpu", cpu);
     pace.wholes("deadline_ms", *deadline_ms);

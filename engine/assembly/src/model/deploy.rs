@@ -28,11 +28,11 @@ pub struct Process {
     pub host: Option<At<String>>,
     /// The components in it.
     pub components: Vec<At<String>>,
-    /// The scheduling class of its threads.
+    /// The scheduling class of its components that name none.
     pub scheduler: Option<At<Scheduler>>,
-    /// The priority in that class.
+    /// The priority in it of those that name none.
     pub priority: Option<At<i64>>,
-    /// The processors it may run on.
+    /// The processors that its components may run on that name none.
     pub cpu: Vec<At<i64>>,
 }
 

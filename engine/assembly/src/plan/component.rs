@@ -109,11 +109,11 @@ pub struct Pace {
     pub overrun: Overrun,
     /// The broker its topics go through; in process where absent.
     pub broker: Option<String>,
-    /// The scheduling class of its thread.
-    pub scheduler: Scheduler,
-    /// The priority in that class.
+    /// The scheduling class of its thread; that of its process, if absent.
+    pub scheduler: Option<Scheduler>,
+    /// The priority in that class; that of its process, if absent.
     pub priority: Option<u64>,
-    /// The processors it may run on.
+    /// The processors it may run on; those of its process, if none is named.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub cpu: Vec<u64>,
     /// How long a cycle may take.

@@ -18,11 +18,11 @@ pub struct Process {
     /// The components in it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub components: Vec<String>,
-    /// The scheduling class of its threads.
+    /// The scheduling class of its components that name none.
     pub scheduler: Scheduler,
-    /// The priority in that class.
+    /// The priority in it of those that name none.
     pub priority: Option<u64>,
-    /// The processors it may run on.
+    /// The processors that its components may run on that name none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub cpu: Vec<u64>,
 }
@@ -55,6 +55,14 @@ pub struct Record {
     pub asm_states: bool,
     /// How large a file grows.
     pub rotate_mb: u64,
+}
+
+impl Plan {
+    /// The process that a component is placed in.
+    pub fn process_of(&self, component: &str) -> Option<&Process> {
+        let mut processes = self.processes.iter();
+        processes.find(|process| process.components.iter().any(|it| it == component))
+    }
 }
 
 /// Fills in processes, restarts and recording. `nested` has the prefix of every nested composite:

@@ -1,5 +1,6 @@
 //! A plan becomes a system: components are made, given their properties, joined and wired.
 
+mod activity;
 mod coordinator;
 mod part;
 mod policy;
@@ -11,14 +12,15 @@ use std::time::Duration;
 
 use component::declaration::Declaration;
 use component::{
-    Activity, BuildError, Component, ComponentId, Interface, OnException, Overrun, Policy,
-    PropertyError, Scheduler, System, Wire, port_topic,
+    BuildError, Component, ComponentId, Interface, Policy, PropertyError, System, Wire, port_topic,
 };
 
 use crate::model::{self, Transport};
 use crate::plan::{self, Plan, Terminal};
 
+pub(crate) use activity::of as activity;
 pub use part::Part;
+pub(crate) use policy::of as policy;
 pub use workshop::{Make, Standard, Workshop};
 
 /// Why a plan cannot be started.
@@ -144,14 +146,16 @@ impl Building<'_> {
         };
         let make = workshop.make(component, self.plan).map_err(not_made)?;
         let mut failed = None;
-        let id = self
-            .system
-            .add(&component.name, self.activity(component), |interface| {
+        let id = self.system.add(
+            &component.name,
+            activity::of(component, self.plan),
+            |interface| {
                 make(interface).unwrap_or_else(|reason| {
                     failed = Some(reason);
                     Box::new(Nothing)
                 })
-            })?;
+            },
+        )?;
         if let Some(reason) = failed {
             return Err(not_made(reason));
         }
@@ -166,41 +170,6 @@ impl Building<'_> {
             })?;
         }
         Ok(())
-    }
-
-    fn activity(&self, component: &plan::Component) -> Activity {
-        let pace = &component.pace;
-        let period_ms = match pace.period_ms {
-            0 => self.polls(component).unwrap_or(0),
-            period_ms => period_ms,
-        };
-        Activity::periodic(Duration::from_millis(period_ms))
-            .delay(Duration::from_millis(pace.delay_ms))
-            .configure_on_startup(component.lifecycle.autoconf)
-            .run_on_startup(pace.run_on_startup && component.lifecycle.autostart)
-            .may_interrupt(pace.may_interrupt_if_running)
-            .overrun(match pace.overrun {
-                model::Overrun::Skip => Overrun::Skip,
-                model::Overrun::CatchUp => Overrun::CatchUp,
-                model::Overrun::Fail => Overrun::Fail,
-            })
-            .on_exception(on_exception(&component.lifecycle))
-            .scheduler(scheduler(pace))
-            .cpus(processors(pace))
-    }
-
-    /// How often a component looks that has no period of its own but polls a connection.
-    fn polls(&self, component: &plan::Component) -> Option<u64> {
-        let into = |to: &Terminal| match to {
-            Terminal::Port(end) => end.component == component.name,
-            Terminal::Topic(_) | Terminal::Mqueue(_) => false,
-        };
-        let connections = self.plan.connections.iter().filter(|connection| {
-            connection.policy.delivery == model::Delivery::Poll && into(&connection.to)
-        });
-        connections
-            .filter_map(|connection| connection.policy.poll_ms)
-            .min()
     }
 
     /// Joins the ports that are on a topic by themselves.
@@ -311,20 +280,12 @@ impl Building<'_> {
                 binding: wire.binding,
             });
         }
-        let how = Wire {
-            timeout: Duration::from_millis(wire.timeout_ms),
-            retries: u32::try_from(wire.retry_attempts).unwrap_or(u32::MAX),
-            backoff: Duration::from_millis(wire.retry_backoff_ms),
-            cancel_on_timeout: wire.cancel == model::Cancel::OnTimeout,
-            one_way: wire.oneway,
-        };
-        let abroad =
-            self.part.takes_the_bus_inside() || (wire.goes_abroad() && !self.part.is_alone());
+        let how = how(wire);
         let broker = self.plan.broker_of_wire(wire);
         let caller = reference.to_string();
         for service in &wire.services {
             let provider = service.to_string();
-            match self.part.has(&service.component) && !abroad {
+            match stays_here(wire, service, self.part) {
                 true => self.system.wire(&caller, &provider, how)?,
                 false => (self.system).reach_over(&caller, &provider, how, broker)?,
             }
@@ -333,32 +294,21 @@ impl Building<'_> {
     }
 }
 
-fn on_exception(lifecycle: &plan::Lifecycle) -> OnException {
-    match lifecycle.on_exception {
-        model::OnException::Stop => OnException::Stay,
-        model::OnException::Reset => OnException::Reset {
-            max: u32::try_from(lifecycle.max_resets).ok(),
-        },
-        model::OnException::Escalate => OnException::Escalate,
+/// The attempts and the patience of a wire.
+pub(crate) fn how(wire: &plan::Wire) -> Wire {
+    Wire {
+        timeout: Duration::from_millis(wire.timeout_ms),
+        retries: u32::try_from(wire.retry_attempts).unwrap_or(u32::MAX),
+        backoff: Duration::from_millis(wire.retry_backoff_ms),
+        cancel_on_timeout: wire.cancel == model::Cancel::OnTimeout,
+        one_way: wire.oneway,
     }
 }
 
-/// The lowest priority of a class, where the composite names none.
-const LOWEST_PRIORITY: u8 = 1;
-
-fn scheduler(pace: &plan::Pace) -> Scheduler {
-    let given = pace.priority.and_then(|given| u8::try_from(given).ok());
-    let priority = given.unwrap_or(LOWEST_PRIORITY);
-    match pace.scheduler {
-        model::Scheduler::Other => Scheduler::Other,
-        model::Scheduler::Fifo => Scheduler::Fifo { priority },
-        model::Scheduler::RoundRobin => Scheduler::RoundRobin { priority },
-    }
-}
-
-fn processors(pace: &plan::Pace) -> Vec<usize> {
-    let cpus = pace.cpu.iter();
-    cpus.filter_map(|cpu| usize::try_from(*cpu).ok()).collect()
+/// Whether a service is called without a bus by a component of this part.
+pub(crate) fn stays_here(wire: &plan::Wire, service: &plan::End, part: &Part) -> bool {
+    let abroad = part.takes_the_bus_inside() || (wire.goes_abroad() && !part.is_alone());
+    part.has(&service.component) && !abroad
 }
 
 /// Stands in for a component that could not be made, until that is reported.

@@ -6,7 +6,7 @@ use component::{Kind, Lock, OnStale, Policy, Sharing};
 
 use crate::{model, plan};
 
-pub(super) fn of(policy: &plan::Policy) -> Policy {
+pub(crate) fn of(policy: &plan::Policy) -> Policy {
     let size = usize::try_from(policy.size).unwrap_or(usize::MAX);
     Policy {
         kind: match policy.kind {

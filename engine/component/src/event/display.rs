@@ -71,6 +71,14 @@ impl fmt::Display for Event<'_> {
             Self::Overrun { component, missed } => {
                 write!(f, "{component}: missed {missed} periods")
             }
+            Self::Late {
+                component,
+                took,
+                deadline,
+            } => write!(
+                f,
+                "{component}: a cycle took {took:?}, and has {deadline:?}"
+            ),
             Self::Denied { component, denied } => write!(f, "{component}: {denied}"),
             Self::Dropped {
                 component,

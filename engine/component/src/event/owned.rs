@@ -1,6 +1,7 @@
 //! Events that outlive the moment: what crosses from a component's thread to the observers' queue.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use datum::{Datum, DatumError, Sample};
 
@@ -58,6 +59,11 @@ pub(crate) enum Owned {
     Overrun {
         component: String,
         missed: u64,
+    },
+    Late {
+        component: String,
+        took: Duration,
+        deadline: Duration,
     },
     Denied {
         component: String,
@@ -166,6 +172,15 @@ impl Owned {
             Event::Overrun { component, missed } => Self::Overrun {
                 component: component.into(),
                 missed,
+            },
+            Event::Late {
+                component,
+                took,
+                deadline,
+            } => Self::Late {
+                component: component.to_owned(),
+                took,
+                deadline,
             },
             Event::Denied { component, denied } => Self::Denied {
                 component: component.into(),
@@ -284,6 +299,15 @@ impl Owned {
             Self::Overrun { component, missed } => Event::Overrun {
                 component,
                 missed: *missed,
+            },
+            Self::Late {
+                component,
+                took,
+                deadline,
+            } => Event::Late {
+                component,
+                took: *took,
+                deadline: *deadline,
             },
             Self::Denied { component, denied } => Event::Denied { component, denied },
             Self::Dropped {

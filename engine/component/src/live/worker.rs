@@ -1,15 +1,14 @@
 //! A thread for a component and its slaves: commands, then the cycle that is due, then sleep.
 
 use std::sync::{Arc, mpsc};
-use std::time::Duration;
 
 use super::schedule;
 use super::wake::{Wake, World};
-use crate::activity::{Drive, Overrun};
+use crate::activity::Drive;
 use crate::outside::Outside;
 use crate::run::Act;
 use crate::unit::Unit;
-use crate::{Event, Fault, Time};
+use crate::{Event, Time};
 
 /// What the run's owner wants.
 pub(crate) enum Command {
@@ -190,31 +189,18 @@ impl Member {
         let begin = world.now();
         let before = self.unit.activity.drive;
         self.unit.cycle(begin, world);
+        let now = world.now();
+        self.unit.hold_to_deadline(now.since(begin), now, world);
         if self.unit.activity.drive != before {
             self.adopt(begin, world);
         } else if let Drive::Period(period) = before
             && begin >= self.due
         {
-            self.plan(begin, period, world);
+            let end = world.now();
+            self.due = (self.unit).after_period(self.due, period, (begin, end), world);
         }
         if self.unit.come_back(world.now(), world) {
             self.begin(world.now());
-        }
-    }
-
-    /// Plans the next periodic cycle; counts the periods this one has missed.
-    fn plan(&mut self, begin: Time, period: Duration, world: &mut World) {
-        let end = world.now();
-        let overrun = self.unit.activity.overrun;
-        let (missed, next) = overrun.after_cycle(self.due, period, begin, end);
-        self.due = next;
-        if missed == 0 {
-            return;
-        }
-        self.unit.overrun(missed, end, world);
-        if overrun == Overrun::Fail {
-            let fault = Fault::Overrun { missed };
-            self.unit.fail(fault, end, world);
         }
     }
 }

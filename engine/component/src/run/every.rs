@@ -7,7 +7,10 @@ use std::time::Duration;
 
 use datum::{Datum, Message, Sample};
 
-use super::{Act, Asked, Executor, Losses, Reader, Run, RunError, Sent, Writer};
+use super::change::Planning;
+use super::{
+    Act, Asked, Change, ChangeError, Executor, Losses, Reader, Run, RunError, Sent, Writer,
+};
 use crate::declaration::Declaration;
 use crate::outside::Nowhere;
 use crate::port::{AnyInput, AnySender, Input, Link, OpenError, Outlet};
@@ -58,42 +61,21 @@ impl<E: Executor> Run for E {
     }
 
     fn connect(&mut self, from: &str, to: &str, policy: Policy) -> Result<(), BuildError> {
-        let (from, to) = (self.end(from, outputs)?, self.end(to, inputs)?);
-        let (joints, faces) = self.joints();
-        joints.refuse_twice(&from, &to)?;
-        let [writer, reader] = [&faces[from.unit], &faces[to.unit]];
-        let written = &writer.declaration.outputs[from.index].schema;
-        let taken = &reader.declaration.inputs[to.index].schema;
-        BuildError::compare(written, &from.name, taken, &to.name)?;
-        let threads = [writer.thread, reader.thread];
-        let inlet = &reader.inlets[to.index];
-        let joint = joints.make((&from, &to), threads, &policy, &**inlet)?;
-        joints.remember(joint.connection, from.clone(), to.clone());
-        // The reader first, so that nothing is sent to nobody.
-        let (input, incoming) = (to.index, joint.incoming);
-        let act: Act = Box::new(move |unit, _, _| unit.body.inputs[input].join(incoming));
-        self.post(to.unit, act);
-        let end = (from.index, joint.connection);
-        let act = joining(end, joint.sender, joint.link, policy.init);
-        self.post(from.unit, act);
+        let mut planning = Planning::new(self);
+        planning.connect(from, to, &policy)?;
+        planning.carry_out();
         Ok(())
     }
 
     fn disconnect(&mut self, from: &str, to: &str) -> Result<(), BuildError> {
-        let (from, to) = (self.end(from, outputs)?, self.end(to, inputs)?);
-        let (joints, _) = self.joints();
-        let Some(connection) = joints.forget(&from, &to) else {
-            return Err(BuildError::NotJoined {
-                from: from.name,
-                to: to.name,
-            });
-        };
-        let (output, input) = (from.index, to.index);
-        let act: Act = Box::new(move |unit, _, _| unit.body.outputs[output].part(connection));
-        self.post(from.unit, act);
-        let act: Act = Box::new(move |unit, _, _| unit.body.inputs[input].part(connection));
-        self.post(to.unit, act);
+        let mut planning = Planning::new(self);
+        planning.disconnect(from, to)?;
+        planning.carry_out();
         Ok(())
+    }
+
+    fn change(&mut self, changes: &[Change]) -> Result<(), ChangeError> {
+        Planning::new(self).make(changes)
     }
 
     fn writer<T: Message>(&mut self, port: &str, policy: Policy) -> Result<Writer<T>, BuildError> {
@@ -293,6 +275,11 @@ impl<E: Executor> Run for E {
         face.map_or(0, |face| face.status.overruns.load(Ordering::Relaxed))
     }
 
+    fn late(&self, component: &str) -> u64 {
+        let face = self.face(component);
+        face.map_or(0, |face| face.status.late.load(Ordering::Relaxed))
+    }
+
     fn losses(&self, component: &str) -> Losses {
         let face = self.face(component);
         face.map(|face| face.status.losses()).unwrap_or_default()
@@ -321,7 +308,7 @@ impl<E: Executor> Run for E {
 }
 
 /// An output gets a connection; and its reader what was last written, if the policy says so.
-fn joining(
+pub(super) fn joining(
     (output, connection): (usize, ConnectionId),
     sender: Box<dyn AnySender>,
     link: Link,
@@ -336,7 +323,7 @@ fn joining(
     })
 }
 
-fn busy(component: &str) -> RunError {
+pub(super) fn busy(component: &str) -> RunError {
     RunError::Busy {
         component: component.to_owned(),
     }

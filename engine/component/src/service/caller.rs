@@ -187,6 +187,21 @@ impl Caller {
         self.end(references, &call, cancelled, leaving);
     }
 
+    /// Ends the calls through a reference, whose service goes; that is told.
+    pub(crate) fn part(
+        &mut self,
+        references: &[Reference],
+        reference: usize,
+        leaving: &mut Leaving<'_>,
+    ) {
+        let through = |call: &mut Outstanding| call.slot.port == reference;
+        let ended: Vec<_> = self.outstanding.extract_if(.., through).collect();
+        for call in ended {
+            tell_cancelled(references, &call, leaving);
+            self.end(references, &call, Err(CallError::Unavailable), leaving);
+        }
+    }
+
     /// Ends what has been answered and what has waited too long. Says whether anything waits for the next cycle.
     pub(crate) fn settle(&mut self, references: &[Reference], leaving: &mut Leaving<'_>) -> bool {
         for _ in 0..self.mailbox.queue.len() {

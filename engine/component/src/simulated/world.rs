@@ -149,7 +149,11 @@ impl Stepping<'_, '_> {
             return;
         }
         let ran = units[component].state().is_running();
-        units[component].cycle(now, self);
+        let unit = &mut units[component];
+        unit.cycle(now, self);
+        if ran {
+            unit.hold_to_deadline(unit.body.lasts, now, self);
+        }
         match units[component].come_back(now, self) {
             true => self.world.begin(&units[component]),
             false => self.world.follow(&units[component]),

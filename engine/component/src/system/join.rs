@@ -8,7 +8,9 @@ use datum::{DatumError, Message, Problem, Schema};
 use super::ends::{self, Table, inputs, outputs, references, services};
 use super::{BuildError, ComponentId, ConnectionId, End, System, Topic};
 use crate::activity::Drive;
-use crate::declaration::{Declaration, OperationDeclaration};
+use crate::declaration::{
+    Declaration, OperationDeclaration, ReferenceDeclaration, ServiceDeclaration,
+};
 use crate::door::Door;
 use crate::port::Link;
 use crate::property::suggestion_among;
@@ -138,24 +140,11 @@ impl System {
         let to = self.end(to, services)?;
         let reference = self.open_reference(&from, &to.name, wire)?;
         let service = &self.units[to.unit].body.services[to.index];
-        if reference.declaration.interface != service.declaration.interface {
-            return Err(BuildError::Interfaces {
-                required: reference.declaration.interface.clone(),
-                provided: service.declaration.interface.clone(),
-                from: from.name,
-                to: to.name,
-            });
-        }
-        let mut operations = Vec::new();
-        for called in &reference.declaration.operations {
-            let served = &service.declaration.operations;
-            operations.push(find_operation(called, served, &from, &to)?);
-        }
         let wiring = Wiring {
+            operations: fit((&reference.declaration, &from), (&service.declaration, &to))?,
             inbox: Arc::clone(&service.inbox),
             to: to.name.clone(),
             provider: Some(to.unit),
-            operations,
             wire,
         };
         let reference = &mut self.units[from.unit].body.references[from.index];
@@ -244,6 +233,25 @@ impl System {
             nearest: suggestion_among(name, self.units.iter().map(|unit| &*unit.name)),
         })
     }
+}
+
+/// The service's position of each operation that a reference calls.
+pub(crate) fn fit(
+    (reference, from): (&ReferenceDeclaration, &End),
+    (service, to): (&ServiceDeclaration, &End),
+) -> Result<Vec<usize>, BuildError> {
+    if reference.interface != service.interface {
+        return Err(BuildError::Interfaces {
+            required: reference.interface.clone(),
+            provided: service.interface.clone(),
+            from: from.name.clone(),
+            to: to.name.clone(),
+        });
+    }
+    let called = reference.operations.iter();
+    called
+        .map(|called| find_operation(called, &service.operations, from, to))
+        .collect()
 }
 
 /// The service's position of an operation that a reference calls.

@@ -55,6 +55,21 @@ pub(crate) struct Joint {
     pub link: Link,
 }
 
+/// A direct connection that was forgotten.
+pub(crate) struct Forgotten {
+    connection: ConnectionId,
+    ends: (End, End),
+    /// Its part in queues that several have in common.
+    users: Vec<(usize, User)>,
+}
+
+impl Forgotten {
+    /// Which it was.
+    pub(crate) fn connection(&self) -> ConnectionId {
+        self.connection
+    }
+}
+
 impl Joints {
     /// A number for a connection.
     pub(crate) fn number(&mut self) -> ConnectionId {
@@ -84,12 +99,27 @@ impl Joints {
     }
 
     /// Forgets a direct connection.
-    pub(crate) fn forget(&mut self, from: &End, to: &End) -> Option<ConnectionId> {
-        let (connection, ..) = self.direct.remove(self.find(from, to)?);
-        for common in &mut self.queues {
-            common.users.retain(|user| user.connection != connection);
+    pub(crate) fn forget(&mut self, from: &End, to: &End) -> Option<Forgotten> {
+        let (connection, from, to) = self.direct.remove(self.find(from, to)?);
+        let mut users = Vec::new();
+        for (queue, common) in self.queues.iter_mut().enumerate() {
+            let leaving = (common.users).extract_if(.., |user| user.connection == connection);
+            users.extend(leaving.map(|user| (queue, user)));
         }
-        Some(connection)
+        Some(Forgotten {
+            connection,
+            ends: (from, to),
+            users,
+        })
+    }
+
+    /// Remembers again what was forgotten last.
+    pub(crate) fn restore(&mut self, forgotten: Forgotten) {
+        let (from, to) = forgotten.ends;
+        self.remember(forgotten.connection, from, to);
+        for (queue, user) in forgotten.users {
+            self.queues[queue].users.push(user);
+        }
     }
 
     /// Makes a connection between two ports, whose components cycle in these threads.

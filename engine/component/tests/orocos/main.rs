@@ -6,6 +6,7 @@
 mod common;
 
 mod activity;
+mod deadline;
 mod life_cycle;
 mod operation;
 mod outside;

@@ -149,7 +149,9 @@ fn pace(source: &Source<'_>, notes: &mut Notes) -> Pace {
             .composite
             .broker_of(source.component)
             .map(local),
-        scheduler: pace.map(|pace| given(&pace.scheduler)).unwrap_or_default(),
+        scheduler: pace
+            .and_then(|pace| pace.scheduler.as_ref())
+            .map(|it| it.value),
         priority: pace.and_then(|pace| number(&pace.priority)),
         cpu: pace
             .iter()

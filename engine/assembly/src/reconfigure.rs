@@ -1,0 +1,256 @@
+//! From one plan to another while the system runs: what changes, and what cannot without a new start.
+
+use component::{Change, Run};
+use datum::Datum;
+
+use crate::plan::{self, Component, Connection, End, Plan, Settings, Terminal, Wire};
+use crate::start::{self, Part};
+
+/// Something that is as it was when the process started.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Fixed {
+    /// A table of the composite.
+    #[error("{0} of the composite")]
+    Table(&'static str),
+    /// A component that was not there.
+    #[error("`{0}` is new")]
+    Added(String),
+    /// A component that is there no more.
+    #[error("`{0}` is there no more")]
+    Removed(String),
+    /// A component that is another one.
+    #[error("`{0}` differs in more than its properties and its period")]
+    Component(String),
+    /// What does not go from port to port within the process.
+    #[error("what goes from `{from}` to `{to}` leaves the process")]
+    Connection {
+        /// Where it comes from.
+        from: String,
+        /// Where it goes.
+        to: String,
+    },
+    /// A wire that leaves the process.
+    #[error("the wire of `{reference}` to `{service}` leaves the process")]
+    Wire {
+        /// The reference.
+        reference: String,
+        /// The service.
+        service: String,
+    },
+}
+
+/// What must be done to a running part of a plan for it to be that of another plan.
+///
+/// # Errors
+/// Everything that differs and cannot change while it runs.
+pub fn changes(
+    running: &Plan,
+    wanted: &Plan,
+    part: &Part,
+    run: &dyn Run,
+) -> Result<Vec<Change>, Vec<Fixed>> {
+    let mut difference = Difference {
+        part,
+        run,
+        ends: Vec::new(),
+        begins: Vec::new(),
+        fixed: tables(running, wanted),
+    };
+    difference.components(running, wanted);
+    difference.connections(&running.connections, &wanted.connections);
+    difference.wires(&running.wires, &wanted.wires);
+    match difference.fixed.is_empty() {
+        true => Ok([difference.ends, difference.begins].concat()),
+        false => Err(difference.fixed),
+    }
+}
+
+/// The tables that differ and must not.
+fn tables(running: &Plan, wanted: &Plan) -> Vec<Fixed> {
+    let same = [
+        ("the name", running.name == wanted.name),
+        ("the profile", running.profile == wanted.profile),
+        ("`brokers`", running.brokers == wanted.brokers),
+        ("`bridges`", running.bridges == wanted.bridges),
+        ("`topics`", running.topics == wanted.topics),
+        ("`promote`", running.promoted == wanted.promoted),
+        ("`deploy`", running.processes == wanted.processes),
+    ];
+    let differs = same.into_iter().filter(|(_, same)| !same);
+    differs.map(|(table, _)| Fixed::Table(table)).collect()
+}
+
+struct Difference<'p> {
+    part: &'p Part,
+    run: &'p dyn Run,
+    /// What ends, before anything new begins.
+    ends: Vec<Change>,
+    begins: Vec<Change>,
+    fixed: Vec<Fixed>,
+}
+
+impl Difference<'_> {
+    fn components(&mut self, running: &Plan, wanted: &Plan) {
+        for before in &running.components {
+            match wanted.component(&before.name) {
+                Some(after) if self.part.has(&before.name) => {
+                    self.component((before, running), (after, wanted));
+                }
+                Some(_) => {}
+                None => self.fixed.push(Fixed::Removed(before.name.clone())),
+            }
+        }
+        let new = |it: &&Component| running.component(&it.name).is_none();
+        let new = wanted.components.iter().filter(new);
+        self.fixed
+            .extend(new.map(|it| Fixed::Added(it.name.clone())));
+    }
+
+    fn component(&mut self, before: (&Component, &Plan), after: (&Component, &Plan)) {
+        let name = &before.0.name;
+        if steady(before.0) != steady(after.0) {
+            self.fixed.push(Fixed::Component(name.clone()));
+            return;
+        }
+        let values = self.values(name, &before.0.properties, &after.0.properties);
+        if !values.is_empty() {
+            let component = name.clone();
+            self.begins.push(Change::Set { component, values });
+        }
+        let drive = |(it, plan)| start::activity(it, plan).drive;
+        if drive(before) != drive(after) {
+            self.begins.push(Change::SetPeriod {
+                component: name.clone(),
+                period: drive(after).period().unwrap_or_default(),
+            });
+        }
+    }
+
+    /// The properties that have other values; one that is set no more has its default.
+    fn values(&self, component: &str, before: &Settings, after: &Settings) -> Vec<(String, Datum)> {
+        let declared = self.run.declaration(component).unwrap_or_default();
+        let set = after
+            .0
+            .iter()
+            .filter(|(name, value)| before.get(name) != Some(value));
+        let unset = before
+            .0
+            .iter()
+            .filter(|(name, _)| after.get(name).is_none());
+        let default = |(name, _): &(String, _)| {
+            let default = declared.property(name)?.default.clone();
+            Some((name.clone(), default))
+        };
+        set.map(|(name, value)| (name.clone(), value.datum()))
+            .chain(unset.filter_map(default))
+            .collect()
+    }
+
+    fn connections(&mut self, before: &[Connection], after: &[Connection]) {
+        for it in before.iter().filter(|it| !after.contains(it)) {
+            if let Some((from, to)) = self.ports(it) {
+                let (from, to) = (from.to_string(), to.to_string());
+                self.ends.push(Change::Disconnect { from, to });
+            }
+        }
+        for it in after.iter().filter(|it| !before.contains(it)) {
+            if let Some((from, to)) = self.ports(it) {
+                self.begins.push(Change::Connect {
+                    from: from.to_string(),
+                    to: to.to_string(),
+                    policy: start::policy(&it.policy),
+                });
+            }
+        }
+    }
+
+    /// The ends of a connection within this part. Another one cannot change, and is nothing to us if it is elsewhere.
+    fn ports<'c>(&mut self, connection: &'c Connection) -> Option<(&'c End, &'c End)> {
+        let Connection { from, to, .. } = connection;
+        let here = |terminal: &Terminal| match terminal {
+            Terminal::Port(end) => self.part.has(&end.component),
+            Terminal::Topic(_) | Terminal::Mqueue(_) => false,
+        };
+        match (from, to) {
+            (Terminal::Port(one), Terminal::Port(other)) if here(from) && here(to) => {
+                Some((one, other))
+            }
+            _ => {
+                if here(from) || here(to) {
+                    let (from, to) = (from.to_string(), to.to_string());
+                    self.fixed.push(Fixed::Connection { from, to });
+                }
+                None
+            }
+        }
+    }
+
+    fn wires(&mut self, before: &[Wire], after: &[Wire]) {
+        let (before, after) = (joints(before), joints(after));
+        for it in before.iter().filter(|it| !after.contains(it)) {
+            if let Some((reference, service)) = self.ends_of(it) {
+                self.ends.push(Change::Unwire { reference, service });
+            }
+        }
+        for it in after.iter().filter(|it| !before.contains(it)) {
+            if let Some((reference, service)) = self.ends_of(it) {
+                self.begins.push(Change::Wire {
+                    reference,
+                    service,
+                    wire: start::how(it.wire),
+                });
+            }
+        }
+    }
+
+    /// The ends of a wire within this part, if its component uses the reference.
+    fn ends_of(&mut self, joint: &Joint<'_>) -> Option<(String, String)> {
+        let reference = &joint.wire.reference;
+        if !self.part.has(&reference.component) {
+            return None;
+        }
+        let (from, to) = (reference.to_string(), joint.service.to_string());
+        if !start::stays_here(joint.wire, joint.service, self.part) {
+            let (reference, service) = (from, to);
+            self.fixed.push(Fixed::Wire { reference, service });
+            return None;
+        }
+        let declared = self.run.declaration(&reference.component)?;
+        declared.reference(&reference.name)?;
+        Some((from, to))
+    }
+}
+
+/// One service of a wire.
+struct Joint<'p> {
+    wire: &'p Wire,
+    service: &'p End,
+}
+
+impl PartialEq for Joint<'_> {
+    fn eq(&self, other: &Self) -> bool {
+        let ends = |it: &Self| (it.wire.reference.clone(), it.service.clone());
+        ends(self) == ends(other)
+            && self.wire.binding == other.wire.binding
+            && start::how(self.wire) == start::how(other.wire)
+    }
+}
+
+fn joints(wires: &[Wire]) -> Vec<Joint<'_>> {
+    let each = |wire| {
+        let Wire { services, .. } = wire;
+        services.iter().map(move |service| Joint { wire, service })
+    };
+    wires.iter().flat_map(each).collect()
+}
+
+/// What of a component stays as it was.
+fn steady(component: &Component) -> Component {
+    let mut component = component.clone();
+    component.properties = Settings::default();
+    component.pace = plan::Pace {
+        period_ms: 0,
+        ..component.pace
+    };
+    component
+}

@@ -1,0 +1,90 @@
+//! What drives a component: its pace, and what the process says that it is placed in.
+
+use std::time::Duration;
+
+use component::{Activity, OnException, OnLate, Overrun, Scheduler};
+
+use crate::model;
+use crate::plan::{self, Plan, Process, Terminal};
+
+/// The activity of a component.
+pub(crate) fn of(component: &plan::Component, plan: &Plan) -> Activity {
+    let pace = &component.pace;
+    let process = plan.process_of(&component.name);
+    let period_ms = match pace.period_ms {
+        0 => polls(component, plan).unwrap_or(0),
+        period_ms => period_ms,
+    };
+    let activity = Activity::periodic(Duration::from_millis(period_ms))
+        .delay(Duration::from_millis(pace.delay_ms))
+        .configure_on_startup(component.lifecycle.autoconf)
+        .run_on_startup(pace.run_on_startup && component.lifecycle.autostart)
+        .may_interrupt(pace.may_interrupt_if_running)
+        .overrun(match pace.overrun {
+            model::Overrun::Skip => Overrun::Skip,
+            model::Overrun::CatchUp => Overrun::CatchUp,
+            model::Overrun::Fail => Overrun::Fail,
+        })
+        .on_exception(on_exception(&component.lifecycle))
+        .scheduler(scheduler(pace, process))
+        .cpus(processors(pace, process));
+    match pace.deadline_ms {
+        Some(ms) => activity.deadline(Duration::from_millis(ms), on_late(pace)),
+        None => activity,
+    }
+}
+
+/// How often a component looks that has no period of its own but polls a connection.
+fn polls(component: &plan::Component, plan: &Plan) -> Option<u64> {
+    let into = |to: &Terminal| match to {
+        Terminal::Port(end) => end.component == component.name,
+        Terminal::Topic(_) | Terminal::Mqueue(_) => false,
+    };
+    let connections = plan.connections.iter().filter(|connection| {
+        connection.policy.delivery == model::Delivery::Poll && into(&connection.to)
+    });
+    connections
+        .filter_map(|connection| connection.policy.poll_ms)
+        .min()
+}
+
+fn on_exception(lifecycle: &plan::Lifecycle) -> OnException {
+    match lifecycle.on_exception {
+        model::OnException::Stop => OnException::Stay,
+        model::OnException::Reset => OnException::Reset {
+            max: u32::try_from(lifecycle.max_resets).ok(),
+        },
+        model::OnException::Escalate => OnException::Escalate,
+    }
+}
+
+fn on_late(pace: &plan::Pace) -> OnLate {
+    match pace.on_deadline {
+        model::OnDeadline::Report => OnLate::Report,
+        model::OnDeadline::Stop => OnLate::Stop,
+        model::OnDeadline::Fail => OnLate::Fail,
+    }
+}
+
+/// The lowest priority of a class, where nobody names one.
+const LOWEST_PRIORITY: u8 = 1;
+
+/// What the component says, or else its process.
+fn scheduler(pace: &plan::Pace, process: Option<&Process>) -> Scheduler {
+    let of_process = |process: &Process| process.scheduler;
+    let class = pace.scheduler.or(process.map(of_process));
+    let priority = pace.priority.or(process.and_then(|it| it.priority));
+    let priority = priority.and_then(|given| u8::try_from(given).ok());
+    let priority = priority.unwrap_or(LOWEST_PRIORITY);
+    match class.unwrap_or_default() {
+        model::Scheduler::Other => Scheduler::Other,
+        model::Scheduler::Fifo => Scheduler::Fifo { priority },
+        model::Scheduler::RoundRobin => Scheduler::RoundRobin { priority },
+    }
+}
+
+fn processors(pace: &plan::Pace, process: Option<&Process>) -> Vec<usize> {
+    let own = Some(&pace.cpu).filter(|own| !own.is_empty());
+    let cpus = own.or(process.map(|it| &it.cpu)).into_iter().flatten();
+    cpus.filter_map(|cpu| usize::try_from(*cpu).ok()).collect()
+}
