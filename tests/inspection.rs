@@ -85,7 +85,38 @@ fn ports_are_read_and_written_and_the_life_cycle_is_driven_from_outside() {
     go("start");
     assert!(state().contains("Running"), "{}", state());
 
+    properties(&tool);
     monitor(broker.password(), &url);
+}
+
+/// O12: properties are saved, compared and loaded.
+fn properties(tool: &dyn Fn(&[&str]) -> (Option<i32>, String, String)) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("laser.toml");
+    let file = path.to_str().unwrap();
+    let tool = |what: &str| tool(&["component", what, "LaserDriver", file]);
+    let (code, _, err) = tool("save");
+    assert_eq!(code, Some(0), "{err}");
+    let saved = std::fs::read_to_string(&path).unwrap();
+    assert!(saved.contains("\nnoise_m = "), "{saved}");
+    assert_eq!(tool("diff").0, Some(0));
+
+    std::fs::write(&path, "noise_m = 0.25\n").unwrap();
+    let (code, out, err) = tool("diff");
+    assert_eq!(code, Some(1), "{err}");
+    assert!(out.contains("noise_m: 0.25 in the file, "), "{out}");
+    assert!(out.contains(": not in the file"), "{out}");
+    let (code, _, err) = tool("load");
+    assert_eq!(code, Some(0), "{err}");
+    assert!(err.contains("Kept"), "{err}");
+    assert!(!tool("diff").1.contains("noise_m"));
+
+    std::fs::write(&path, "noise_m = 0.5\nnoise = 1\n").unwrap();
+    let (code, _, err) = tool("load");
+    assert_eq!(code, Some(1), "{err}");
+    assert!(err.contains("has no property `noise`"), "{err}");
+    std::fs::write(&path, "noise_m = 0.25\n").unwrap();
+    assert!(!tool("diff").1.contains("noise_m"), "nothing was set");
 }
 
 /// Plays a person at a terminal: looks, presses keys, goes.

@@ -1,5 +1,8 @@
 //! `asmotion component`: who is there on a broker, how they are, and what they shall do.
 
+mod properties;
+
+use self::properties::Properties;
 use super::run::property_value;
 use crate::broker::Broker;
 use crate::exit::Exit;
@@ -8,7 +11,8 @@ use crate::terminal::{NAME, Terminal};
 use clap::{Args, Subcommand};
 use component::Transition;
 use datum::Datum;
-use remote::{Remote, RemoteError, Typed};
+use remote::{Remote, Typed};
+use std::error::Error;
 
 /// Shows the components that are there on a broker, starts and stops them.
 #[derive(Args)]
@@ -67,6 +71,8 @@ enum What {
         #[arg(required = true, value_name = "PROPERTY=VALUE")]
         values: Vec<String>,
     },
+    #[command(flatten)]
+    Properties(Properties),
 }
 
 impl Component {
@@ -78,7 +84,7 @@ impl Component {
             done.map_err(|error| error.to_string())
         });
         match done {
-            Ok(()) => Exit::Ok,
+            Ok(exit) => exit,
             Err(problem) => {
                 terminal.error(problem);
                 Exit::Usage
@@ -98,7 +104,8 @@ impl What {
             | Self::Start { .. }
             | Self::Stop { .. }
             | Self::Cleanup { .. }
-            | Self::Reset { .. } => Ok(Vec::new()),
+            | Self::Reset { .. }
+            | Self::Properties(_) => Ok(Vec::new()),
         }
     }
 
@@ -107,7 +114,7 @@ impl What {
         remote: &Remote,
         values: Vec<(String, Datum)>,
         terminal: &mut Terminal,
-    ) -> Result<(), RemoteError> {
+    ) -> Result<Exit, Box<dyn Error>> {
         let take = |name: String, transition| remote.component(&name)?.transition(transition);
         match self {
             Self::List => list(&remote.components(), terminal),
@@ -122,8 +129,9 @@ impl What {
             Self::Cleanup { name } => take(name, Transition::Cleanup)?,
             Self::Reset { name } => take(name, Transition::ResetException)?,
             Self::Set { name, .. } => remote.component(&name)?.set_all(values)?,
+            Self::Properties(properties) => return properties.run(remote, terminal),
         }
-        Ok(())
+        Ok(Exit::Ok)
     }
 }
 
@@ -144,9 +152,18 @@ fn list(found: &[remote::Component], terminal: &mut Terminal) {
             component.state.clone(),
             format!("{:.1}", component.rate_hz),
             component.overruns.to_string(),
+            component.late.to_string(),
         ]
     });
-    let head = ["component", "robot", "process", "state", "Hz", "overruns"];
+    let head = [
+        "component",
+        "robot",
+        "process",
+        "state",
+        "Hz",
+        "overruns",
+        "late",
+    ];
     for line in table::lines(&head, rows) {
         terminal.result(line);
     }
@@ -162,8 +179,8 @@ fn show(found: &remote::Component, terminal: &mut Terminal) {
         found.robot()
     ));
     terminal.result(format_args!(
-        "  cycles      {}, {:.1} a second, {} periods missed",
-        component.cycles, component.rate_hz, component.overruns
+        "  cycles      {}, {:.1} a second, {} periods missed, {} longer than the deadline",
+        component.cycles, component.rate_hz, component.overruns, component.late
     ));
     if component.dropped + component.misfits > 0 {
         terminal.result(format_args!(

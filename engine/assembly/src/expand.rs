@@ -7,6 +7,7 @@ mod write;
 
 use toml_edit::{Array, DocumentMut, Item, Table};
 
+pub(crate) use self::write::value as toml;
 use self::write::{Keys, table, tables};
 use crate::model::{BridgeKind, Flow, Transport};
 use crate::opened::Opened;

@@ -1,5 +1,7 @@
 //! A composite with everything it names: nested composites, types, specifications.
 
+mod layers;
+
 use std::collections::BTreeMap;
 
 use source::{Diagnostic, Report, Sources, Span};
@@ -167,8 +169,9 @@ impl Visit<'_, '_> {
         if self.members.contains_key(path) || self.broken.iter().any(|broken| broken == path) {
             return;
         }
-        let read = self.load(path, at).and_then(|(file, text)| {
-            let (composite, report) = read::composite(file, path, &text);
+        let tree = self.tree(path, at);
+        let read = tree.zip(self.sources.find(path)).and_then(|(tree, file)| {
+            let (composite, report) = read::composite(file, self.sources.text(file), &tree);
             self.report.extend(report);
             composite
         });
@@ -179,7 +182,7 @@ impl Visit<'_, '_> {
         self.chain.push((path.to_owned(), None));
         let mut paths = BTreeMap::new();
         for file in &composite.types {
-            if let Some(found) = self.resolve(path, file) {
+            if let Some(found) = self.resolve(file) {
                 self.types(&found, file.span);
                 paths.insert(file.value.clone(), found);
             }
@@ -187,13 +190,13 @@ impl Visit<'_, '_> {
         for component in &composite.components {
             match &component.implementation {
                 Some(Implementation::Asm { file, .. }) => {
-                    if let Some(found) = self.resolve(path, file) {
+                    if let Some(found) = self.resolve(file) {
                         self.specification(&found);
                         paths.insert(file.value.clone(), found);
                     }
                 }
                 Some(Implementation::Composite(file)) => {
-                    if let Some(found) = self.resolve(path, file)
+                    if let Some(found) = self.resolve(file)
                         && self.nest(&found, file.span)
                     {
                         paths.insert(file.value.clone(), found);
@@ -265,7 +268,9 @@ impl Visit<'_, '_> {
         }
     }
 
-    fn resolve(&mut self, from: &str, file: &At<String>) -> Option<String> {
+    /// The file of a name, beside that in which the name stands.
+    fn resolve(&mut self, file: &At<String>) -> Option<String> {
+        let from = self.sources.path(file.span.file);
         let found = self.context.loader.resolve(from, file);
         if found.is_none() {
             self.report.found(ReadError::Unreadable {

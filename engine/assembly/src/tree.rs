@@ -55,6 +55,49 @@ impl Table {
     pub fn get(&self, key: &str) -> Option<&Entry> {
         self.entries.iter().find(|entry| entry.key.value == key)
     }
+
+    /// Lays another table over this one: tables of one name become one, anything else takes the place of what was
+    /// there.
+    pub fn lay(&mut self, over: Self) {
+        for entry in over.entries {
+            let key = &entry.key.value;
+            let known = self.entries.iter_mut().find(|it| it.key.value == *key);
+            match (known, entry) {
+                (
+                    Some(Entry {
+                        node:
+                            Node {
+                                value: Branch::Table(under),
+                                ..
+                            },
+                        ..
+                    }),
+                    Entry {
+                        node:
+                            Node {
+                                value: Branch::Table(over),
+                                ..
+                            },
+                        ..
+                    },
+                ) => under.lay(over),
+                (Some(known), entry) => *known = entry,
+                (None, entry) => self.entries.push(entry),
+            }
+        }
+    }
+
+    /// Gives a key a table as its value; a key that is new is at that place.
+    pub(crate) fn set(&mut self, key: &str, table: Self, span: Span) {
+        let value = Branch::Table(table);
+        match self.entries.iter_mut().find(|it| it.key.value == key) {
+            Some(entry) => entry.node.value = value,
+            None => self.entries.push(Entry {
+                key: At::new(key.to_owned(), span),
+                node: Node { span, value },
+            }),
+        }
+    }
 }
 
 impl Branch {

@@ -41,7 +41,7 @@ impl Value {
         }
     }
 
-    fn of(branch: &Branch) -> Self {
+    pub(crate) fn of(branch: &Branch) -> Self {
         match branch {
             Branch::Text(text) | Branch::Date(text) => Self::Text(text.clone()),
             Branch::Integer(number) => Self::Integer(*number),
@@ -56,6 +56,28 @@ impl Value {
                 Self::Record(fields.map(field).collect())
             }
         }
+    }
+
+    /// The value of data that travelled; `None` for what is absent.
+    pub fn of_datum(datum: &Datum) -> Option<Self> {
+        Some(match datum {
+            Datum::Null => return None,
+            Datum::Bool(truth) => Self::Boolean(*truth),
+            Datum::Int(number) => Self::Integer(*number),
+            Datum::Float(number) => Self::Real(*number),
+            Datum::Text(text) => Self::Text(text.clone()),
+            Datum::Bytes(_) | Datum::Numbers(_) | Datum::List(_) => {
+                let elements = (0..datum.count()?).map(|at| Self::of_datum(&*datum.element(at)?));
+                Self::List(elements.collect::<Option<_>>()?)
+            }
+            Datum::Record(entries) => {
+                let fields = entries.iter();
+                let field = |(name, value): &(datum::Name, Datum)| {
+                    Some((name.to_string(), Self::of_datum(value)?))
+                };
+                Self::Record(fields.filter_map(field).collect())
+            }
+        })
     }
 
     /// The number, also of a whole number.

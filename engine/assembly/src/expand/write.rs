@@ -140,7 +140,7 @@ pub(super) fn tables(all: impl Iterator<Item = Keys>) -> ArrayOfTables {
 }
 
 /// A value, in which a dollar stands for itself.
-pub(super) fn value(value: &Value) -> Toml {
+pub(crate) fn value(value: &Value) -> Toml {
     match value {
         Value::Boolean(truth) => (*truth).into(),
         Value::Integer(number) => (*number).into(),

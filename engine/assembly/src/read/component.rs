@@ -38,6 +38,8 @@ pub(crate) fn component(
         (listed(&mut keys, "in"), listed(&mut keys, "out"))
     });
     let (inputs, outputs) = ports.unwrap_or_default();
+    // what stands in that file is among the properties by now
+    keys.text("load", "\"site.toml\"");
     let component = Component {
         profiles: keys.texts("profile", "\"sim\""),
         doc: keys.text("doc", "\"what it is for\""),

@@ -17,6 +17,8 @@ const SCHEMA: &str = "composite/1";
 pub(crate) fn composite(reader: &mut Reader<'_>, file: FileId, root: &Table) -> Option<Composite> {
     let mut keys = reader.keys(root, "a composite file", top(file));
     schema(&mut keys, SCHEMA);
+    // those of the base are here by now
+    keys.text("base", "\"navigation.composite.toml\"");
     keys.need("composite", "{ name = \"navigation\" }");
     let head = keys.table(
         "composite",

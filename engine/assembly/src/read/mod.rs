@@ -35,14 +35,20 @@ pub const MAX_BYTES: usize = 1 << 20;
 /// So many places that are not TOML are shown; the rest is mostly their echo.
 const MAX_SYNTAX_ERRORS: usize = 10;
 
-/// Reads a composite file: the model as far as it can be made out, and every finding.
-pub fn composite(file: FileId, path: &str, text: &str) -> (Option<Composite>, Report) {
-    read(file, path, text, composite::composite)
+/// Reads a composite from the tree of its file: the model as far as it can be made out, and every finding.
+pub(crate) fn composite(file: FileId, text: &str, tree: &Table) -> (Option<Composite>, Report) {
+    let mut reader = Reader::new(text);
+    let composite = composite::composite(&mut reader, file, tree);
+    (composite, reader.report)
 }
 
 /// Reads a file of message types.
 pub(crate) fn types(file: FileId, path: &str, text: &str) -> (Option<TypeFile>, Report) {
-    read(file, path, text, types::types)
+    let (tree, mut report) = tree(file, path, text);
+    let mut reader = Reader::new(text);
+    let types = tree.and_then(|tree| types::types(&mut reader, file, &tree));
+    report.extend(reader.report);
+    (types, report)
 }
 
 /// What the reader asks of a composite file, or of a file of types, that has one of everything.
@@ -58,22 +64,18 @@ pub(crate) fn outline(text: &str, types: bool) -> Asked {
     reader.asked
 }
 
-fn read<T>(
-    file: FileId,
-    path: &str,
-    text: &str,
-    what: impl FnOnce(&mut Reader<'_>, FileId, &Table) -> Option<T>,
-) -> (Option<T>, Report) {
-    let mut reader = Reader::new(text);
+/// Reads a file as a tree, and says where it is no TOML. `None` where nothing of it can be made out.
+pub(crate) fn tree(file: FileId, path: &str, text: &str) -> (Option<Table>, Report) {
+    let mut report = Report::new();
     if text.len() > MAX_BYTES {
         let reason = format!("it has {} bytes, and {MAX_BYTES} is the most", text.len());
         let path = path.to_owned();
-        reader.report.found(ReadError::Unreadable {
+        report.found(ReadError::Unreadable {
             path,
             reason,
             at: None,
         });
-        return (None, reader.report);
+        return (None, report);
     }
     let (table, errors) = tree::parse(file, text);
     let damaged = !errors.is_empty();
@@ -83,17 +85,16 @@ fn read<T>(
             span: at,
             earlier,
         } = error;
-        reader.report.found(ReadError::Syntax {
+        report.found(ReadError::Syntax {
             message,
             at,
             earlier,
         });
     }
-    if damaged && table.entries.is_empty() {
-        return (None, reader.report);
+    match damaged && table.entries.is_empty() {
+        true => (None, report),
+        false => (Some(table), report),
     }
-    let read = what(&mut reader, file, &table);
-    (read, reader.report)
 }
 
 /// The start of a file: where a key that is missing at the top should stand.

@@ -1,41 +1,10 @@
 //! The properties of a component, as it takes them.
 
-use component::declaration::PropertyDeclaration;
-use datum::{Datum, Schema, Shape};
-use source::{Diagnostic, Span};
-
 use super::Source;
-use crate::finding::{Finding, Findings};
+use crate::lawful::lawful;
 use crate::model;
 use crate::plan::Settings;
-use crate::scope::{Notes, Range, Set, SettingError, within};
-use crate::value::Value;
-
-#[derive(Debug, thiserror::Error)]
-enum ChoiceError {
-    #[error("`{name}` cannot be {value}")]
-    NoChoice {
-        name: String,
-        value: String,
-        choices: String,
-        at: Option<Span>,
-    },
-}
-
-impl Finding for ChoiceError {
-    fn diagnostic(&self) -> Diagnostic {
-        match self {
-            Self::NoChoice { choices, at, .. } => {
-                let diagnostic =
-                    Diagnostic::error("C015", self).help(format!("it can be {choices}"));
-                match at {
-                    Some(at) => diagnostic.label(*at, "not one of its values"),
-                    None => diagnostic,
-                }
-            }
-        }
-    }
-}
+use crate::scope::{Notes, Set};
 
 /// The properties that are set, in the order of the file, then those set from outside.
 pub(super) fn properties(source: &Source<'_>, mut set: Set, notes: &mut Notes) -> Settings {
@@ -72,87 +41,4 @@ pub(super) fn properties(source: &Source<'_>, mut set: Set, notes: &mut Notes) -
         settings.0.extend(value.map(|value| (name, value)));
     }
     settings
-}
-
-/// The value as the property takes it; `None` where it cannot have it.
-fn lawful(
-    declared: &PropertyDeclaration,
-    value: Value,
-    at: Option<Span>,
-    notes: &mut Notes,
-) -> Option<Value> {
-    let name = declared.name.clone();
-    let found = value.describe();
-    let Some(value) = conform(value, &declared.schema) else {
-        notes.found(SettingError::WrongType {
-            name,
-            wanted: format!("a value of type `{}`", declared.schema),
-            found,
-            at,
-            declared: None,
-        });
-        return None;
-    };
-    if let Some((least, greatest)) = &declared.range {
-        let (min, max) = (least.as_float(), greatest.as_float());
-        let range = Range {
-            min,
-            max,
-            unit: declared.unit.clone(),
-        };
-        if !within(&name, &value, &range, at, None, notes) {
-            return None;
-        }
-    }
-    if declared.choices.is_empty() || declared.choices.contains(&value.datum()) {
-        return Some(value);
-    }
-    let choices: Vec<String> = declared.choices.iter().map(Datum::to_string).collect();
-    let (value, choices) = (value.to_string(), choices.join(", "));
-    notes.found(ChoiceError::NoChoice {
-        name,
-        value,
-        choices,
-        at,
-    });
-    None
-}
-
-/// A value of this type: a whole number where a broken one is wanted becomes one.
-fn conform(value: Value, schema: &Schema) -> Option<Value> {
-    let each = |items: Vec<Value>, item: &Schema| {
-        let items = items.into_iter().map(|value| conform(value, item));
-        items.collect::<Option<_>>().map(Value::List)
-    };
-    match (&schema.shape, value) {
-        (Shape::F32 | Shape::F64, Value::Integer(number)) => Some(Value::Real(number as f64)),
-        (Shape::Any, value)
-        | (Shape::Bool, value @ Value::Boolean(_))
-        | (Shape::F32 | Shape::F64, value @ Value::Real(_))
-        | (Shape::Text, value @ (Value::Text(_) | Value::Secret(_)))
-        | (
-            Shape::I8
-            | Shape::I16
-            | Shape::I32
-            | Shape::I64
-            | Shape::U8
-            | Shape::U16
-            | Shape::U32
-            | Shape::U64,
-            value @ Value::Integer(_),
-        ) => Some(value),
-        (Shape::Option(inner), value) => conform(value, inner),
-        (Shape::List(item), Value::List(items)) => each(items, item),
-        (Shape::Array(item, count), Value::List(items)) if items.len() == *count => {
-            each(items, item)
-        }
-        (Shape::Record(fields), Value::Record(values)) => {
-            let values = values.into_iter().map(|(name, value)| {
-                let field = fields.iter().find(|field| field.name == name.as_str())?;
-                Some((name, conform(value, &field.schema)?))
-            });
-            values.collect::<Option<_>>().map(Value::Record)
-        }
-        (_, _) => None,
-    }
 }

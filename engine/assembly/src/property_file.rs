@@ -1,0 +1,172 @@
+//! Files of properties: those of one component, as TOML. What RTT keeps in a CPF file.
+//!
+//! ```toml
+//! # 0.0 to 5.0 m/s: cruise speed
+//! speed_mps = 0.6
+//! ```
+
+use component::declaration::{Declaration, PropertyDeclaration};
+use datum::Datum;
+use source::{Diagnostic, Report, Sources, Span};
+use toml_edit::DocumentMut;
+
+use crate::expand::toml;
+use crate::finding::{Finding, Findings};
+use crate::lawful::lawful;
+use crate::nearest::{Nearest, Suggest, nearest_name};
+use crate::read;
+use crate::scope::Notes;
+use crate::tree::Table;
+use crate::value::Value;
+
+/// The properties of a component by name, in the order of its declaration.
+pub type Properties = Vec<(String, Datum)>;
+
+#[derive(Debug, thiserror::Error)]
+enum PropertyFileError {
+    #[error("`{component}` has no property `{name}`")]
+    Unknown {
+        component: String,
+        name: String,
+        at: Span,
+        nearest: Option<Nearest>,
+        known: Vec<String>,
+    },
+}
+
+impl Finding for PropertyFileError {
+    fn diagnostic(&self) -> Diagnostic {
+        match self {
+            Self::Unknown {
+                at, nearest, known, ..
+            } => {
+                let has = match known.is_empty() {
+                    true => "it has none".to_owned(),
+                    false => format!("it has `{}`", known.join("`, `")),
+                };
+                Diagnostic::error("C028", self)
+                    .label(*at, "no such property")
+                    .suggest_or(*at, nearest, has)
+            }
+        }
+    }
+}
+
+/// A file of properties that was read.
+pub struct Read {
+    /// Its text; the findings point into it.
+    pub sources: Sources,
+    /// Everything that is wrong with it.
+    pub report: Report,
+    /// The properties in it that are lawful.
+    pub properties: Properties,
+    /// Those that the component has and the file does not.
+    pub missing: Vec<String>,
+}
+
+/// Reads a file of properties for a component: unknown names, other types and values out of range are findings.
+pub fn read(path: &str, text: &str, component: &str, declared: &Declaration) -> Read {
+    let mut sources = Sources::new();
+    let file = sources.add(path, text);
+    let (table, report) = read::tree(file, path, text);
+    let mut read = of_tree(&table.unwrap_or_default(), component, declared);
+    read.report.extend(report);
+    Read { sources, ..read }
+}
+
+/// Reads properties from a tree, of a file of whatever form.
+pub fn of_tree(table: &Table, component: &str, declared: &Declaration) -> Read {
+    let mut notes = Notes::default();
+    let mut properties = Properties::new();
+    for entry in &table.entries {
+        let name = &entry.key;
+        let Some(property) = declared.property(name) else {
+            let known: Vec<_> = (declared.properties.iter())
+                .map(|it| it.name.clone())
+                .collect();
+            notes.found(PropertyFileError::Unknown {
+                component: component.to_owned(),
+                name: name.value.clone(),
+                at: name.span,
+                nearest: nearest_name(name, known.iter().map(String::as_str)),
+                known,
+            });
+            continue;
+        };
+        let value = literal(Value::of(&entry.node.value));
+        if let Some(value) = lawful(property, value, Some(entry.node.span), &mut notes) {
+            properties.push((name.value.clone(), value.datum()));
+        }
+    }
+    let names = declared.properties.iter().map(|it| &it.name);
+    let missing = names.filter(|name| table.get(name).is_none());
+    Read {
+        sources: Sources::new(),
+        report: notes.report,
+        properties,
+        missing: missing.cloned().collect(),
+    }
+}
+
+/// A value as it stands in a composite, where `$$` is a dollar.
+fn literal(value: Value) -> Value {
+    match value {
+        Value::Text(text) => Value::Text(text.replace("$$", "$")),
+        Value::List(items) => Value::List(items.into_iter().map(literal).collect()),
+        Value::Record(fields) => {
+            let fields = fields.into_iter();
+            Value::Record(fields.map(|(name, it)| (name, literal(it))).collect())
+        }
+        Value::Boolean(_) | Value::Integer(_) | Value::Real(_) | Value::Secret(_) => value,
+    }
+}
+
+/// Writes the properties of a component, each behind what it is for.
+pub fn write(declared: &Declaration, properties: &Properties) -> String {
+    let mut file = DocumentMut::new();
+    for (name, value) in properties {
+        // TOML has no word for what is absent
+        let Some(value) = Value::of_datum(value) else {
+            continue;
+        };
+        file.insert(name, toml_edit::value(toml(&value)));
+        if let (Some(property), Some(mut key)) = (declared.property(name), file.key_mut(name)) {
+            let about = about(property);
+            key.leaf_decor_mut().set_prefix(about);
+        }
+    }
+    file.to_string()
+}
+
+/// What a property is for, as a comment.
+fn about(property: &PropertyDeclaration) -> String {
+    let range = property.range.as_ref();
+    let range = range.map(|(least, greatest)| format!("{least} to {greatest}"));
+    let unit = Some(property.unit.clone()).filter(|unit| !unit.is_empty());
+    let lawful: Vec<String> = range.into_iter().chain(unit).collect();
+    let doc = property.doc.replace('\n', " ");
+    match lawful.is_empty() {
+        true => format!("# {doc}\n"),
+        false => format!("# {doc} ({})\n", lawful.join(" ")),
+    }
+}
+
+/// How the properties of a file and those of a running component differ: the name, the value in the file, the value
+/// there.
+pub fn difference<'a>(
+    file: &'a Properties,
+    running: &'a Properties,
+) -> Vec<(&'a str, &'a Datum, &'a Datum)> {
+    let pairs = file.iter().filter_map(|(name, value)| {
+        let (_, there) = running.iter().find(|(known, _)| known == name)?;
+        Some((&**name, value, there))
+    });
+    pairs
+        .filter(|(_, file, there)| !same(file, there))
+        .collect()
+}
+
+/// Whether two values are the same, however their numbers are packed.
+fn same(one: &Datum, other: &Datum) -> bool {
+    Value::of_datum(one) == Value::of_datum(other)
+}

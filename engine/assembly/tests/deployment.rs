@@ -1,0 +1,294 @@
+//! Deployment (O3, O12, O13): how components are scheduled, what a site changes, in which order they stop.
+#![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
+
+mod support;
+
+use asm_lang::Files;
+use assembly::{Context, Opened, Standard, Tables, property_file};
+use component::{Component, Cycle, Fault, Interface, Log, Property, Run, Span, System};
+use datum::Datum;
+
+const BUILD: Tables = Tables {
+    components: &[
+        ("test::Teller", |_: &mut Interface| Box::new(Teller)),
+        ("test::Pid", |interface: &mut Interface| {
+            Box::new(Pid::new(interface))
+        }),
+    ],
+    ..Tables::EMPTY
+};
+
+fn open(files: &Files, path: &str) -> Opened {
+    let context = Context {
+        catalogue: &BUILD,
+        ..Context::files(files)
+    };
+    assembly::open(path, &context)
+}
+
+fn start(files: &Files, opened: &Opened) -> System {
+    let plan = opened.plan(None).expect("a plan");
+    let mut workshop = Standard {
+        catalogue: &BUILD,
+        loader: files,
+        seed: 0,
+        builtins: &mut |_, _| None,
+    };
+    assembly::start(plan, &mut workshop).expect("a system")
+}
+
+fn said(opened: &Opened) -> String {
+    support::render::report(&opened.sources, &opened.report)
+}
+
+/// Tells how its thread is scheduled.
+struct Teller;
+
+impl Component for Teller {
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        let stat = std::fs::read_to_string("/proc/thread-self/stat")?;
+        // what follows the name in parentheses, which may have blanks
+        let fields = stat.rsplit(')').next().unwrap_or_default();
+        let fields: Vec<_> = fields.split_whitespace().collect();
+        let status = std::fs::read_to_string("/proc/thread-self/status")?;
+        let mut status = status.lines();
+        let cpus = status.find_map(|line| line.strip_prefix("Cpus_allowed_list:\t"));
+        let (priority, policy) = (fields[37], fields[38]);
+        let told = format!("policy {policy}, {priority}, on {}", cpus.unwrap_or("?"));
+        cycle.report("schedule", Datum::text(told));
+        Ok(())
+    }
+}
+
+const COMPOSITE: &str = r#"
+schema = "composite/1"
+[composite]
+name = "scheduled"
+
+[components.Silent]
+implementation = { rust = "test::Teller" }
+activity = { period_ms = 10 }
+[components.Own]
+implementation = { rust = "test::Teller" }
+activity = { period_ms = 10, scheduler = "other", cpu = [1] }
+[components.Higher]
+implementation = { rust = "test::Teller" }
+activity = { period_ms = 10, priority = 50 }
+
+[deploy]
+processes = [
+  { name = "all", components = ["Silent", "Own", "Higher"], scheduler = "fifo", priority = 30, cpu = [0] },
+]
+"#;
+
+#[cfg(target_os = "linux")]
+#[test]
+fn o3_a_process_says_how_its_components_are_scheduled_that_do_not_say_it_themselves() {
+    let mut files = Files::new();
+    files.add("main.toml", COMPOSITE);
+    let opened = open(&files, "main.toml");
+    assert_eq!(said(&opened), "", "nothing is without effect");
+    let mut system = start(&files, &opened);
+    let log = Log::new();
+    system.observe(log.clone());
+    let mut run = system.live();
+    run.run_for(200.ms());
+    let tells = |component: &str| {
+        let lines = log.lines_with(&format!("{component}: schedule: "));
+        let line = lines.first().expect("it runs");
+        line.rsplit("schedule: ")
+            .next()
+            .unwrap_or_default()
+            .to_owned()
+    };
+    let denied = log.lines_with("is not permitted");
+    let (fifo_30, fifo_50) = match denied.is_empty() {
+        true => ("policy 1, 30", "policy 1, 50"),
+        false => {
+            eprintln!("not tried: this program may not run at FIFO");
+            assert!(denied.iter().any(|line| line.contains("Silent: FIFO 30 ")));
+            assert!(denied.iter().any(|line| line.contains("Higher: FIFO 50 ")));
+            assert!(
+                !denied.iter().any(|line| line.contains("Own")),
+                "{denied:?}"
+            );
+            ("policy 0, 0", "policy 0, 0")
+        }
+    };
+    assert_eq!(tells("Silent"), format!("\"{fifo_30}, on 0\""));
+    assert_eq!(tells("Higher"), format!("\"{fifo_50}, on 0\""));
+    assert_eq!(tells("Own"), "\"policy 0, 0, on 1\"");
+}
+
+/// Two gains and a limit.
+struct Pid {
+    gains: [Property<f64>; 2],
+    limits: Property<Vec<f64>>,
+}
+
+impl Pid {
+    fn new(interface: &mut Interface) -> Self {
+        let mut gain = |name: &str, doc: &str| {
+            let setting = interface.setting(name, 1.0, doc);
+            setting.range(0.0..=10.0).unit("1/s").declare()
+        };
+        Self {
+            gains: [gain("kp", "for the error"), gain("ki", "for its sum")],
+            limits: interface.property("limits", vec![-1.0, 1.0], "of what is put out"),
+        }
+    }
+}
+
+impl Component for Pid {
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        let [kp, ki] = self.gains.map(|gain| cycle.property(gain));
+        let limits = cycle.property(self.limits);
+        cycle.report("gains", Datum::text(format!("{kp} {ki} {limits:?}")));
+        Ok(())
+    }
+}
+
+const PID: &str = r#"
+schema = "composite/1"
+[composite]
+name = "controlled"
+
+[components.Pid]
+implementation = { rust = "test::Pid" }
+task = { period_ms = 10 }
+properties = { kp = 2.0 }
+load = "pid.toml"
+
+[components.Other]
+implementation = { rust = "test::Pid" }
+task = { period_ms = 10 }
+"#;
+
+fn controlled(pid: &str, site: &str) -> Files {
+    let mut files = Files::new();
+    files.add("all/main.toml", PID);
+    files.add("all/pid.toml", pid);
+    files.add(
+        "lab/site.toml",
+        format!("schema = \"composite/1\"\nbase = \"../all/main.toml\"\n{site}"),
+    );
+    files.add("lab/pid.toml", "kp = 5\nki = 6.0\n");
+    files
+}
+
+/// What the components of a composite say in its first 25 ms.
+fn first_lines(files: &Files, path: &str) -> Vec<String> {
+    let opened = open(files, path);
+    assert_eq!(said(&opened), "");
+    let mut system = start(files, &opened);
+    let log = Log::new();
+    system.observe(log.clone());
+    system.simulate().run_for(25.ms());
+    log.lines_with("gains")
+}
+
+#[test]
+fn o12_a_component_loads_properties_and_its_own_hold() {
+    let files = controlled("kp = 3.0\nki = 0.5\nlimits = [0, 2]\n", "");
+    let lines = first_lines(&files, "all/main.toml");
+    assert_eq!(lines[0], "0 s Pid: gains: \"2 0.5 [0.0, 2.0]\"");
+    assert_eq!(lines[1], "0 s Other: gains: \"1 1 [-1.0, 1.0]\"");
+}
+
+#[test]
+fn o12_what_is_wrong_in_a_loaded_file_is_shown_there() {
+    let files = controlled("kq = 1.0\nki = 11.0\nlimits = \"wide\"\n", "");
+    insta::assert_snapshot!(said(&open(&files, "all/main.toml")));
+}
+
+#[test]
+fn o13_a_site_changes_a_period_and_properties_and_nothing_else() {
+    let site = "[components.Pid.task]\nperiod_ms = 20\n[components.Other]\nload = \"pid.toml\"\n";
+    let files = controlled("ki = 0.5\n", site);
+    assert_eq!(
+        first_lines(&files, "lab/site.toml"),
+        [
+            "0 s Pid: gains: \"2 0.5 [-1.0, 1.0]\"",
+            "0 s Other: gains: \"5 6 [-1.0, 1.0]\"",
+            "0.01 s Other: gains: \"5 6 [-1.0, 1.0]\"",
+            "0.02 s Pid: gains: \"2 0.5 [-1.0, 1.0]\"",
+            "0.02 s Other: gains: \"5 6 [-1.0, 1.0]\"",
+        ]
+    );
+}
+
+#[test]
+fn o13_what_is_wrong_with_a_site_is_shown_there() {
+    let site =
+        "[components.Pit]\ntask = { period_ms = 20 }\n[components.Pid.properties]\nkp = 12\n";
+    let files = controlled("", site);
+    insta::assert_snapshot!(said(&open(&files, "lab/site.toml")));
+}
+
+#[test]
+fn o13_a_site_of_itself_is_refused() {
+    let mut files = Files::new();
+    files.add("a.toml", "base = \"b.toml\"\n");
+    files.add("b.toml", "base = \"a.toml\"\n");
+    insta::assert_snapshot!(said(&open(&files, "a.toml")));
+}
+
+#[test]
+fn o13_components_stop_in_reverse_order_of_their_start() {
+    let files = controlled("", "");
+    let mut system = start(&files, &open(&files, "all/main.toml"));
+    let log = Log::new();
+    system.observe(log.clone());
+    let mut run = system.simulate();
+    run.run_for(25.ms());
+    assert!(run.stop().is_empty());
+    assert_eq!(
+        log.lines_with("Stopped -> Running"),
+        [
+            "0 s Pid: Stopped -> Running",
+            "0 s Other: Stopped -> Running"
+        ]
+    );
+    assert_eq!(
+        log.lines_with("Running -> Stopped"),
+        [
+            "0.025 s Other: Running -> Stopped",
+            "0.025 s Pid: Running -> Stopped"
+        ]
+    );
+}
+
+/// What a new `Pid` declares.
+fn declaration() -> assembly::declaration::Declaration {
+    let mut interface = Interface::new();
+    Pid::new(&mut interface);
+    interface.declaration().clone()
+}
+
+#[test]
+fn o12_what_is_saved_is_loaded_again_and_does_not_differ() {
+    let declared = declaration();
+    let values = vec![
+        ("kp".to_owned(), Datum::Float(2.0)),
+        ("ki".to_owned(), Datum::Float(0.25)),
+        ("limits".to_owned(), Datum::of(&[-2.0, 2.5]).expect("data")),
+    ];
+    let text = property_file::write(&declared, &values);
+    insta::assert_snapshot!(text);
+    let read = property_file::read("pid.toml", &text, "Pid", &declared);
+    assert!(!read.report.has_errors() && read.missing.is_empty());
+    assert!(property_file::difference(&read.properties, &values).is_empty());
+    let other = property_file::read("pid.toml", "kp = 2\nki = 0.5\n", "Pid", &declared);
+    assert_eq!(
+        property_file::difference(&other.properties, &values),
+        [("ki", &Datum::Float(0.5), &Datum::Float(0.25))]
+    );
+    assert_eq!(other.missing, ["limits"]);
+}
+
+#[test]
+fn o12_a_file_of_properties_is_checked_before_anything_is_set() {
+    let text = "kp = 2.0\nkj = 0.5\nki = -1\nlimits = [0.0, \"a\"]\n";
+    let read = property_file::read("pid.toml", text, "Pid", &declaration());
+    insta::assert_snapshot!(support::render::report(&read.sources, &read.report));
+}
