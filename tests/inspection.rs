@@ -89,8 +89,11 @@ fn ports_are_read_and_written_and_the_life_cycle_is_driven_from_outside() {
     monitor(broker.password(), &url);
 }
 
+/// The end of a command, what it put out, what it said.
+type Said = (Option<i32>, String, String);
+
 /// O12: properties are saved, compared and loaded.
-fn properties(tool: &dyn Fn(&[&str]) -> (Option<i32>, String, String)) {
+fn properties(tool: &dyn Fn(&[&str]) -> Said) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("laser.toml");
     let file = path.to_str().unwrap();

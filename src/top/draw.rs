@@ -3,7 +3,6 @@
 
 use std::time::Duration;
 
-use assembly::presence::Present;
 use bus::Link;
 use datum::Datum;
 use ratatui::Frame;
@@ -11,6 +10,7 @@ use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Paragraph, Row, Table, TableState};
+use remote::Present;
 
 use super::board::{Component, Topic};
 use super::joints::{brief, joints};

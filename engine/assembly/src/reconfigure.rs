@@ -186,7 +186,7 @@ impl Difference<'_> {
     }
 
     fn wires(&mut self, before: &[Wire], after: &[Wire]) {
-        let (before, after) = (joints(before), joints(after));
+        let (before, after) = (joints(before, self.part), joints(after, self.part));
         for it in before.iter().filter(|it| !after.contains(it)) {
             if let Some((reference, service)) = self.ends_of(it) {
                 self.ends.push(Change::Unwire { reference, service });
@@ -197,7 +197,7 @@ impl Difference<'_> {
                 self.begins.push(Change::Wire {
                     reference,
                     service,
-                    wire: start::how(it.wire),
+                    wire: it.how,
                 });
             }
         }
@@ -205,12 +205,12 @@ impl Difference<'_> {
 
     /// The ends of a wire within this part, if its component uses the reference.
     fn ends_of(&mut self, joint: &Joint<'_>) -> Option<(String, String)> {
-        let reference = &joint.wire.reference;
+        let reference = joint.reference;
         if !self.part.has(&reference.component) {
             return None;
         }
         let (from, to) = (reference.to_string(), joint.service.to_string());
-        if !start::stays_here(joint.wire, joint.service, self.part) {
+        if !joint.stays_here {
             let (reference, service) = (from, to);
             self.fixed.push(Fixed::Wire { reference, service });
             return None;
@@ -222,26 +222,26 @@ impl Difference<'_> {
 }
 
 /// One service of a wire.
+#[derive(PartialEq)]
 struct Joint<'p> {
-    wire: &'p Wire,
+    reference: &'p End,
     service: &'p End,
+    how: component::Wire,
+    /// Whether it does without a bus.
+    stays_here: bool,
 }
 
-impl PartialEq for Joint<'_> {
-    fn eq(&self, other: &Self) -> bool {
-        let ends = |it: &Self| (it.wire.reference.clone(), it.service.clone());
-        ends(self) == ends(other)
-            && self.wire.binding == other.wire.binding
-            && start::how(self.wire) == start::how(other.wire)
+fn joints<'p>(wires: &'p [Wire], part: &Part) -> Vec<Joint<'p>> {
+    let mut joints = Vec::new();
+    for wire in wires {
+        joints.extend(wire.services.iter().map(|service| Joint {
+            reference: &wire.reference,
+            service,
+            how: start::how(wire),
+            stays_here: start::stays_here(wire, service, part),
+        }));
     }
-}
-
-fn joints(wires: &[Wire]) -> Vec<Joint<'_>> {
-    let each = |wire| {
-        let Wire { services, .. } = wire;
-        services.iter().map(move |service| Joint { wire, service })
-    };
-    wires.iter().flat_map(each).collect()
+    joints
 }
 
 /// What of a component stays as it was.

@@ -1,0 +1,238 @@
+//! C18: a running composite becomes its next version, or stays what it is.
+#![allow(missing_docs, clippy::expect_used, clippy::panic, reason = "tests")]
+
+mod support;
+
+use asm_lang::Files;
+use assembly::reconfigure::changes;
+use assembly::{Context, Opened, Part, Plan, Standard, Tables};
+use component::{Component, Cycle, Fault, In, Interface, Log, Out, Property, Run, Span};
+use datum::{Message, Schema};
+
+datum::message! {
+    /// A number.
+    #[derive(Copy)]
+    pub struct Number = "test/Number" {
+        /// The number.
+        pub n: i64,
+    }
+}
+
+/// Counts up by its step.
+struct Counter {
+    step: Property<i64>,
+    n: i64,
+    out: Out<Number>,
+}
+
+impl Component for Counter {
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        self.n += cycle.property(self.step);
+        cycle.write(self.out, Number { n: self.n });
+        Ok(())
+    }
+}
+
+/// Passes on what it reads.
+struct Echo {
+    input: In<Number>,
+    out: Out<Number>,
+}
+
+impl Component for Echo {
+    fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        for number in cycle.all(self.input).to_vec() {
+            cycle.write(self.out, number);
+        }
+        Ok(())
+    }
+}
+
+const BUILD: Tables = Tables {
+    components: &[
+        ("test::Counter", |interface: &mut Interface| {
+            Box::new(Counter {
+                step: interface.property("step", 1, "from number to number"),
+                n: 0,
+                out: interface.output("number", "the count"),
+            })
+        }),
+        ("test::Echo", |interface: &mut Interface| {
+            let input = interface.input("heard", "numbers");
+            Box::new(Echo {
+                input,
+                out: interface.output("said", "the same"),
+            })
+        }),
+    ],
+    messages: &[(Number::NAME, Number::schema as fn() -> &'static Schema)],
+    ..Tables::EMPTY
+};
+
+const COMPOSITE: &str = r#"
+schema = "composite/1"
+[composite]
+name = "next"
+
+[components.One]
+implementation = { rust = "test::Counter" }
+task = { period_ms = 10 }
+properties = { step = 2 }
+
+[components.Other]
+implementation = { rust = "test::Counter" }
+task = { period_ms = 10 }
+
+[components.Echo]
+implementation = { rust = "test::Echo" }
+
+[components.Witness]
+implementation = { rust = "test::Echo" }
+
+[[connections]]
+from = "One.number"
+to = "Echo.heard"
+policy = { type = "buffer", size = 8 }
+
+[[connections]]
+from = "Other.number"
+to = "Witness.heard"
+policy = { type = "buffer", size = 8 }
+
+[[promote]]
+port = "Echo.said"
+as = "echo"
+
+[[promote]]
+port = "Witness.said"
+as = "witness"
+"#;
+
+fn open(text: &str) -> (Files, Opened) {
+    let mut files = Files::new();
+    files.add("main.toml", text);
+    let context = Context {
+        catalogue: &BUILD,
+        ..Context::files(&files)
+    };
+    let opened = assembly::open("main.toml", &context);
+    (files, opened)
+}
+
+/// The composite with some texts replaced.
+fn version(replaced: &[(&str, &str)]) -> Plan {
+    let mut text = COMPOSITE.to_owned();
+    for (from, to) in replaced {
+        assert!(text.contains(from), "{from}");
+        text = text.replacen(from, to, 1);
+    }
+    let (_, opened) = open(&text);
+    let said = support::render::report(&opened.sources, &opened.report);
+    opened
+        .plan(None)
+        .unwrap_or_else(|| panic!("{said}"))
+        .clone()
+}
+
+/// A running composite, its plan, and what happens in it.
+fn running() -> (Plan, component::System, Log) {
+    let (files, opened) = open(COMPOSITE);
+    let plan = opened.plan(None).expect("a plan").clone();
+    let mut workshop = Standard {
+        catalogue: &BUILD,
+        loader: &files,
+        seed: 0,
+        builtins: &mut |_, _| None,
+    };
+    let mut system = assembly::start(&plan, &mut workshop).expect("a system");
+    let log = Log::new();
+    system.observe(log.clone());
+    (plan, system, log)
+}
+
+/// Echo listens to the other counter; the first one counts slower and by its default.
+const NEXT: &[(&str, &str)] = &[
+    ("from = \"One.number\"", "from = \"Other.number\""),
+    ("period_ms = 10", "period_ms = 40"),
+    ("properties = { step = 2 }", ""),
+];
+
+#[test]
+fn c18_what_differs_changes_and_nothing_else() {
+    let (plan, system, log) = running();
+    let mut run = system.simulate();
+    run.run_for(35.ms());
+    let wanted = version(NEXT);
+    let planned = changes(&plan, &wanted, &Part::Whole, &run).expect("changes");
+    let planned_words: Vec<_> = planned.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        planned_words,
+        [
+            "`One.number` is parted from `Echo.heard`",
+            "`One` has step = 1",
+            "`One` cycles every 40ms",
+            "`Other.number` is connected to `Echo.heard`",
+        ]
+    );
+    run.change(&planned).expect("it can change");
+    run.run_for(80.ms());
+    let said = |port: &str| -> Vec<i64> {
+        let samples = log.samples::<Number>(port).into_iter();
+        samples.map(|(_, number)| number.n).collect()
+    };
+    assert_eq!(said("Witness.said"), (1..=12).collect::<Vec<_>>());
+    let echo = said("Echo.said");
+    assert_eq!(echo[..4], [2, 4, 6, 8], "of the one");
+    assert_eq!(echo[4..], [5, 6, 7, 8, 9, 10, 11, 12], "of the other");
+    assert_eq!(said("One.number")[4..], [9, 10], "from 30 ms, every 40");
+    assert!(changes(&wanted, &wanted, &Part::Whole, &run).is_ok_and(|none| none.is_empty()));
+}
+
+#[test]
+fn c18_what_cannot_change_is_said_all_of_it() {
+    let (plan, system, _) = running();
+    let run = system.simulate();
+    let wanted = version(&[
+        ("[components.Witness]", "[components.Guard]"),
+        ("to = \"Witness.heard\"", "to = \"Guard.heard\""),
+        ("port = \"Witness.said\"", "port = \"Guard.said\""),
+        (
+            "implementation = { rust = \"test::Echo\" }",
+            "implementation = { rust = \"test::Echo\" }\ntask = { delay_ms = 5 }",
+        ),
+    ]);
+    let fixed = changes(&plan, &wanted, &Part::Whole, &run).expect_err("it cannot");
+    let fixed: Vec<_> = fixed.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        fixed,
+        [
+            "`promote` of the composite",
+            "`deploy` of the composite",
+            "`Echo` differs in more than its properties and its period",
+            "`Witness` is there no more",
+            "`Guard` is new",
+        ]
+    );
+}
+
+#[test]
+fn c18_a_bad_version_leaves_the_old_one_running() {
+    let (plan, system, log) = running();
+    let mut run = system.live();
+    run.run_for(50.ms());
+    let (_, opened) = open(&COMPOSITE.replace("to = \"Echo.heard\"", "to = \"Echo.herd\""));
+    assert!(opened.plan(None).is_none(), "its findings say why");
+    let wanted = version(NEXT);
+    let mut planned = changes(&plan, &wanted, &Part::Whole, &run).expect("changes");
+    planned.extend_from_within(..1);
+    let refused = run.change(&planned).expect_err("it is parted already");
+    assert_eq!(
+        refused.to_string(),
+        "`One.number` is not connected to `Echo.heard`"
+    );
+    run.run_for(50.ms());
+    run.stop();
+    let echo = log.samples::<Number>("Echo.said");
+    assert!(echo.len() >= 6, "{echo:?}");
+    assert!(echo.iter().zip(1..).all(|((_, it), step)| it.n == 2 * step));
+}
