@@ -79,8 +79,8 @@ impl Exporter<'_> {
             includes: Vec::new(),
             properties,
             components,
-            services,
-            references,
+            services: component::called_back(&services, &references),
+            references: component::called_back(&references, &services),
             wires: Vec::new(),
             notes: std::mem::take(&mut self.notes),
         }

@@ -7,7 +7,7 @@ use source::{Report, Sources};
 
 use crate::finding::ScdlError;
 use crate::model::{Composite, Implementation};
-use crate::{name, read, resolve, toml};
+use crate::{name, read, resolve, settle, toml};
 
 /// What was imported.
 pub struct Imported {
@@ -48,7 +48,7 @@ pub fn import(files: &[(String, String)], catalogue: &dyn Catalogue) -> Imported
     if let Some(main) = main {
         visit.composite(main);
     }
-    resolve::across(&mut visit.done);
+    settle::settle(&mut visit.done, &visit.order, &mut visit.report);
     let mut files = visit.files();
     files.reverse();
     Imported {
@@ -86,17 +86,14 @@ impl Visit<'_> {
         self.done.insert(name, composite);
     }
 
-    /// Settles what is still open, and writes.
+    /// Composite files, nested ones first.
     fn files(&mut self) -> Vec<(String, String)> {
         let mut files = Vec::new();
         for name in &self.order {
-            let Some(mut composite) = self.done.remove(name) else {
-                continue;
-            };
-            resolve::settle(&mut composite, &self.done, &mut self.report);
-            let text = toml::document(&composite, &self.done, self.catalogue, &mut self.report);
-            files.push((name::file(name), text));
-            self.done.insert(name.clone(), composite);
+            if let Some(composite) = self.done.get(name) {
+                let text = toml::document(composite, &self.done, self.catalogue, &mut self.report);
+                files.push((name::file(name), text));
+            }
         }
         files
     }

@@ -8,6 +8,7 @@ mod model;
 mod name;
 mod read;
 mod resolve;
+mod settle;
 mod tca;
 mod toml;
 mod value;

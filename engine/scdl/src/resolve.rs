@@ -32,63 +32,8 @@ pub(crate) fn resolve(
     interfaces(composite);
 }
 
-/// Tells nested composites the interfaces that those around them know.
-pub(crate) fn across(composites: &mut BTreeMap<String, Composite>) {
-    loop {
-        let mut facts = Vec::new();
-        for component in composites.values().flat_map(|it| &it.components) {
-            let Some(Implementation::Composite(nested)) = &component.implementation else {
-                continue;
-            };
-            for side in [Side::Service, Side::Reference] {
-                for contract in side.of(component) {
-                    let interface = contract.interface.clone();
-                    let fact =
-                        interface.map(|it| (nested.value.clone(), side, contract.name.clone(), it));
-                    facts.extend(fact);
-                }
-            }
-        }
-        let mut news = false;
-        for (nested, side, name, interface) in facts {
-            let Some(nested) = composites.get_mut(&nested) else {
-                continue;
-            };
-            let mut promotions = side.promoted(nested).iter_mut();
-            let promotion = promotions.find(|it| it.name.value == name.value);
-            if let Some(promotion) = promotion.filter(|it| it.interface.is_none()) {
-                promotion.interface = Some(interface);
-                interfaces(nested);
-                news = true;
-            }
-        }
-        if !news {
-            return;
-        }
-    }
-}
-
-/// Assumes what nobody says. `nested` are those that were settled before.
-pub(crate) fn settle(
-    composite: &mut Composite,
-    nested: &BTreeMap<String, Composite>,
-    report: &mut Report,
-) {
-    for component in &mut composite.components {
-        if let Some(Implementation::Composite(name)) = &component.implementation
-            && let Some(nested) = nested.get(&name.value)
-        {
-            complete(&mut component.services, nested.services.clone());
-            complete(&mut component.references, nested.references.clone());
-        }
-    }
-    interfaces(composite);
-    assume(composite, report);
-    callbacks(composite);
-}
-
 /// A service or reference that is named nowhere but where it is used.
-fn contract(name: At<String>, interface: Option<Interface>) -> Contract {
+pub(crate) fn contract(name: At<String>, interface: Option<Interface>) -> Contract {
     Contract {
         name,
         interface,
@@ -139,21 +84,29 @@ fn declared(
     complete(&mut component.references, references);
 }
 
-/// Adds what is declared to what is listed.
-fn complete(listed: &mut Vec<Contract>, declared: Vec<Contract>) {
+/// Adds what is declared to what is listed. Says whether that was news.
+pub(crate) fn complete(listed: &mut Vec<Contract>, declared: Vec<Contract>) -> bool {
+    let mut news = false;
     for declared in declared {
         match listed
             .iter_mut()
             .find(|it| it.name.value == declared.name.value)
         {
-            Some(listed) => listed.interface = listed.interface.take().or(declared.interface),
-            None => listed.push(Contract {
-                promote: Vec::new(),
-                binding: None,
-                ..declared
-            }),
+            Some(listed) => {
+                news |= listed.interface.is_none() && declared.interface.is_some();
+                listed.interface = listed.interface.take().or(declared.interface);
+            }
+            None => {
+                news = true;
+                listed.push(Contract {
+                    promote: Vec::new(),
+                    binding: None,
+                    ..declared
+                });
+            }
         }
     }
+    news
 }
 
 /// The wires that stand at references.
@@ -236,20 +189,20 @@ fn answering(composite: &Composite, of: &Component, reference: &Contract) -> Vec
 
 /// Which of the two lists of a component is meant.
 #[derive(Clone, Copy)]
-enum Side {
+pub(crate) enum Side {
     Service,
     Reference,
 }
 
 impl Side {
-    fn of(self, component: &Component) -> &Vec<Contract> {
+    pub(crate) fn of(self, component: &Component) -> &Vec<Contract> {
         match self {
             Self::Service => &component.services,
             Self::Reference => &component.references,
         }
     }
 
-    fn promoted(self, composite: &mut Composite) -> &mut Vec<Contract> {
+    pub(crate) fn promoted(self, composite: &mut Composite) -> &mut Vec<Contract> {
         match self {
             Self::Service => &mut composite.services,
             Self::Reference => &mut composite.references,
@@ -371,7 +324,7 @@ fn promote(composite: &mut Composite, report: &mut Report) {
 }
 
 /// Whatever is joined has one interface: who says it tells the others, until nobody hears anything new.
-fn interfaces(composite: &mut Composite) {
+pub(crate) fn interfaces(composite: &mut Composite) {
     loop {
         let mut news = false;
         for wire in composite.wires.clone() {
@@ -409,7 +362,7 @@ fn interfaces(composite: &mut Composite) {
     }
 }
 
-fn interface(composite: &Composite, (end, side): (&Target, Side)) -> Option<Interface> {
+pub(crate) fn interface(composite: &Composite, (end, side): (&Target, Side)) -> Option<Interface> {
     let name = end.name.as_ref()?;
     find(composite, &end.component, side, name)?
         .interface
@@ -446,83 +399,4 @@ fn tell(
         contract.interface = Some(known.clone());
         *news = true;
     }
-}
-
-/// Gives the rest an interface of a name that nobody has said, and says so; then all agree again.
-fn assume(composite: &mut Composite, report: &mut Report) {
-    let of = composite.name.value.clone();
-    for index in 0..composite.components.len() {
-        for side in [Side::Service, Side::Reference] {
-            let Some(component) = composite.components.get_mut(index) else {
-                continue;
-            };
-            // a nested composite says it in its own file
-            if matches!(component.implementation, Some(Implementation::Composite(_))) {
-                continue;
-            }
-            let owner = component.name.value.clone();
-            let mut listed = side.of_mut(component).iter_mut();
-            let Some(contract) = listed.find(|it| it.interface.is_none()) else {
-                continue;
-            };
-            let assumed = format!("{of}/{}", contract.name.value);
-            let at = contract.name.span;
-            let finding = ScdlError::Assumed {
-                what: "the interface",
-                of: format!("{owner}.{}", contract.name.value),
-                assumed: assumed.clone(),
-                at,
-            };
-            report.push(finding.diagnostic());
-            contract.interface = Some(Interface {
-                name: At::new(assumed, at),
-                callback: None,
-            });
-            interfaces(composite);
-            return assume(composite, report);
-        }
-    }
-}
-
-/// A callback is a reference of the provider and a service of the caller, wired the other way round.
-fn callbacks(composite: &mut Composite) {
-    let calls_back = |interface: Option<&Interface>| interface.and_then(|it| it.callback.clone());
-    for component in &mut composite.components {
-        if matches!(component.implementation, Some(Implementation::Composite(_))) {
-            continue;
-        }
-        let called = |of: &[Contract]| {
-            let called = of.iter().filter_map(|it| {
-                let callback = calls_back(it.interface.as_ref())?;
-                let interface = Interface {
-                    name: callback,
-                    callback: None,
-                };
-                let name = it.name.clone().map(|name| name::callback(&name));
-                let mut contract = contract(name, Some(interface));
-                contract.multiplicity.optional = true;
-                Some(contract)
-            });
-            called.collect::<Vec<_>>()
-        };
-        let (back, forth) = (called(&component.services), called(&component.references));
-        complete(&mut component.references, back);
-        complete(&mut component.services, forth);
-    }
-    let back = composite.wires.iter().filter_map(|wire| {
-        let back = |target: &Target| Target {
-            component: target.component.clone(),
-            name: target
-                .name
-                .clone()
-                .map(|name| name.map(|name| name::callback(&name))),
-        };
-        calls_back(interface(composite, (&wire.source, Side::Reference)).as_ref())?;
-        Some(Wire {
-            source: back(&wire.target),
-            target: back(&wire.source),
-        })
-    });
-    let back: Vec<Wire> = back.collect();
-    composite.wires.extend(back);
 }

@@ -53,6 +53,25 @@ fn c14_nested_composites_are_imported_and_pass_the_check() {
 }
 
 #[test]
+fn what_is_joined_across_composites_has_one_interface_and_is_called_back() {
+    let files = [
+        "depot.composite",
+        "orderdesk.composite",
+        "shelfroom.composite",
+    ];
+    let imported = import(&files);
+    insta::assert_snapshot!(shown(&imported));
+    let opened = open(&imported.files);
+    let said = rendered(&opened.report, &opened.sources);
+    assert!(!opened.report.has_errors(), "{said}");
+    let plan = opened.plan(None).expect("a plan");
+    let wires = plan.wires.iter();
+    let mut wires = wires.map(|it| (it.reference.to_string(), it.services[0].to_string()));
+    let lifted = ("Orders/Lift.Lifting_callback", "Foreman.lifts_callback");
+    assert!(wires.any(|(from, to)| (&*from, &*to) == lifted));
+}
+
+#[test]
 fn it_says_what_is_wrong_and_what_has_no_counterpart() {
     insta::assert_snapshot!(shown(&import(&["mistakes.composite"])));
 }

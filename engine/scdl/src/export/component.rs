@@ -270,7 +270,7 @@ fn with_interface(name: &At<String>, interface: &At<String>, optional: bool) -> 
 }
 
 /// These, with what is called back on the other side; those that are called back themselves left out.
-fn called_back(these: &[Contract], others: &[Contract]) -> Vec<Contract> {
+pub(super) fn called_back(these: &[Contract], others: &[Contract]) -> Vec<Contract> {
     let is_callback = |it: &&Contract| {
         let mut others = others.iter();
         !others.any(|other| name::callback(&other.name) == it.name.value)
