@@ -14,6 +14,7 @@ mod repl;
 mod run;
 mod scdl;
 mod schema;
+mod shell;
 mod sim;
 mod test;
 mod tool;
@@ -66,6 +67,8 @@ pub enum Command {
     Port(port::Port),
     /// Calls an operation of a live component
     Call(call::Call),
+    /// Talks with a running system: looks around in its components, calls, reads, writes, watches
+    Shell(shell::Shell),
     /// Says what is wrong with a broker, and how to mend it
     Doctor(doctor::Doctor),
 }
@@ -92,6 +95,7 @@ impl Command {
             Self::Top(top) => top.run(terminal),
             Self::Port(port) => port.run(terminal),
             Self::Call(call) => call.run(terminal),
+            Self::Shell(shell) => shell.run(terminal),
             Self::Doctor(doctor) => doctor.run(terminal),
         }
     }

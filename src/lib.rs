@@ -11,6 +11,7 @@ mod diff;
 mod exit;
 mod files;
 pub mod mission;
+mod prompt;
 mod show;
 pub mod story;
 mod table;

@@ -1,5 +1,6 @@
 //! What can be seen of a running system over a broker, and done to it: ports, shapes, the life cycle, the monitor.
 
+use crate::person::person;
 use crate::processes::{Running, navigation, over, there, tool};
 use std::process::Command;
 
@@ -122,43 +123,13 @@ fn properties(tool: &dyn Fn(&[&str]) -> Said) {
     assert!(!tool("diff").1.contains("noise_m"), "nothing was set");
 }
 
-/// Plays a person at a terminal: looks, presses keys, goes.
-const PERSON: &str = r#"
-import os, pty, select, sys, time
-pid, screen = pty.fork()
-if pid == 0:
-    os.environ["TERM"] = "xterm"
-    os.execv(sys.argv[1], sys.argv[1:])
-import fcntl, struct, termios
-fcntl.ioctl(screen, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
-seen, sent, until = b"", False, time.time() + 20
-while time.time() < until:
-    if select.select([screen], [], [], 0.1)[0]:
-        try:
-            seen += os.read(screen, 65536)
-        except OSError:
-            break
-    if b"RoverDriver" in seen and not sent:
-        os.write(screen, b"\x03")
-        sent = True
-_, status = os.waitpid(pid, 0)
-sys.stdout.buffer.write(seen)
-sys.exit(os.waitstatus_to_exitcode(status) if sent else 99)
-"#;
-
 /// In a real terminal: it draws on a screen of its own, sees the system, and gives the terminal back at Ctrl-C.
 fn monitor(password: &str, url: &str) {
-    let person = Command::new("python3")
-        .args(["-c", PERSON, env!("CARGO_BIN_EXE_asmotion"), "top"])
-        .env("ASMOTION_BUS", url)
-        .env("ASMOTION_PASSWORD", password)
-        .output();
-    let Ok(person) = person else {
-        eprintln!("skipped: there is no python3");
+    let keys = [("RoverDriver", "\u{3}")];
+    let Some((code, screen)) = person((password, url), &["top"], &keys) else {
         return;
     };
-    let screen = String::from_utf8_lossy(&person.stdout);
-    assert_eq!(person.status.code(), Some(0), "{screen}");
+    assert_eq!(code, Some(0), "{screen}");
     let (enters, leaves) = ("\u{1b}[?1049h", "\u{1b}[?1049l");
     assert!(
         screen.contains(enters) && screen.contains(leaves),

@@ -42,7 +42,7 @@ pub(super) fn over(
 }
 
 /// A command over the broker of a test.
-fn through(
+pub(super) fn through(
     mut command: Command,
     broker: &Broker,
     vhost: &Vhost<'_>,

@@ -4,6 +4,7 @@ mod explain;
 mod findings;
 mod json;
 mod mend;
+mod ways;
 
 use super::tool::Tool;
 use crate::exit::Exit;
@@ -47,6 +48,11 @@ pub struct Check {
         conflicts_with = "json"
     )]
     diff: bool,
+
+    /// Of composites: what joins their components, and whether that is inside a process, in real time, or over a broker,
+    /// which is not.
+    #[arg(long, conflicts_with_all = ["json", "explain"])]
+    connections: bool,
 
     /// Where it observably differs from the textbook, reads specifications as these tools do.
     #[arg(long, value_enum, value_name = "TOOLS")]
@@ -94,6 +100,9 @@ impl Check {
                 Some(Err(_)) | None => findings(path, &options, &Disk),
             };
             self.show(&report, &sources, &mut seen, terminal);
+            if self.connections {
+                ways::show(path, terminal);
+            }
             if report.has_errors() {
                 seen.exit = seen.exit.max(Exit::refused(path));
             }

@@ -11,7 +11,7 @@ use crate::terminal::{NAME, Terminal};
 use clap::{Args, Subcommand};
 use component::Transition;
 use datum::Datum;
-use remote::{Remote, Typed};
+use remote::{Present, Remote, Typed};
 use std::error::Error;
 
 /// Shows the components that are there on a broker, starts and stops them.
@@ -118,7 +118,10 @@ impl What {
         let take = |name: String, transition| remote.component(&name)?.transition(transition);
         match self {
             Self::List => list(&remote.components(), terminal),
-            Self::Info { name, json: false } => show(&remote.component(&name)?, terminal),
+            Self::Info { name, json: false } => {
+                let component = remote.component(&name)?;
+                show(&component, component.present(), terminal);
+            }
             Self::Info { name, json: true } => {
                 let declared = Datum::of(&remote.component(&name)?.declaration()?)?;
                 terminal.result(datum::json::encode_pretty(&declared)?);
@@ -142,7 +145,7 @@ fn setting(written: &str) -> Result<(String, Datum), String> {
     Ok((property.trim().to_owned(), property_value(value.trim())))
 }
 
-fn list(found: &[remote::Component], terminal: &mut Terminal) {
+pub(super) fn list(found: &[remote::Component], terminal: &mut Terminal) {
     let rows = found.iter().map(|found| {
         let component = found.present();
         vec![
@@ -169,8 +172,7 @@ fn list(found: &[remote::Component], terminal: &mut Terminal) {
     }
 }
 
-fn show(found: &remote::Component, terminal: &mut Terminal) {
-    let component = found.present();
+pub(super) fn show(found: &remote::Component, component: &Present, terminal: &mut Terminal) {
     terminal.result(format_args!(
         "{NAME}{}{NAME:#}: {} in process {} of {}",
         component.name,

@@ -1,17 +1,17 @@
 //! `asmotion repl`: a specification at a prompt.
 
-mod prompt;
 mod save;
 mod talk;
 mod verb;
 
 use crate::exit::Exit;
 use crate::files::Disk;
+use crate::prompt::{Line, Prompt};
 use crate::terminal::{Terminal, count};
 use asm_lang::{Failure, History, Session};
 use clap::Args;
-use prompt::{Line, Prompt};
 use talk::Talk;
+use verb::VERBS;
 
 /// Steps a specification by hand: sets inputs, asks for values, goes back, says who wrote what.
 #[derive(Args)]
@@ -40,13 +40,14 @@ impl Repl {
                 return Exit::refused(&self.spec);
             }
         };
-        let mut prompt = match Prompt::new(&session) {
+        let mut prompt = match Prompt::new(VERBS, "_$", "repl_history") {
             Ok(prompt) => prompt,
             Err(error) => {
                 terminal.error(format_args!("cannot read the input: {error}"));
                 return Exit::Usage;
             }
         };
+        prompt.know(names(&session));
         let history = History::new(session, self.seed, self.random);
         let mut talk = Talk::new(self.spec, self.seed, history);
         talk.greet(terminal);
@@ -64,4 +65,16 @@ impl Repl {
         prompt.keep();
         Exit::Ok
     }
+}
+
+/// The names of a specification.
+fn names(session: &Session) -> Vec<String> {
+    let model = &session.specification.model;
+    let functions = model
+        .own_functions()
+        .map(|(_, function)| function.name.to_string());
+    let rules = model.rules.iter().filter(|rule| !rule.library);
+    let atoms = model.atoms.iter().map(|atom| atom.name.to_string());
+    let rules = rules.map(|rule| rule.name.to_string());
+    functions.chain(rules).chain(atoms).collect()
 }

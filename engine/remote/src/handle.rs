@@ -55,12 +55,14 @@ impl Component {
         &self.found.present
     }
 
-    /// What it is now; without a rate, which takes two looks.
+    /// What it is now, with the rate that it was last heard to have.
     ///
     /// # Errors
     /// Its process does not answer.
     pub fn look(&self) -> Result<Present, RemoteError> {
-        Ok(self.order(Wish::Look)?.to()?)
+        let mut present: Present = self.order(Wish::Look)?.to()?;
+        present.rate_hz = self.present().rate_hz;
+        Ok(present)
     }
 
     /// Its state in its life cycle, now.
@@ -70,7 +72,7 @@ impl Component {
     pub fn state(&self) -> Result<State, RemoteError> {
         let state = self.look()?.state;
         let known = State::ALL.into_iter().find(|it| it.to_string() == state);
-        known.ok_or_else(|| RemoteError::Unknown {
+        known.ok_or(RemoteError::Unknown {
             what: "state",
             name: state,
             nearest: None,

@@ -37,8 +37,8 @@ pub use self::handle::{Component, Service};
 pub use self::newest::Newest;
 pub use self::order::{Begun, Order, Wish, control_address};
 pub use self::presence::{
-    PRESENCE, Presence, Present, PresentOperation, PresentService, PresentTopic, Typed, Word, key,
-    presence_topic,
+    Joined, PRESENCE, Presence, Present, PresentOperation, PresentService, PresentTopic, Typed,
+    Word, key, presence_topic,
 };
 pub use self::refusal::{OrderError, Reason};
 pub use self::remote::{Remote, listen};

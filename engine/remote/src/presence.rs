@@ -64,6 +64,18 @@ pub struct Presence {
     pub components: Vec<Present>,
     /// The topics that its components are on.
     pub topics: Vec<PresentTopic>,
+    /// What joins its components to each other, and to those of other processes.
+    pub joined: Vec<Joined>,
+}
+
+/// A writer and its reader, or a caller and its service.
+#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Joined {
+    /// `Component.port`, or `Component.reference`.
+    pub from: String,
+    /// `Component.port`, or `Component.service`.
+    pub to: String,
 }
 
 /// A component.
@@ -163,6 +175,7 @@ impl Presence {
                 .map(|name| Present::of(name, plan, run))
                 .collect(),
             topics: topics(plan, part),
+            joined: joined(plan, part),
         }
     }
 
@@ -186,6 +199,16 @@ impl Presence {
         }
         self
     }
+}
+
+fn joined(plan: &Plan, part: &Part) -> Vec<Joined> {
+    let ways = plan.ways().into_iter();
+    let here = ways.filter(|way| way.ends().any(|end| part.has(&end.component)));
+    let joined = here.map(|way| Joined {
+        from: way.from.to_string(),
+        to: way.to.to_string(),
+    });
+    joined.collect()
 }
 
 fn topics(plan: &Plan, part: &Part) -> Vec<PresentTopic> {

@@ -2,6 +2,7 @@
 
 use super::save;
 use super::verb::{VERBS, split};
+use crate::prompt;
 use crate::show;
 use crate::terminal::{FAINT, GOOD, NAME, NOTE, Terminal};
 use asm_lang::ir::{AddedTerm, FunctionId, FunctionKind};
@@ -80,7 +81,10 @@ impl Talk {
             "undo" => self.undo(rest, terminal),
             "history" => self.tell_history(terminal),
             "save" => self.save(rest, terminal),
-            "help" => help(terminal),
+            "help" => {
+                prompt::help(VERBS, terminal);
+                Ok(())
+            }
             _ => return false,
         };
         if let Err(report) = answered {
@@ -487,18 +491,6 @@ fn remove<T>(from: &mut Vec<T>, number: &str, terminal: &mut Terminal) -> Result
     match index.filter(|index| *index < from.len()) {
         Some(index) => drop(from.remove(index)),
         None => terminal.error(format_args!("there is no number `{number}` here")),
-    }
-    Ok(())
-}
-
-fn help(terminal: &mut Terminal) -> Result<(), Report> {
-    for verb in VERBS {
-        let short = match verb.short {
-            "" => String::new(),
-            short => format!(" ({short})"),
-        };
-        let left = format!("{}{short} {}", verb.name, verb.usage);
-        terminal.result(format_args!("  {NAME}{left:<38}{NAME:#} {}", verb.help));
     }
     Ok(())
 }

@@ -1,30 +1,6 @@
 //! What can be said at the prompt.
 
-/// A verb, as `help` shows it.
-pub struct Verb {
-    /// The word.
-    pub name: &'static str,
-    /// A shorter one; often none.
-    pub short: &'static str,
-    /// What follows it.
-    pub usage: &'static str,
-    /// What it does.
-    pub help: &'static str,
-}
-
-const fn verb(
-    name: &'static str,
-    short: &'static str,
-    usage: &'static str,
-    help: &'static str,
-) -> Verb {
-    Verb {
-        name,
-        short,
-        usage,
-        help,
-    }
-}
+use crate::prompt::{self, Verb, verb};
 
 /// All of them.
 pub const VERBS: &[Verb] = &[
@@ -110,11 +86,8 @@ pub const VERBS: &[Verb] = &[
 
 /// The verb a line begins with, and what follows it.
 pub fn split(line: &str) -> Option<(&'static str, &str)> {
-    let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-    let is_it = |verb: &&Verb| verb.name == word || (!verb.short.is_empty() && verb.short == word);
-    let verb = VERBS.iter().find(is_it)?;
+    let (verb, rest) = prompt::split(VERBS, line)?;
     // `step = 3` asks for the value of a function that is called like a verb
-    let rest = rest.trim();
     let is_operand = rest.starts_with(['=', '!', '<', '>', '+', '*']);
-    (!is_operand).then_some((verb.name, rest))
+    (!is_operand).then_some((verb, rest))
 }

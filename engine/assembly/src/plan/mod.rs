@@ -13,6 +13,7 @@ mod part;
 mod place;
 mod route;
 mod topic;
+mod way;
 
 use std::collections::BTreeMap;
 
@@ -31,6 +32,7 @@ pub(crate) use flatten::{Parts, flatten};
 pub use graph::Link;
 pub use joint::{Connection, End, Policy, Promoted, Terminal, Topic, Wire};
 pub use place::{Process, Record, Restart};
+pub use way::{Over, Way};
 
 /// A composite in one profile, ready to be started.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -33,7 +33,7 @@ struct Driver {
 }
 
 impl Driver {
-    fn new(interface: &mut Interface) -> Box<dyn Component> {
+    fn make(interface: &mut Interface) -> Box<dyn Component> {
         Box::new(Self {
             commands: interface.input("commands", "where to go"),
             status: interface.output("status", "where it is"),
@@ -56,7 +56,7 @@ impl Component for Driver {
     }
 }
 
-const COMPONENTS: &[(&str, Constructor)] = &[("test::Driver", Driver::new)];
+const COMPONENTS: &[(&str, Constructor)] = &[("test::Driver", Driver::make)];
 
 /// The build.
 pub const BUILD: Tables = Tables {

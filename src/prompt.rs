@@ -1,7 +1,9 @@
-//! Lines from a person, with completion and a memory; or from a pipe.
+//! A prompt: lines from a person, with completion and a memory; or from a pipe.
 
-use super::verb::VERBS;
-use asm_lang::Session;
+mod verb;
+
+pub use verb::{Verb, help, split, verb};
+
 use rustyline::completion::Completer;
 use rustyline::error::ReadlineError;
 use rustyline::highlight::Highlighter;
@@ -29,18 +31,36 @@ pub struct Prompt {
 }
 
 impl Prompt {
-    /// Knows the names of a specification.
-    pub fn new(session: &Session) -> rustyline::Result<Self> {
+    /// Knows these verbs. `signs` are of names, too, beside letters and digits; lines are remembered in a file that is
+    /// called `memory`.
+    pub fn new(
+        verbs: &'static [Verb],
+        signs: &'static str,
+        memory: &str,
+    ) -> rustyline::Result<Self> {
         let mut editor = Editor::new()?;
-        editor.set_helper(Some(Words::of(session)));
+        editor.set_helper(Some(Words {
+            verbs,
+            signs,
+            names: Vec::new(),
+        }));
         let memory = std::io::IsTerminal::is_terminal(&std::io::stdin())
-            .then(memory)
+            .then(|| remembered(memory))
             .flatten();
         if let Some(path) = &memory {
             // the first time there is none
             let _ = editor.load_history(path);
         }
         Ok(Self { editor, memory })
+    }
+
+    /// From now on these names are completed.
+    pub fn know(&mut self, mut names: Vec<String>) {
+        names.sort();
+        names.dedup();
+        if let Some(words) = self.editor.helper_mut() {
+            words.names = names;
+        }
     }
 
     /// The next line.
@@ -65,34 +85,18 @@ impl Prompt {
 }
 
 /// Where lines are remembered: the state folder of the XDG base directories.
-fn memory() -> Option<PathBuf> {
+fn remembered(name: &str) -> Option<PathBuf> {
     let state = std::env::var_os("XDG_STATE_HOME").map(PathBuf::from);
     let home = || std::env::var_os("HOME").map(|home| PathBuf::from(home).join(".local/state"));
     let state = state.filter(|path| path.is_absolute()).or_else(home)?;
-    Some(state.join("asmotion").join("repl_history"))
+    Some(state.join("asmotion").join(name))
 }
 
-/// The words that can be completed: first the verbs, then the names of the specification.
+/// The words that can be completed: first the verbs, then names.
 struct Words {
+    verbs: &'static [Verb],
+    signs: &'static str,
     names: Vec<String>,
-}
-
-impl Words {
-    fn of(session: &Session) -> Self {
-        let model = &session.specification.model;
-        let functions = model
-            .own_functions()
-            .map(|(_, function)| function.name.to_string());
-        let rules = model.rules.iter().filter(|rule| !rule.library);
-        let atoms = model.atoms.iter().map(|atom| atom.name.to_string());
-        let mut names: Vec<String> = functions
-            .chain(rules.map(|rule| rule.name.to_string()))
-            .chain(atoms)
-            .collect();
-        names.sort();
-        names.dedup();
-        Self { names }
-    }
 }
 
 impl Completer for Words {
@@ -105,11 +109,10 @@ impl Completer for Words {
         _context: &Context<'_>,
     ) -> rustyline::Result<(usize, Vec<String>)> {
         let before = &line[..position];
-        let is_letter = |letter: char| letter.is_alphanumeric() || "_$".contains(letter);
+        let is_letter = |letter: char| letter.is_alphanumeric() || self.signs.contains(letter);
         let start = before.trim_end_matches(is_letter).len();
         let word = &before[start..];
-        let verbs = VERBS
-            .iter()
+        let verbs = (self.verbs.iter())
             .map(|verb| verb.name)
             .filter(|_| before[..start].trim().is_empty());
         let names = self.names.iter().map(String::as_str);

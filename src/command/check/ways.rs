@@ -1,0 +1,50 @@
+//! What joins the components of a composite, and whether that is in real time.
+
+use crate::build;
+use crate::files::Disk;
+use crate::table;
+use crate::terminal::Terminal;
+use assembly::Plan;
+
+/// Shows the ways of a composite, in each of its profiles; of other files there is nothing to show.
+pub fn show(path: &str, terminal: &mut Terminal) {
+    if !path.ends_with(".toml") {
+        return;
+    }
+    let opened = build::open(path, &[], &Disk);
+    let profiles: Vec<Option<&str>> = match opened.profiles.is_empty() {
+        true => vec![None],
+        false => opened.profiles.iter().map(|it| Some(&**it)).collect(),
+    };
+    for plan in profiles.into_iter().filter_map(|it| opened.plan(it)) {
+        of_plan(plan, terminal);
+    }
+}
+
+fn of_plan(plan: &Plan, terminal: &mut Terminal) {
+    let ways = plan.ways();
+    let in_real_time = ways.iter().filter(|way| way.over.is_real_time()).count();
+    let profile = plan.profile.as_ref();
+    let profile = profile.map_or_else(String::new, |it| format!(" in profile `{it}`"));
+    terminal.result(format_args!(
+        "{}{profile}: {} joined, {in_real_time} in real time",
+        plan.name,
+        ways.len()
+    ));
+    let rows = ways.iter().map(|way| {
+        let real_time = match way.over.is_real_time() {
+            true => "real time",
+            false => "not real time",
+        };
+        vec![
+            way.from.to_string(),
+            way.to.to_string(),
+            way.topic.clone().unwrap_or_else(|| "-".to_owned()),
+            way.over.to_string(),
+            real_time.to_owned(),
+        ]
+    });
+    for line in table::lines(&["from", "to", "topic", "way", "promise"], rows) {
+        terminal.result(line);
+    }
+}

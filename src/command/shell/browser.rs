@@ -1,0 +1,326 @@
+//! Where we are in a running system, and what comes of a line.
+
+use super::peers::peers;
+use super::verb::VERBS;
+use crate::command::component::{list, show};
+use crate::command::run::property_value;
+use crate::prompt;
+use crate::table;
+use crate::terminal::{FAINT, Terminal};
+use asm_lang::source::similar;
+use component::Transition;
+use datum::Datum;
+use remote::{Component, Remote};
+use std::time::Duration;
+
+/// How long a call may take.
+const PATIENCE: Duration = Duration::from_secs(5);
+/// `watch` shows so many messages.
+const MESSAGES: usize = 10;
+/// After so long without a message, `watch` ends.
+const SILENCE: Duration = Duration::from_secs(5);
+
+/// What was wrong, for people.
+type Answered = Result<(), Box<dyn std::error::Error>>;
+
+/// A person in a running system.
+pub struct Browser {
+    remote: Remote,
+    /// The whole name of the component that was entered.
+    here: Option<String>,
+}
+
+impl Browser {
+    /// Before all components.
+    pub fn new(remote: Remote) -> Self {
+        Self { remote, here: None }
+    }
+
+    /// What stands before a line.
+    pub fn prompt(&self) -> String {
+        format!("{}> ", self.here.as_deref().unwrap_or_default())
+    }
+
+    /// The first words.
+    pub fn greet(&self, terminal: &mut Terminal) {
+        let count = self.remote.components().len();
+        terminal.say(format_args!(
+            "{FAINT}{count} components; `ls` shows them, `cd COMPONENT` enters one, `help` tells the rest{FAINT:#}"
+        ));
+    }
+
+    /// What can be named here.
+    pub fn names(&self) -> Vec<String> {
+        let all = self.remote.components();
+        let mut names: Vec<String> = all.iter().map(|it| it.name().to_owned()).collect();
+        match &self.here {
+            None => {
+                for component in &all {
+                    let parts = parts(component).into_iter();
+                    names.extend(parts.map(|part| format!("{}.{part}", component.name())));
+                }
+            }
+            Some(here) => {
+                let here = all.iter().filter(|it| it.whole_name() == *here);
+                names.extend(here.flat_map(parts));
+            }
+        }
+        names
+    }
+
+    /// Answers a line. Whether to go on.
+    pub fn answer(&mut self, line: &str, terminal: &mut Terminal) -> bool {
+        let line = line.trim();
+        if line.is_empty() {
+            return true;
+        }
+        let (verb, rest) = prompt::split(VERBS, line).unwrap_or(("call", line));
+        let answered = match verb {
+            "ls" => self.list(terminal),
+            "cd" => self.enter(rest),
+            "peers" => self.peers(rest, terminal),
+            "call" => self.call(rest, terminal),
+            "get" => self.get(rest, terminal),
+            "set" => self.set(rest),
+            "read" => self.read(rest, terminal),
+            "write" => self.write(rest),
+            "watch" => self.watch(rest, terminal),
+            "configure" => self.transition(rest, Transition::Configure),
+            "start" => self.transition(rest, Transition::Start),
+            "stop" => self.transition(rest, Transition::Stop),
+            "cleanup" => self.transition(rest, Transition::Cleanup),
+            "recover" => self.transition(rest, Transition::Recover),
+            "reset" => self.transition(rest, Transition::ResetException),
+            "help" => {
+                prompt::help(VERBS, terminal);
+                Ok(())
+            }
+            _ => return false,
+        };
+        if let Err(problem) = answered {
+            terminal.error(problem);
+        }
+        true
+    }
+
+    fn list(&self, terminal: &mut Terminal) -> Answered {
+        match &self.here {
+            None => list(&self.remote.components(), terminal),
+            Some(here) => {
+                let component = self.remote.component(here)?;
+                show(&component, &component.look()?, terminal);
+            }
+        }
+        Ok(())
+    }
+
+    fn enter(&mut self, name: &str) -> Answered {
+        self.here = match name {
+            "" | ".." | "/" => None,
+            name => Some(self.remote.component(name)?.whole_name()),
+        };
+        Ok(())
+    }
+
+    fn peers(&self, name: &str, terminal: &mut Terminal) -> Answered {
+        let component = self.component(name)?;
+        let peers = peers(&component, &self.remote.processes()).into_iter();
+        let rows = peers.map(|(peer, joint)| vec![peer, joint]);
+        for line in table::lines(&["peer", "joined by"], rows) {
+            terminal.result(line);
+        }
+        Ok(())
+    }
+
+    fn call(&self, written: &str, terminal: &mut Terminal) -> Answered {
+        let (path, argument) = called(written);
+        let argument: Datum = datum::json::decode(argument)
+            .map_err(|error| format!("`{argument}` is no JSON: {error}"))?;
+        let (component, name) = self.locate(path)?;
+        let known = operations(&component);
+        let is_it = |(service, operation): &&(String, String)| {
+            operation == name || format!("{service}.{operation}") == name
+        };
+        let Some((service, operation)) = known.iter().find(is_it) else {
+            let meant = similar(name, known.iter().map(|(_, operation)| operation));
+            return Err(neither(path, meant.map(|it| &**it)).into());
+        };
+        let answer = component
+            .service(service)?
+            .call(operation, argument, PATIENCE)?;
+        terminal.result(datum::json::encode_pretty(&answer)?);
+        Ok(())
+    }
+
+    fn get(&self, path: &str, terminal: &mut Terminal) -> Answered {
+        if path.is_empty() {
+            for (property, value) in self.component("")?.properties()? {
+                terminal.result(format_args!("{property} = {value}"));
+            }
+            return Ok(());
+        }
+        let (component, property) = self.locate(path)?;
+        terminal.result(component.get::<Datum>(property)?);
+        Ok(())
+    }
+
+    fn set(&self, written: &str) -> Answered {
+        let split = written.split_once('=');
+        let (path, value) = split.ok_or("say `set PROPERTY = VALUE`")?;
+        let (component, property) = self.locate(path.trim())?;
+        component.set(property, property_value(value.trim()))?;
+        Ok(())
+    }
+
+    fn read(&self, path: &str, terminal: &mut Terminal) -> Answered {
+        let (component, port) = self.locate(path)?;
+        let read: Datum = component.read(port)?;
+        terminal.result(datum::json::encode(&read)?);
+        Ok(())
+    }
+
+    fn write(&self, written: &str) -> Answered {
+        let split = written.split_once(char::is_whitespace);
+        let (path, message) = split.ok_or("say `write PORT JSON`")?;
+        let message: Datum = datum::json::decode(message)
+            .map_err(|error| format!("`{message}` is no JSON: {error}"))?;
+        let (component, port) = self.locate(path)?;
+        component.write(port, message)?;
+        Ok(())
+    }
+
+    fn watch(&self, written: &str, terminal: &mut Terminal) -> Answered {
+        let (path, count) = written
+            .split_once(char::is_whitespace)
+            .unwrap_or((written, ""));
+        let count = match count.trim() {
+            "" => MESSAGES,
+            count => count
+                .parse()
+                .map_err(|_| format!("`{count}` is no number"))?,
+        };
+        let (component, port) = self.locate(path)?;
+        let mut watch = component.watch(port)?;
+        for _ in 0..count {
+            let Some(message) = watch.next_within(SILENCE) else {
+                return Err(format!("nothing has left `{path}` for {SILENCE:?}").into());
+            };
+            terminal.result(datum::json::encode(&message?)?);
+        }
+        Ok(())
+    }
+
+    fn transition(&self, name: &str, transition: Transition) -> Answered {
+        self.component(name)?.transition(transition)?;
+        Ok(())
+    }
+
+    /// The component of a name; without one, the one that was entered.
+    fn component(&self, name: &str) -> Result<Component, Box<dyn std::error::Error>> {
+        match (name, &self.here) {
+            ("", None) => Err("which component? Name it, or `cd` into it".into()),
+            ("", Some(here)) => Ok(self.remote.component(here)?),
+            (name, _) => Ok(self.remote.component(name)?),
+        }
+    }
+
+    /// The component that a path begins with, or else the one that was entered; and what follows.
+    fn locate<'p>(
+        &self,
+        path: &'p str,
+    ) -> Result<(Component, &'p str), Box<dyn std::error::Error>> {
+        for component in self.remote.components() {
+            for name in [component.whole_name(), component.name().to_owned()] {
+                let after = path.strip_prefix(&name).and_then(|it| it.strip_prefix('.'));
+                if let Some(after) = after {
+                    // several robots may have one of that name
+                    return Ok((self.remote.component(&name)?, after));
+                }
+            }
+        }
+        match &self.here {
+            Some(here) => Ok((self.remote.component(here)?, path)),
+            None => Err(self.nowhere(path)),
+        }
+    }
+
+    /// A path that begins with no component: perhaps another one was meant.
+    fn nowhere(&self, path: &str) -> Box<dyn std::error::Error> {
+        match path.rsplit_once('.') {
+            Some((name, _)) => match self.remote.component(name) {
+                Err(error) => error.into(),
+                Ok(_) => format!("`{path}` names nothing").into(),
+            },
+            None => neither(path, None).into(),
+        }
+    }
+}
+
+/// What is no verb and no operation; perhaps a verb was meant.
+fn neither(path: &str, operation: Option<&str>) -> String {
+    let verbs: Vec<&str> = VERBS.iter().map(|verb| verb.name).collect();
+    let meant = operation.or_else(|| similar(path, &verbs).copied());
+    let meant = meant.map_or_else(String::new, |it| format!("; did you mean `{it}`?"));
+    format!("`{path}` is no verb, and no operation of a component that was entered{meant}")
+}
+
+/// The operation that is called, and its argument: `operation {…}` or `operation({…})`.
+fn called(written: &str) -> (&str, &str) {
+    let end = written.find(|letter: char| letter.is_whitespace() || letter == '(');
+    let (path, argument) = written.split_at(end.unwrap_or(written.len()));
+    let argument = argument.trim();
+    let inside = argument
+        .strip_prefix('(')
+        .and_then(|it| it.strip_suffix(')'));
+    match inside.unwrap_or(argument).trim() {
+        "" => (path, "{}"),
+        argument => (path, argument),
+    }
+}
+
+/// The operations of a component: service, operation.
+fn operations(component: &Component) -> Vec<(String, String)> {
+    let services = component.present().services.iter();
+    let of_service = services.flat_map(|service| {
+        let operations = service.operations.iter();
+        operations.map(|operation| (service.name.clone(), operation.name.clone()))
+    });
+    of_service.collect()
+}
+
+/// What of a component can be named.
+fn parts(component: &Component) -> Vec<String> {
+    let present = component.present();
+    let ports = present.inputs.iter().chain(&present.outputs);
+    let ports = ports.map(|port| port.name.clone());
+    let properties = present.properties.iter().map(|(name, _)| name.clone());
+    let operations = operations(component).into_iter();
+    let operations = operations.map(|(service, operation)| format!("{service}.{operation}"));
+    ports.chain(properties).chain(operations).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::called;
+
+    #[test]
+    fn o14_an_operation_is_called_with_or_without_parentheses() {
+        for (written, path, argument) in [
+            ("getPeriod()", "getPeriod", "{}"),
+            ("getPeriod", "getPeriod", "{}"),
+            (
+                "maps.getMap {\"name\": \"a b\"}",
+                "maps.getMap",
+                "{\"name\": \"a b\"}",
+            ),
+            (
+                "maps.getMap({\"name\": \"(\"})",
+                "maps.getMap",
+                "{\"name\": \"(\"}",
+            ),
+            ("set (1)", "set", "1"),
+        ] {
+            assert_eq!(called(written), (path, argument), "{written}");
+        }
+    }
+}

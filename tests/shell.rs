@@ -1,0 +1,144 @@
+//! `asmotion shell`: a person, or a pipe, in a running system.
+
+use std::path::Path;
+use std::process::Command;
+
+use broker::{Calm, Vhost};
+
+use crate::person::person;
+use crate::processes::{Running, run_any, through};
+
+/// The youBot's driver and its proxy, on the broker of a test.
+fn arm(broker: &Calm, vhost: &Vhost<'_>) -> Running {
+    let composite =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/youbot/youbot.composite.toml");
+    Running::start(&mut through(
+        run_any(&composite),
+        broker,
+        vhost,
+        Some("robot"),
+    ))
+}
+
+fn url(broker: &Calm, vhost: &Vhost<'_>) -> String {
+    let (user, address) = (broker.user(), broker.address());
+    format!("amqp://{user}@{address}/{}", vhost.name())
+}
+
+/// What is answered to these lines: standard output, standard error.
+fn talk(broker: &Calm, url: &str, lines: &str) -> (String, String) {
+    let mut shell = assert_cmd::Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    shell.args(["shell", "--bus", url]);
+    shell.env("ASMOTION_PASSWORD", broker.password());
+    let output = shell.write_stdin(lines).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn o14_operations_properties_ports_and_the_life_cycle_from_the_shell() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let url = url(&broker, &vhost);
+    let _arm = arm(&broker, &vhost);
+    crate::processes::queues(&vhost, "robots.services.youbot.control.robot");
+
+    let (out, err) = talk(
+        &broker,
+        &url,
+        "ls\ncd Driver/SCAyouBotDriver\ngetJointsPositions()\nretrievingStatus.getJointsPositions {}\npeers\n",
+    );
+    assert!(out.contains("Driver/youBotDriver"), "{out}{err}");
+    assert_eq!(out.matches("\"position\"").count(), 2, "{out}{err}");
+    let peer = out
+        .lines()
+        .find(|line| line.contains("commands → commands"));
+    assert!(
+        peer.is_some_and(|it| it.starts_with("Driver/youBotDriver")),
+        "{out}{err}"
+    );
+    assert!(
+        out.contains("notifying → notifying"),
+        "the other process is a peer too: {out}"
+    );
+    assert_eq!(err.matches("error").count(), 0, "{err}");
+
+    let (out, err) = talk(
+        &broker,
+        &url,
+        "cd Driver/youBotDriver\nls\nread jointStatus\nwatch jointStatus 2\nget joints\nset seed = 7\nget seed\n\
+         stop\nls\nstart\ncd ..\nget Driver/youBotDriver.seed\nstart Driver/youBotDriver\n\
+         set Driver/youBotDriver.seed = many\nDriver/youBotDriver.fly()\nwrite Driver/youBotDriver.commands up\n\
+         write Driver/youBotDriver.commands \"up\"\nstar\nread Driver/youBotDrive.jointStatus\nhelp\nquit\nls\n",
+    );
+    assert_eq!(out.matches("\"current\"").count(), 3, "{out}{err}");
+    let lines: Vec<&str> = out.lines().collect();
+    assert!(lines.contains(&"5") && lines.contains(&"7"), "{out}{err}");
+    assert_eq!(
+        lines.iter().filter(|line| **line == "7").count(),
+        2,
+        "{out}"
+    );
+    assert!(
+        out.contains("Running in process") && out.contains("Stopped in process"),
+        "{out}"
+    );
+    assert!(
+        out.contains("sets a property from the next cycle on"),
+        "{out}"
+    );
+    let errors: Vec<&str> = err
+        .lines()
+        .filter(|line| line.starts_with("error"))
+        .collect();
+    let told = [
+        "it is Running",
+        "`seed`",
+        "no operation",
+        "is no JSON",
+        "takes youbot/JointCommand",
+        "did you mean `start`?",
+        "did you mean `Driver/youBotDriver`?",
+    ];
+    assert_eq!(errors.len(), told.len(), "{err}");
+    for (error, told) in errors.iter().zip(told) {
+        assert!(error.contains(told), "{told}: {error}");
+    }
+}
+
+/// In a real terminal: Tab completes what is there, and the arrow brings back a line.
+#[test]
+fn o14_the_shell_completes_and_remembers() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let url = url(&broker, &vhost);
+    let _arm = arm(&broker, &vhost);
+    crate::processes::queues(&vhost, "robots.services.youbot.control.robot");
+    let seen = person(
+        (broker.password(), &url),
+        &["shell"],
+        &[
+            ("> ", "cd Driver/SCA\t\r"),
+            ("SCAyouBotDriver> ", "retrievingStatus.g\t()\r"),
+            ("\"position\"", "\u{1b}[A\r"),
+            ("\"position\"", "\u{4}"),
+        ],
+    );
+    let Some((code, screen)) = seen else { return };
+    assert_eq!(code, Some(0), "{screen}");
+    assert!(screen.contains("getJointsPositions"), "{screen}");
+}
+
+#[test]
+fn the_shell_wants_a_broker() {
+    let mut shell = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    let output = shell
+        .arg("shell")
+        .env_remove("ASMOTION_BUS")
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("which broker?"), "{said}");
+}
