@@ -184,6 +184,14 @@ pub(super) fn show(found: &remote::Component, component: &Present, terminal: &mu
         "  cycles      {}, {:.1} a second, {} periods missed, {} longer than the deadline",
         component.cycles, component.rate_hz, component.overruns, component.late
     ));
+    let period = match component.period_ms {
+        0 => String::new(),
+        period => format!(", of {period} ms"),
+    };
+    terminal.result(format_args!(
+        "  cycle time  {:.2} ms in the mean, {:.2} ms at most{period}",
+        component.cycle_mean_ms, component.cycle_max_ms
+    ));
     if component.dropped + component.misfits > 0 {
         terminal.result(format_args!(
             "  lost        {} messages dropped, {} did not fit",

@@ -111,7 +111,7 @@ fn components(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now
         "state",
         "asked",
         "measured",
-        "cycles",
+        "cycle mean/max",
         "overruns",
     ];
     let widths = [
@@ -120,7 +120,7 @@ fn components(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now
         Constraint::Length(14),
         Constraint::Length(8),
         Constraint::Length(9),
-        Constraint::Length(9),
+        Constraint::Length(14),
         Constraint::Length(8),
     ];
     let title = format!("components {}", components.len());
@@ -164,10 +164,26 @@ fn component(component: &Component<'_>, several: bool) -> Row<'static> {
         Span::styled(state, style),
         Span::raw(asked),
         Span::raw(now(measured)),
-        Span::raw(present.cycles.to_string()),
+        cycle_time(present),
         overruns(present),
     ])
     .style(if known { Style::new() } else { FAINT })
+}
+
+/// How long its cycles take: in the mean, and at most.
+fn cycle_time(present: &Present) -> Span<'static> {
+    let Present {
+        cycle_mean_ms: mean,
+        cycle_max_ms: most,
+        ..
+    } = *present;
+    #[allow(clippy::cast_precision_loss, reason = "a period is far below 2^52")]
+    let period = present.period_ms as f64;
+    let style = match period > 0.0 && most > period {
+        true => NOTE,
+        false => Style::new(),
+    };
+    Span::styled(format!("{mean:.1}/{most:.1} ms"), style)
 }
 
 /// The periods that it has missed, and its cycles that took longer than their deadline.

@@ -35,6 +35,8 @@ fn component(name: &str, state: &str, period_ms: u64, rate_hz: f64, overruns: u6
         state: state.to_owned(),
         period_ms,
         cycles: 120,
+        cycle_mean_ms: 0.25,
+        cycle_max_ms: 60.0,
         rate_hz,
         overruns,
         ..Present::default()

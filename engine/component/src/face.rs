@@ -2,11 +2,12 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use crate::declaration::Declaration;
 use crate::port::Inlet;
 use crate::service::Inbox;
-use crate::{Fault, Losses, State, Transition};
+use crate::{CycleTime, Fault, Losses, State, Transition};
 
 /// What does not change while the component runs, and its status.
 pub(crate) struct Face {
@@ -33,6 +34,9 @@ pub(crate) struct Status {
     pub overruns: AtomicU64,
     /// Cycles that took longer than their deadline.
     pub late: AtomicU64,
+    /// How long the cycles took, in nanoseconds: all of them, and the longest.
+    spent: AtomicU64,
+    longest: AtomicU64,
     /// Somebody wants the present cycle to end.
     pub interrupt: AtomicBool,
     dropped: AtomicU64,
@@ -58,6 +62,8 @@ impl Status {
             cycles: AtomicU64::new(0),
             overruns: AtomicU64::new(0),
             late: AtomicU64::new(0),
+            spent: AtomicU64::new(0),
+            longest: AtomicU64::new(0),
             interrupt: AtomicBool::new(false),
             dropped: AtomicU64::new(0),
             misfits: AtomicU64::new(0),
@@ -82,6 +88,20 @@ impl Status {
     pub(crate) fn enter(&self, state: State) {
         self.aim(state);
         self.state.store(state as u8, Ordering::Release);
+    }
+
+    /// Counts a cycle that took so long.
+    pub(crate) fn spend(&self, took: Duration) {
+        let nanos = u64::try_from(took.as_nanos()).unwrap_or(u64::MAX);
+        self.spent.fetch_add(nanos, Ordering::Relaxed);
+        self.longest.fetch_max(nanos, Ordering::Relaxed);
+    }
+
+    pub(crate) fn cycle_time(&self) -> CycleTime {
+        CycleTime {
+            total: Duration::from_nanos(self.spent.load(Ordering::Relaxed)),
+            longest: Duration::from_nanos(self.longest.load(Ordering::Relaxed)),
+        }
     }
 
     pub(crate) fn losses(&self) -> Losses {

@@ -51,8 +51,8 @@ pub use policy::{Lock, OnStale, Policy, Sharing};
 pub use port::Flow;
 pub use property::{PropertyError, PropertyProblem, PropertyValue, Setting};
 pub use run::{
-    Asked, Change, ChangeError, Losses, Reader, Run, RunError, Sent, Subscription, WriteError,
-    Writer,
+    Asked, Change, ChangeError, CycleTime, Losses, Reader, Run, RunError, Sent, Subscription,
+    WriteError, Writer,
 };
 pub use service::{
     CallError, CallId, Dynamic, Operation, Reply, Request, RequestId, SendStatus, ServiceFault,

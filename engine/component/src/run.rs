@@ -137,6 +137,9 @@ pub trait Run {
     /// How many cycles of a component took longer than their deadline.
     fn late(&self, component: &str) -> u64;
 
+    /// How long the cycles of a component took.
+    fn cycle_time(&self, component: &str) -> CycleTime;
+
     /// What a component says that it has lost.
     fn losses(&self, component: &str) -> Losses;
 
@@ -204,6 +207,23 @@ pub trait Run {
     /// Whether a component cycles (TCA `isRunning()`).
     fn is_running(&self, component: &str) -> bool {
         self.state(component).is_some_and(State::is_running)
+    }
+}
+
+/// How long the cycles of a component took, in the time that it runs in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct CycleTime {
+    /// All of them.
+    pub total: Duration,
+    /// The longest.
+    pub longest: Duration,
+}
+
+impl CycleTime {
+    /// In the mean of so many cycles.
+    pub fn mean(self, cycles: u64) -> Duration {
+        let cycles = u32::try_from(cycles).unwrap_or(u32::MAX);
+        self.total.checked_div(cycles).unwrap_or_default()
     }
 }
 

@@ -1,5 +1,7 @@
 //! Presence: what a process says of itself, for tools and for strangers. `docs/wire.md` describes it.
 
+use std::time::Duration;
+
 use assembly::Part;
 use assembly::plan::{self, End, Plan};
 use bus::Envelope;
@@ -96,6 +98,10 @@ pub struct Present {
     pub overruns: u64,
     /// How many of its cycles took longer than their deadline.
     pub late: u64,
+    /// How long its cycles took, in milliseconds: in the mean.
+    pub cycle_mean_ms: f64,
+    /// The longest of them.
+    pub cycle_max_ms: f64,
     /// How many messages it has dropped, because too many waited.
     pub dropped: u64,
     /// How many it has left out, because they did not fit.
@@ -252,6 +258,8 @@ impl Present {
             rate_hz: 0.0,
             overruns: run.overruns(name),
             late: run.late(name),
+            cycle_mean_ms: milliseconds(run.cycle_time(name).mean(run.cycles(name))),
+            cycle_max_ms: milliseconds(run.cycle_time(name).longest),
             dropped,
             misfits,
             inputs: typed(&declared.inputs),
@@ -267,6 +275,10 @@ impl Present {
             properties: run.properties(name).unwrap_or_default(),
         }
     }
+}
+
+fn milliseconds(span: Duration) -> f64 {
+    span.as_secs_f64() * 1e3
 }
 
 impl PresentService {

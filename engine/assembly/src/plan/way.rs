@@ -91,11 +91,6 @@ impl Plan {
         }
     }
 
-    fn process_of(&self, component: &str) -> Option<&str> {
-        let has = |it: &&super::Process| it.components.iter().any(|name| name == component);
-        self.processes.iter().find(has).map(|it| &*it.name)
-    }
-
     /// How a reader of a topic is kept apart from its writers.
     fn lock_of(&self, topic: &Topic, reader: &End) -> Lock {
         let is_it = |it: &&Connection| {

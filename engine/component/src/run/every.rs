@@ -9,7 +9,8 @@ use datum::{Datum, Message, Sample};
 
 use super::change::Planning;
 use super::{
-    Act, Asked, Change, ChangeError, Executor, Losses, Reader, Run, RunError, Sent, Writer,
+    Act, Asked, Change, ChangeError, CycleTime, Executor, Losses, Reader, Run, RunError, Sent,
+    Writer,
 };
 use crate::declaration::Declaration;
 use crate::outside::Nowhere;
@@ -278,6 +279,12 @@ impl<E: Executor> Run for E {
     fn late(&self, component: &str) -> u64 {
         let face = self.face(component);
         face.map_or(0, |face| face.status.late.load(Ordering::Relaxed))
+    }
+
+    fn cycle_time(&self, component: &str) -> CycleTime {
+        let face = self.face(component);
+        face.map(|face| face.status.cycle_time())
+            .unwrap_or_default()
     }
 
     fn losses(&self, component: &str) -> Losses {

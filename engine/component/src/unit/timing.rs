@@ -29,13 +29,14 @@ impl Unit {
         next
     }
 
-    /// After a cycle that took so long: holds it against its deadline, if it has one.
+    /// After a cycle that took so long: counts it, and holds it against its deadline, if it has one.
     pub(crate) fn hold_to_deadline(
         &mut self,
         took: Duration,
         now: Time,
         outside: &mut dyn Outside,
     ) {
+        self.status.spend(took);
         let late = |it: &crate::Deadline| took > it.within;
         let Some(held) = self.activity.deadline.filter(late) else {
             return;
