@@ -10,6 +10,7 @@ mod expand;
 mod fmt;
 mod graph;
 mod port;
+mod reconfigure;
 mod repl;
 mod run;
 mod scdl;
@@ -61,6 +62,8 @@ pub enum Command {
     Topic(topic::Topic),
     /// Shows the components that are there on a broker, starts and stops them
     Component(component::Component),
+    /// Makes what runs what its composite says now, without a new start
+    Reconfigure(reconfigure::Reconfigure),
     /// Shows a running system on the terminal, as it changes
     Top(top::Top),
     /// Reads and writes ports of live components
@@ -92,6 +95,7 @@ impl Command {
             Self::Test(test) => test.run(terminal),
             Self::Topic(topic) => topic.run(terminal),
             Self::Component(component) => component.run(terminal),
+            Self::Reconfigure(reconfigure) => reconfigure.run(terminal),
             Self::Top(top) => top.run(terminal),
             Self::Port(port) => port.run(terminal),
             Self::Call(call) => call.run(terminal),

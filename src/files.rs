@@ -2,9 +2,10 @@
 
 use asm_lang::Loader;
 use asm_lang::source::LoadError;
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A larger text than this is not read: no person wrote it.
 const MAX_BYTES: u64 = 32 << 20;
@@ -35,21 +36,101 @@ impl Loader for Disk {
     }
 
     fn resolve(&self, from: &str, import: &str) -> Option<String> {
-        let near = Path::new(from)
-            .parent()
-            .unwrap_or(Path::new(""))
-            .join(import.replace('\\', "/"));
-        let with_suffix = |path: &Path| PathBuf::from(format!("{}.asm", path.display()));
-        let candidates = [
-            near.clone(),
-            with_suffix(&near),
-            PathBuf::from(import),
-            with_suffix(Path::new(import)),
-        ];
-        candidates
-            .iter()
-            .find(|path| path.is_file())
-            .map(|path| tidy(path))
+        let candidates = candidates(from, import);
+        let found = candidates.iter().find(|path| path.is_file());
+        found.map(|path| tidy(path))
+    }
+}
+
+/// Where a file may be that another one names, best first.
+fn candidates(from: &str, import: &str) -> [PathBuf; 4] {
+    let folder = Path::new(from).parent().unwrap_or(Path::new(""));
+    let near = folder.join(import.replace('\\', "/"));
+    let with_suffix = |path: &Path| PathBuf::from(format!("{}.asm", path.display()));
+    [
+        near.clone(),
+        with_suffix(&near),
+        PathBuf::from(import),
+        with_suffix(Path::new(import)),
+    ]
+}
+
+/// Files of another loader, and what was read of them.
+pub struct Remembering<'a> {
+    files: &'a dyn Loader,
+    read: Mutex<BTreeMap<String, Arc<str>>>,
+}
+
+impl<'a> Remembering<'a> {
+    /// Nothing was read yet.
+    pub fn new(files: &'a dyn Loader) -> Self {
+        let read = Mutex::default();
+        Self { files, read }
+    }
+
+    /// Paths and texts of what was read.
+    pub fn read(&self) -> BTreeMap<String, Arc<str>> {
+        let read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
+        read.clone()
+    }
+}
+
+impl Loader for Remembering<'_> {
+    fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
+        let text = self.files.read(path)?;
+        let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
+        read.insert(path.to_owned(), text.clone());
+        Ok(text)
+    }
+
+    fn resolve(&self, from: &str, import: &str) -> Option<String> {
+        self.files.resolve(from, import)
+    }
+}
+
+/// Files that were sent, as if they stood in a folder of the disk.
+pub struct Sent {
+    folder: PathBuf,
+    texts: BTreeMap<String, Arc<str>>,
+}
+
+impl Sent {
+    /// Files by their paths from the folder of another one.
+    pub fn beside(path: &str, files: &[(String, String)]) -> Self {
+        let folder = Path::new(path).parent().unwrap_or(Path::new(""));
+        let mut sent = Self {
+            folder: folder.to_owned(),
+            texts: BTreeMap::new(),
+        };
+        for (path, text) in files {
+            sent.texts.insert(sent.path(path), text.as_str().into());
+        }
+        sent
+    }
+
+    /// The whole path of one of them.
+    pub fn path(&self, path: &str) -> String {
+        tidy(&self.folder.join(path))
+    }
+
+    /// All whole paths.
+    pub fn paths(&self) -> impl Iterator<Item = &String> {
+        self.texts.keys()
+    }
+}
+
+impl Loader for Sent {
+    fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
+        self.texts.get(path).cloned().ok_or_else(|| LoadError {
+            path: path.to_owned(),
+            reason: "it was not sent".to_owned(),
+        })
+    }
+
+    fn resolve(&self, from: &str, import: &str) -> Option<String> {
+        let candidates = candidates(from, import);
+        let mut paths = candidates.iter().map(|path| tidy(path));
+        paths.find(|path| self.texts.contains_key(path))
     }
 }
 

@@ -2,15 +2,18 @@
 
 mod error;
 mod process;
+mod successor;
 mod watch;
 
 pub use error::MissionError;
 pub use process::{Brokers, Named};
+pub use successor::{Version, reconfigure_address};
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use asm_lang::Loader;
 use asm_lang::source::similar;
 use assembly::plan::Terminal;
 use assembly::{Opened, Plan, Standard};
@@ -21,6 +24,7 @@ use remote::Contact;
 use crate::build;
 use crate::files::Disk;
 use crate::story::{Story, Summary};
+use successor::Successor;
 use watch::{Watch, awaited};
 
 /// What is run, and how.
@@ -127,7 +131,7 @@ impl Mission {
         mut hear: impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static,
         stop: &AtomicBool,
     ) -> Result<Ended, MissionError> {
-        let opened = self.open();
+        let opened = self.open(&self.composite, &Disk);
         if opened.report.has_errors() {
             return Err(MissionError::Composite {
                 sources: opened.sources,
@@ -179,6 +183,7 @@ impl Mission {
         });
         let connected = self.connect(plan)?;
         let mut contacts = self.join(&mut system, &connected, plan, &part)?;
+        let mut successor = self.successor(&opened, plan, &part, &connected)?;
         let began = Instant::now();
         let mut run: Box<dyn Run> = match self.clock {
             Clock::Wall => Box::new(system.live()),
@@ -192,7 +197,7 @@ impl Mission {
                 Box::new(simulation)
             }
         };
-        let outcome = self.drive(&mut *run, &watch, stop, &mut contacts);
+        let outcome = self.drive(&mut *run, &watch, stop, &mut contacts, &mut successor);
         let time = run.now().since(Time::ZERO);
         let summary = lock(&story).summary().clone();
         if outcome == Outcome::Reached || outcome == Outcome::Failed {
@@ -201,7 +206,7 @@ impl Mission {
         run.stop();
         // what the components said last is sent before the bus closes
         contacts.iter_mut().for_each(Contact::leave);
-        drop((run, contacts));
+        drop((run, contacts, successor));
         drop(connected);
         Ok(Ended {
             outcome,
@@ -225,8 +230,9 @@ impl Mission {
         }
     }
 
-    fn open(&self) -> Opened {
-        let opened = build::open(&self.composite, &self.settings, &Disk);
+    /// A version of the composite, with what was set from outside.
+    fn open(&self, composite: &str, files: &dyn Loader) -> Opened {
+        let opened = build::open(composite, &self.settings, files);
         let properties = opened.composite.iter().flat_map(|it| &it.properties);
         let has_seed = properties
             .map(|it| &*it.name.value)
@@ -236,7 +242,7 @@ impl Mission {
         }
         let mut settings = self.settings.clone();
         settings.push(("seed".to_owned(), self.seed.to_string()));
-        build::open(&self.composite, &settings, &Disk)
+        build::open(composite, &settings, files)
     }
 
     fn drive(
@@ -245,6 +251,7 @@ impl Mission {
         watch: &Mutex<Watch>,
         stop: &AtomicBool,
         contacts: &mut [Contact<'_>],
+        successor: &mut Successor<'_>,
     ) -> Outcome {
         let limit = self.limit.map(|limit| Time::ZERO + limit);
         loop {
@@ -257,6 +264,7 @@ impl Mission {
             for contact in &mut *contacts {
                 contact.attend(run);
             }
+            successor.attend(run);
             let mut until = run.now() + SLICE;
             if let Some(limit) = limit {
                 if run.now() >= limit {

@@ -22,6 +22,7 @@ mod missions;
 mod person;
 mod pictures;
 mod processes;
+mod reconfigure;
 mod repl;
 mod routes;
 mod scenario;

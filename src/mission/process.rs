@@ -6,12 +6,14 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use amqp::{AmqpBus, Settings};
 use assembly::plan::Broker;
-use assembly::{Part, Plan};
+use assembly::{Opened, Part, Plan};
 use bus::{Bus, BusError};
 use component::System;
 use remote::{Contact, Newest};
 
+use super::successor::Successor;
 use super::{Mission, MissionError};
+use crate::files::Disk;
 
 /// How long to wait for a broker at the start; later on, as long as it takes.
 const CONNECT: Duration = Duration::from_secs(10);
@@ -89,7 +91,7 @@ impl Mission {
     /// # Errors
     /// There are several, and nobody says what goes over which.
     pub fn named_brokers(&self) -> Result<Option<Named>, String> {
-        let opened = self.open();
+        let opened = self.open(&self.composite, &Disk);
         let plan = match opened.report.has_errors() {
             true => None,
             false => opened.plan(self.profile.as_deref()),
@@ -176,6 +178,22 @@ impl Mission {
             contact.map_err(|reason| broker_error(&it.place, reason))
         };
         connected.iter().map(contact).collect()
+    }
+}
+
+impl Mission {
+    /// Who takes over the next versions of the composite, from the buses.
+    pub(super) fn successor<'m>(
+        &'m self,
+        opened: &'m Opened,
+        plan: &Plan,
+        part: &Part,
+        connected: &'m [Connected],
+    ) -> Result<Successor<'m>, MissionError> {
+        let places: Vec<&str> = connected.iter().map(|it| &*it.place).collect();
+        let buses = connected.iter().map(|it| &*it.bus as &dyn Bus);
+        let successor = Successor::new(self, opened, plan, part, buses);
+        successor.map_err(|reason| broker_error(&places.join(", "), reason))
     }
 }
 

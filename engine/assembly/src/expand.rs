@@ -7,6 +7,7 @@ mod write;
 
 use toml_edit::{Array, DocumentMut, Item, Table};
 
+pub use self::write::beside;
 pub(crate) use self::write::value as toml;
 use self::write::{Keys, table, tables};
 use crate::model::{BridgeKind, Flow, Transport};

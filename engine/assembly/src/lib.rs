@@ -35,7 +35,7 @@ pub use codes::CODES;
 pub use component::declaration;
 pub use context::Context;
 pub use environment::{EmptyEnvironment, Environment};
-pub use expand::expand;
+pub use expand::{beside, expand};
 pub use opened::{Opened, open, summary};
 pub use plan::Plan;
 pub use signature::{NoSpecifications, Signature, Specifications};

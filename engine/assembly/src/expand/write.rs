@@ -160,7 +160,7 @@ pub(crate) fn value(value: &Value) -> Toml {
 }
 
 /// The path of a file as the file at `root` names it.
-pub(super) fn beside(root: &str, path: &str) -> String {
+pub fn beside(root: &str, path: &str) -> String {
     let mut folder: Vec<&str> = root.split('/').collect();
     folder.pop();
     let parts: Vec<&str> = path.split('/').collect();

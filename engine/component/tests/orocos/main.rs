@@ -7,6 +7,7 @@ mod common;
 
 mod activity;
 mod deadline;
+mod hello;
 mod life_cycle;
 mod operation;
 mod outside;

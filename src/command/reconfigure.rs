@@ -1,0 +1,141 @@
+//! `asmotion reconfigure`: a running composite becomes its next version.
+
+use crate::broker::Broker;
+use crate::build;
+use crate::exit::Exit;
+use crate::files::{Disk, Remembering};
+use crate::mission::{Version, reconfigure_address};
+use crate::terminal::Terminal;
+use assembly::beside;
+use clap::Args;
+use datum::Datum;
+use remote::{Remote, RemoteError, Word};
+use std::time::Duration;
+
+/// Makes the running processes of a composite what its file says now, all of them or none, without a new start.
+#[derive(Args)]
+pub struct Reconfigure {
+    /// The composite.
+    composite: String,
+
+    /// Says what would change, and changes nothing.
+    #[arg(long = "try")]
+    only_try: bool,
+
+    /// Of several robots that run it, the one that is meant.
+    #[arg(long)]
+    robot: Option<String>,
+
+    /// Sets a property of the composite (`place=lab`), as for `asmotion run`.
+    #[arg(long, value_name = "NAME=VALUE")]
+    set: Vec<String>,
+
+    #[command(flatten)]
+    broker: Broker,
+}
+
+/// How long a process may take to check a version.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+impl Reconfigure {
+    /// Does it.
+    pub fn run(self, terminal: &mut Terminal) -> Exit {
+        let files = Remembering::new(&Disk);
+        let settings = self.set.iter().filter_map(|set| set.split_once('='));
+        let settings: Vec<_> = settings
+            .map(|(name, value)| (name.to_owned(), value.to_owned()))
+            .collect();
+        let opened = build::open(&self.composite, &settings, &files);
+        terminal.report(&opened.report, &opened.sources);
+        let Some(composite) = opened.composite.filter(|_| !opened.report.has_errors()) else {
+            return Exit::refused(&self.composite);
+        };
+        let here = |path: &str| beside(&opened.path, path);
+        let version = Version {
+            composite: here(&opened.path),
+            files: (files.read().into_iter())
+                .map(|(path, text)| (here(&path), text.to_string()))
+                .collect(),
+            only_try: true,
+        };
+        let done = self
+            .broker
+            .remote()
+            .and_then(|remote| self.change(&remote, &composite.name, version, terminal));
+        done.unwrap_or_else(|problem| {
+            terminal.error(problem);
+            Exit::Usage
+        })
+    }
+
+    /// Asks every process whether it can, and then to do it.
+    fn change(
+        &self,
+        remote: &Remote,
+        name: &str,
+        version: Version,
+        terminal: &mut Terminal,
+    ) -> Result<Exit, String> {
+        let processes = remote.processes().into_iter();
+        let processes: Vec<Word> = processes
+            .filter(|it| it.presence.composite == name)
+            .filter(|it| self.robot.as_ref().is_none_or(|robot| *robot == it.robot))
+            .collect();
+        match &*processes {
+            [] => return Err(format!("no process of `{name}` is there")),
+            [first, others @ ..] if others.iter().any(|it| it.robot != first.robot) => {
+                return Err(format!("several robots run `{name}`: say `--robot`"));
+            }
+            [_, ..] => {}
+        }
+        let ask = |version: &Version| -> Vec<Result<Vec<String>, RemoteError>> {
+            let asked = processes.iter().map(|it| ask(remote, it, version));
+            asked.collect()
+        };
+        let tried = ask(&version);
+        if tried.iter().all(Result::is_ok) && !self.only_try {
+            let version = Version {
+                only_try: false,
+                ..version
+            };
+            return Ok(tell(&processes, ask(&version), terminal));
+        }
+        let exit = tell(&processes, tried, terminal);
+        terminal.status("Unchanged", format_args!("`{name}` runs as before"));
+        Ok(exit)
+    }
+}
+
+/// Has a process take over a version, or try; says what changes.
+fn ask(remote: &Remote, process: &Word, version: &Version) -> Result<Vec<String>, RemoteError> {
+    let address = process.key(&reconfigure_address(&process.presence.process));
+    let answer = remote.call(&address, Datum::of(version)?, PATIENCE)?;
+    Ok(answer.to()?)
+}
+
+/// Tells what every process answered.
+fn tell(
+    processes: &[Word],
+    answers: Vec<Result<Vec<String>, RemoteError>>,
+    terminal: &mut Terminal,
+) -> Exit {
+    let mut exit = Exit::Ok;
+    for (process, answer) in processes.iter().zip(answers) {
+        let process = &process.presence.process;
+        match answer {
+            Ok(changes) => {
+                for change in &changes {
+                    terminal.result(format_args!("{process}: {change}"));
+                }
+                if changes.is_empty() {
+                    terminal.result(format_args!("{process}: nothing changes"));
+                }
+            }
+            Err(error) => {
+                terminal.error(format_args!("{process}: {error}"));
+                exit = Exit::Findings;
+            }
+        }
+    }
+    exit
+}

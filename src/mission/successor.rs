@@ -1,0 +1,153 @@
+//! The next version of the composite that a mission runs: it comes over the bus, is checked as the first one was, held
+//! against what runs, and taken over as a whole, or refused.
+
+use std::sync::Arc;
+
+use asm_lang::{Style, render_all};
+use assembly::reconfigure::changes;
+use assembly::{Opened, Part, Plan};
+use bus::{Bell, Bus, BusError, Call, Payload, Refusal, Serving};
+use component::{Change, Run};
+use datum::{Datum, DatumError};
+use serde::{Deserialize, Serialize};
+
+use super::Mission;
+use crate::files::Sent;
+
+/// How many versions may wait.
+const WAITING: usize = 4;
+
+/// Where a process hears of the next version: `reconfigure.onboard`.
+pub fn reconfigure_address(process: &str) -> String {
+    format!("reconfigure.{process}")
+}
+
+/// A version of a composite, for a process to become.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Version {
+    /// The composite and all that it names: paths from the composite's folder, and texts.
+    pub files: Vec<(String, String)>,
+    /// Which of them is the composite.
+    pub composite: String,
+    /// Only to say what would change.
+    pub only_try: bool,
+}
+
+/// Takes over the next versions of a running part of a composite.
+pub(super) struct Successor<'m> {
+    mission: &'m Mission,
+    part: Part,
+    /// What the process began with.
+    opened: &'m Opened,
+    /// What runs.
+    plan: Plan,
+    calls: Vec<Serving>,
+}
+
+impl<'m> Successor<'m> {
+    /// Hears of versions over these buses.
+    pub(super) fn new(
+        mission: &'m Mission,
+        opened: &'m Opened,
+        plan: &Plan,
+        part: &Part,
+        buses: impl Iterator<Item = &'m dyn Bus>,
+    ) -> Result<Self, BusError> {
+        let process = mission.process.as_deref().unwrap_or(&plan.name);
+        let address = reconfigure_address(process);
+        let serve = |bus: &dyn Bus| bus.serve(&address, WAITING, Arc::new(Bell::new()));
+        Ok(Self {
+            mission,
+            part: part.clone(),
+            opened,
+            plan: plan.clone(),
+            calls: buses.map(serve).collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// Takes over what has come.
+    pub(super) fn attend(&mut self, run: &mut dyn Run) {
+        let calls = self.calls.iter();
+        let calls: Vec<Call> = calls.filter_map(Serving::try_next).collect();
+        for call in calls {
+            let answer = self.answer(&call, run);
+            call.reply(answer.map(Payload::of));
+        }
+    }
+
+    fn answer(&mut self, call: &Call, run: &mut dyn Run) -> Result<Datum, Refusal> {
+        let bad = |error: DatumError| refusal("BAD_REQUEST", error);
+        let version: Version = (call.argument.to_datum())
+            .and_then(|version| version.to())
+            .map_err(bad)?;
+        let wanted = self.open(&version)?;
+        let mut changes = changes(&self.plan, &wanted, &self.part, &*run).map_err(|fixed| {
+            let fixed: Vec<_> = fixed.iter().map(ToString::to_string).collect();
+            refusal("NEEDS_START", fixed.join("; "))
+        })?;
+        self.keep(&mut changes);
+        if !version.only_try {
+            let changed = run.change(&changes);
+            changed.map_err(|error| refusal("REFUSED", error))?;
+            self.plan = wanted;
+        }
+        let words: Vec<_> = changes.iter().map(ToString::to_string).collect();
+        Datum::of(&words).map_err(bad)
+    }
+
+    /// The plan of a version, as this process would run it from the start.
+    fn open(&self, version: &Version) -> Result<Plan, Refusal> {
+        let sent = Sent::beside(&self.opened.path, &version.files);
+        let opened = self.mission.open(&sent.path(&version.composite), &sent);
+        if opened.report.has_errors() {
+            let findings = render_all(&opened.report, &opened.sources, Style::Plain);
+            return Err(refusal("BAD_COMPOSITE", findings));
+        }
+        if let Some(path) = sent
+            .paths()
+            .find(|path| self.is_another_specification(path, &opened))
+        {
+            let detail = format!("`{path}` is another specification");
+            return Err(refusal("NEEDS_START", detail));
+        }
+        match opened.plan(self.mission.profile.as_deref()) {
+            None => Err(refusal("BAD_COMPOSITE", "it has no such profile")),
+            Some(plan) if !plan.missing.is_empty() => {
+                let missing = plan.missing.join(", ");
+                let detail = format!("these environment variables are not set: {missing}");
+                Err(refusal("BAD_COMPOSITE", detail))
+            }
+            Some(plan) => Ok(plan.clone()),
+        }
+    }
+
+    /// Whether a file is not what this process began with.
+    fn is_another_specification(&self, path: &str, opened: &Opened) -> bool {
+        let text = |opened: &Opened| {
+            let file = opened.sources.find(path)?;
+            Some(opened.sources.shared_text(file))
+        };
+        path.ends_with(".asm") && text(self.opened) != text(opened)
+    }
+
+    /// What was set from outside when the mission began holds over every version.
+    fn keep(&self, changes: &mut Vec<Change>) {
+        let set = |of: &str, name: &str| {
+            let mut set = self.mission.properties.iter();
+            set.any(|(component, property, _)| component == of && property == name)
+        };
+        for change in &mut *changes {
+            if let Change::Set { component, values } = change {
+                values.retain(|(name, _)| !set(component, name));
+            }
+        }
+        changes.retain(|it| !matches!(it, Change::Set { values, .. } if values.is_empty()));
+    }
+}
+
+fn refusal(code: &str, detail: impl ToString) -> Refusal {
+    Refusal {
+        code: code.to_owned(),
+        detail: detail.to_string(),
+    }
+}

@@ -1,0 +1,82 @@
+//! C18: a running composite becomes its next version without a new start, or stays what it is.
+
+use crate::processes::{Running, over, there, three_processes, tool};
+
+#[test]
+fn c18_a_running_composite_becomes_its_next_version_or_stays_what_it_is() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let (user, address) = (broker.user(), broker.address());
+    let url = format!("amqp://{user}@{address}/{}", vhost.name());
+    let folder = tempfile::tempdir().unwrap();
+    let composite = three_processes(folder.path());
+    let path = composite.to_str().unwrap();
+    let first = std::fs::read_to_string(&composite).unwrap();
+    let becomes = |changes: &[(&str, &str)]| {
+        let mut text = first.clone();
+        for (from, to) in changes {
+            assert!(text.contains(from), "{from}");
+            text = text.replacen(from, to, 1);
+        }
+        std::fs::write(&composite, text).unwrap();
+    };
+    let names = ["onboard", "planning"];
+    let running =
+        names.map(|process| Running::start(&mut over(&composite, &broker, &vhost, Some(process))));
+    names.iter().for_each(|name| there(&vhost, name));
+    let reconfigure = |more: &[&str]| {
+        let arguments = [&["reconfigure", path], more].concat();
+        tool(&broker, &url, &arguments)
+    };
+    let (code, out, err) = reconfigure(&[]);
+    assert_eq!(code, Some(0), "{err}");
+    assert_eq!(out, "onboard: nothing changes\nplanning: nothing changes\n");
+
+    // what is wrong is shown at its place, and nobody hears of it
+    becomes(&[(
+        "to     = \"RoverDriver.twist\"",
+        "to     = \"RoverDriver.twits\"",
+    )]);
+    let (code, _, err) = reconfigure(&[]);
+    assert_eq!(code, Some(1), "{err}");
+    assert!(err.contains("twits"), "{err}");
+
+    // one process cannot, so none does
+    let faster = (
+        "rust = \"nav::sim::RoverDriver\" }\nactivity  = { period_ms = 20 }",
+        "rust = \"nav::sim::RoverDriver\" }\nactivity  = { period_ms = 10 }",
+    );
+    becomes(&[faster, ("id = \"planner\"", "id = \"another\"")]);
+    let (code, out, err) = reconfigure(&[]);
+    assert_eq!(code, Some(1), "{err}");
+    assert!(
+        out.contains("onboard: `RoverDriver` cycles every 10ms"),
+        "{out}"
+    );
+    assert!(
+        err.contains("planning: `TrajectoryPlanner` differs in more"),
+        "{err}"
+    );
+    assert!(err.contains("runs as before"), "{err}");
+
+    let noisy = (
+        "properties = { seed = \"${properties.seed}\" }",
+        "properties = { seed = \"${properties.seed}\", noise_m = 0.125 }",
+    );
+    becomes(&[faster, noisy]);
+    let expected = "onboard: `LaserDriver` has noise_m = 0.125\n\
+                    onboard: `RoverDriver` cycles every 10ms\n\
+                    planning: nothing changes\n";
+    let (code, out, err) = reconfigure(&["--try"]);
+    assert_eq!((code, &*out), (Some(0), expected), "{err}");
+    let (code, out, err) = reconfigure(&[]);
+    assert_eq!((code, &*out), (Some(0), expected), "{err}");
+    let (_, out, err) = tool(&broker, &url, &["component", "info", "LaserDriver"]);
+    assert!(out.contains("noise_m = 0.125"), "{out}{err}");
+    let (code, out, _) = reconfigure(&[]);
+    assert_eq!(code, Some(0));
+    assert_eq!(out, "onboard: nothing changes\nplanning: nothing changes\n");
+    for process in running {
+        assert!(process.interrupt().status.success());
+    }
+}
