@@ -94,11 +94,11 @@ fn ports_are_read_and_written_and_the_life_cycle_is_driven_from_outside() {
 type Said = (Option<i32>, String, String);
 
 /// O12: properties are saved, compared and loaded.
-fn properties(tool: &dyn Fn(&[&str]) -> Said) {
+fn properties(all: &dyn Fn(&[&str]) -> Said) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("laser.toml");
     let file = path.to_str().unwrap();
-    let tool = |what: &str| tool(&["component", what, "LaserDriver", file]);
+    let tool = |what: &str| all(&["component", what, "LaserDriver", file]);
     let (code, _, err) = tool("save");
     assert_eq!(code, Some(0), "{err}");
     let saved = std::fs::read_to_string(&path).unwrap();
@@ -114,6 +114,20 @@ fn properties(tool: &dyn Fn(&[&str]) -> Said) {
     assert_eq!(code, Some(0), "{err}");
     assert!(err.contains("Kept"), "{err}");
     assert!(!tool("diff").1.contains("noise_m"));
+
+    // as RTT writes it
+    let cpf = folder.path().join("laser.cpf");
+    let simple = "<simple name=\"noise_m\" type=\"double\"><value>0.125</value></simple>";
+    let text = format!("<?xml version=\"1.0\"?>\n<properties>{simple}</properties>\n");
+    std::fs::write(&cpf, text).unwrap();
+    let loaded = all(&["component", "load", "LaserDriver", cpf.to_str().unwrap()]);
+    assert_eq!(loaded.0, Some(0), "{}", loaded.2);
+    assert!(
+        tool("diff")
+            .1
+            .contains("noise_m: 0.25 in the file, 0.125 there")
+    );
+    assert_eq!(tool("load").0, Some(0));
 
     std::fs::write(&path, "noise_m = 0.5\nnoise = 1\n").unwrap();
     let (code, _, err) = tool("load");

@@ -54,7 +54,7 @@ fn c18_a_running_composite_becomes_its_next_version_or_stays_what_it_is() {
         "{out}"
     );
     assert!(
-        err.contains("planning: `TrajectoryPlanner` differs in more"),
+        err.contains("planning: NEEDS_START: `TrajectoryPlanner` differs in more"),
         "{err}"
     );
     assert!(err.contains("runs as before"), "{err}");

@@ -67,6 +67,7 @@ pub fn changes(
 
 /// The tables that differ and must not.
 fn tables(running: &Plan, wanted: &Plan) -> Vec<Fixed> {
+    let placed = |plan: &Plan| (plan.processes.clone(), plan.restart.clone());
     let same = [
         ("the name", running.name == wanted.name),
         ("the profile", running.profile == wanted.profile),
@@ -74,7 +75,7 @@ fn tables(running: &Plan, wanted: &Plan) -> Vec<Fixed> {
         ("`bridges`", running.bridges == wanted.bridges),
         ("`topics`", running.topics == wanted.topics),
         ("`promote`", running.promoted == wanted.promoted),
-        ("`deploy`", running.processes == wanted.processes),
+        ("`deploy`", placed(running) == placed(wanted)),
     ];
     let differs = same.into_iter().filter(|(_, same)| !same);
     differs.map(|(table, _)| Fixed::Table(table)).collect()
@@ -118,7 +119,8 @@ impl Difference<'_> {
             self.begins.push(Change::Set { component, values });
         }
         let drive = |(it, plan)| start::activity(it, plan).drive;
-        if drive(before) != drive(after) {
+        let own_pace = after.0.pace.master.is_none();
+        if own_pace && drive(before) != drive(after) {
             self.begins.push(Change::SetPeriod {
                 component: name.clone(),
                 period: drive(after).period().unwrap_or_default(),

@@ -60,29 +60,10 @@ impl Table {
     /// there.
     pub fn lay(&mut self, over: Self) {
         for entry in over.entries {
-            let key = &entry.key.value;
-            let known = self.entries.iter_mut().find(|it| it.key.value == *key);
-            match (known, entry) {
-                (
-                    Some(Entry {
-                        node:
-                            Node {
-                                value: Branch::Table(under),
-                                ..
-                            },
-                        ..
-                    }),
-                    Entry {
-                        node:
-                            Node {
-                                value: Branch::Table(over),
-                                ..
-                            },
-                        ..
-                    },
-                ) => under.lay(over),
-                (Some(known), entry) => *known = entry,
-                (None, entry) => self.entries.push(entry),
+            let mut known = self.entries.iter_mut();
+            match known.find(|known| known.key.value == entry.key.value) {
+                Some(known) => known.lay(entry),
+                None => self.entries.push(entry),
             }
         }
     }
@@ -96,6 +77,20 @@ impl Table {
                 key: At::new(key.to_owned(), span),
                 node: Node { span, value },
             }),
+        }
+    }
+}
+
+impl Entry {
+    fn lay(&mut self, over: Self) {
+        let Self { key, node } = over;
+        match (&mut self.node.value, node.value) {
+            (Branch::Table(under), Branch::Table(over)) => under.lay(over),
+            (_, value) => {
+                let span = node.span;
+                let node = Node { span, value };
+                *self = Self { key, node };
+            }
         }
     }
 }

@@ -30,6 +30,8 @@ pub(crate) struct Status {
     state: AtomicU8,
     target: AtomicU8,
     pub cycles: AtomicU64,
+    /// The present period in nanoseconds; none for what has none.
+    period: AtomicU64,
     /// Periods missed.
     pub overruns: AtomicU64,
     /// Cycles that took longer than their deadline.
@@ -60,6 +62,7 @@ impl Status {
             state: AtomicU8::new(state as u8),
             target: AtomicU8::new(state as u8),
             cycles: AtomicU64::new(0),
+            period: AtomicU64::new(0),
             overruns: AtomicU64::new(0),
             late: AtomicU64::new(0),
             spent: AtomicU64::new(0),
@@ -102,6 +105,15 @@ impl Status {
             total: Duration::from_nanos(self.spent.load(Ordering::Relaxed)),
             longest: Duration::from_nanos(self.longest.load(Ordering::Relaxed)),
         }
+    }
+
+    pub(crate) fn period(&self) -> Duration {
+        Duration::from_nanos(self.period.load(Ordering::Relaxed))
+    }
+
+    pub(crate) fn set_period(&self, period: Duration) {
+        let nanos = u64::try_from(period.as_nanos()).unwrap_or(u64::MAX);
+        self.period.store(nanos, Ordering::Relaxed);
     }
 
     pub(crate) fn losses(&self) -> Losses {

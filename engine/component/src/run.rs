@@ -131,6 +131,9 @@ pub trait Run {
     /// How many cycles a component has begun; none for one that does not exist.
     fn cycles(&self, component: &str) -> u64;
 
+    /// How often a component shall cycle, as of now; zero for one without period.
+    fn period(&self, component: &str) -> Duration;
+
     /// How many periods a component has missed.
     fn overruns(&self, component: &str) -> u64;
 

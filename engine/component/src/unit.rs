@@ -14,8 +14,8 @@ use crate::fault::guarded;
 use crate::outside::{Leaving, Outside};
 use crate::property::PropertyError;
 use crate::{
-    Activity, Component, Cycle, Event, Fault, LifeCycleError, OnException, Setup, State, Time,
-    Transition,
+    Activity, Component, Cycle, Drive, Event, Fault, LifeCycleError, OnException, Setup, State,
+    Time, Transition,
 };
 
 /// A component that an executor drives.
@@ -62,6 +62,7 @@ impl Unit {
     pub(crate) fn take_up(&mut self) {
         self.state = State::PreOperational;
         self.status.enter(self.state);
+        self.set_drive(self.activity.drive);
     }
 
     /// What everybody may know of it.
@@ -126,11 +127,12 @@ impl Unit {
     }
 
     fn commit(&mut self, error: Option<Fault>, now: Time, outside: &mut dyn Outside) {
-        let drive = &mut self.activity.drive;
+        let mut drive = self.activity.drive;
         let committed = self.body.commit(
             &mut leaving(&self.name, self.index, now, outside),
-            |period| *drive = drive.with_period(period),
+            |period| drive = drive.with_period(period),
         );
+        self.set_drive(drive);
         match error.or(committed.err()) {
             Some(fault) => {
                 self.note(fault, now, outside);
@@ -337,7 +339,12 @@ impl Unit {
 
     /// Changes the period of a component that has one or is event-driven; zero means event-driven.
     pub(crate) fn set_period(&mut self, period: Duration) {
-        self.activity.drive = self.activity.drive.with_period(period);
+        self.set_drive(self.activity.drive.with_period(period));
+    }
+
+    fn set_drive(&mut self, drive: Drive) {
+        self.activity.drive = drive;
+        self.status.set_period(drive.period().unwrap_or_default());
     }
 
     /// Parts a reference from a service.

@@ -92,8 +92,10 @@ fn t16_a_period_changes_from_the_next_cycle_on_and_zero_means_event_driven() {
     let mut run = system.simulate();
     run.run_until(at(20));
     run.set_period("Counter", 50.ms()).unwrap();
+    assert_eq!(run.period("Counter"), 50.ms());
     run.run_until(at(130));
     run.set_period("Counter", 0.ms()).unwrap();
+    assert_eq!(run.period("Counter"), 0.ms());
     run.run_until(at(300));
     run.trigger("Counter").unwrap();
     run.run_until(at(400));
@@ -123,7 +125,9 @@ fn t16_a_component_changes_its_own_period() {
     system
         .add("Slowing", Activity::periodic(10.ms()), slowing)
         .unwrap();
-    system.simulate().run_until(at(110));
+    let mut run = system.simulate();
+    run.run_until(at(110));
+    assert_eq!(run.period("Slowing"), 40.ms());
     let times: Vec<_> = log
         .samples::<Number>("Slowing.n")
         .into_iter()

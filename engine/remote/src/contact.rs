@@ -19,7 +19,6 @@ const WAITING: usize = 16;
 
 /// The contact of a process over a bus: attended to again and again while the system runs.
 pub struct Contact<'p> {
-    plan: &'p Plan,
     origin: Origin,
     herald: Herald<'p>,
     bus: &'p dyn Bus,
@@ -52,7 +51,6 @@ impl<'p> Contact<'p> {
             overflow: Overflow::DropOldest,
         };
         Ok(Self {
-            plan,
             origin: Origin::new(process, incarnation),
             presences: bus.subscribe(process, &everyone, queue, Arc::clone(&bell))?,
             herald: Herald::new(plan, part, process, bus, incarnation)?,
@@ -115,7 +113,7 @@ impl<'p> Contact<'p> {
         let order: Order = order
             .and_then(|order| order.to())
             .map_err(|error| Reason::BadRequest.refusal(error))?;
-        let begun = order.begin(self.plan, run, &self.newest);
+        let begun = order.begin(run, &self.newest);
         begun.map_err(|error| error.reason().refusal(error))
     }
 

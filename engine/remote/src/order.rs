@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use assembly::Plan;
 use component::declaration::{Declaration, PortDeclaration};
 use component::{Asked, Run, RunError, Transition};
 use datum::{Datum, Schema};
@@ -69,12 +68,7 @@ impl Order {
     ///
     /// # Errors
     /// There is no such component or port, the port goes the other way, takes another type, or has no data.
-    pub fn begin(
-        &self,
-        plan: &Plan,
-        run: &mut dyn Run,
-        newest: &Newest,
-    ) -> Result<Begun, OrderError> {
+    pub fn begin(&self, run: &mut dyn Run, newest: &Newest) -> Result<Begun, OrderError> {
         let mut go = |transition| {
             let asked = run.begin_transition(&self.component, transition)?;
             Ok(Begun::Asked(asked))
@@ -92,7 +86,7 @@ impl Order {
             }
             Wish::Look => {
                 self.declared(run)?;
-                let present = Present::of(&self.component, plan, run);
+                let present = Present::of(&self.component, run);
                 Ok(Begun::Done(Datum::of(&present)?))
             }
             Wish::Describe => Ok(Begun::Done(Datum::of(&self.declared(run)?)?)),

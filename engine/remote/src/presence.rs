@@ -176,10 +176,7 @@ impl Presence {
             composite: plan.name.clone(),
             process: process.to_owned(),
             leaves: false,
-            components: names
-                .iter()
-                .map(|name| Present::of(name, plan, run))
-                .collect(),
+            components: names.iter().map(|name| Present::of(name, run)).collect(),
             topics: topics(plan, part),
             joined: joined(plan, part),
         }
@@ -236,7 +233,7 @@ fn topics(plan: &Plan, part: &Part) -> Vec<PresentTopic> {
 
 impl Present {
     /// What there is to say of a component.
-    pub(crate) fn of(name: &str, plan: &Plan, run: &mut dyn Run) -> Self {
+    pub(crate) fn of(name: &str, run: &mut dyn Run) -> Self {
         let declared = run.declaration(name).unwrap_or_default();
         let typed = |ports: &[component::declaration::PortDeclaration]| {
             let typed = ports.iter().map(|port| Typed {
@@ -253,7 +250,7 @@ impl Present {
                 .as_ref()
                 .map(State::to_string)
                 .unwrap_or_default(),
-            period_ms: plan.component(name).map_or(0, |it| it.pace.period_ms),
+            period_ms: u64::try_from(run.period(name).as_millis()).unwrap_or(u64::MAX),
             cycles: run.cycles(name),
             rate_hz: 0.0,
             overruns: run.overruns(name),

@@ -1,6 +1,7 @@
 //! SCDL, the XML in which the Service Component Architecture writes composites: read into composites
-//! of this engine, and written from them.
+//! of this engine, and written from them. And CPF, that in which Orocos RTT keeps properties.
 
+mod cpf;
 mod export;
 mod finding;
 mod import;
@@ -15,6 +16,7 @@ mod value;
 mod write;
 mod xml;
 
+pub use cpf::{Cpf, cpf};
 pub use export::{Exported, export};
 pub use finding::CODES;
 pub use import::{Imported, import};

@@ -95,3 +95,34 @@ fn it_refuses_what_is_no_scdl() {
         assert!(imported.report.has_errors(), "{text:.60}");
     }
 }
+
+const CPF: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<!DOCTYPE properties SYSTEM "cpf.dtd">
+<properties>
+  <description>of a controller</description>
+  <simple name="kp" type="double"><description>gain</description><value>2.5</value></simple>
+  <simple name="on" type="boolean"><value>1</value></simple>
+  <simple name="count" type="long"><value>many</value></simple>
+  <sequence name="limits" type="list">
+    <simple type="double"><value>-1</value></simple>
+    <simple type="double"><value>1</value></simple>
+  </sequence>
+  <struct name="frame" type="frame"><simple name="id" type="string"><value>map</value></simple></struct>
+  <simpel name="ki" type="double"><value>1</value></simpel>
+  <simple type="double"><value>3</value></simple>
+</properties>
+"#;
+
+#[test]
+fn o12_properties_of_rtt_are_read_with_their_places() {
+    let read = scdl::cpf("pid.cpf", CPF);
+    let keys = read.properties.entries.iter();
+    let keys: Vec<_> = keys
+        .map(|entry| {
+            let (key, value) = (&entry.key, read.sources.snippet(entry.node.span));
+            format!("{}: {} {value}", key.value, entry.node.value.describe())
+        })
+        .collect();
+    let found = rendered(&read.report, &read.sources);
+    insta::assert_snapshot!(format!("{}\n==== findings\n{found}", keys.join("\n")));
+}

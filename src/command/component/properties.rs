@@ -4,9 +4,11 @@ use crate::exit::Exit;
 use crate::files::{Disk, reason};
 use crate::terminal::{Terminal, count};
 use asm_lang::Loader;
+use assembly::declaration::Declaration;
 use assembly::property_file::{self, Read};
 use clap::Subcommand;
 use remote::Remote;
+use scdl::Cpf;
 use std::error::Error;
 
 /// What is done with a file of properties.
@@ -25,7 +27,7 @@ pub(super) enum Properties {
         /// Its name
         name: String,
 
-        /// The file, as `save` writes it
+        /// The file, as `save` writes it, or of RTT (`.cpf`)
         file: String,
     },
     /// Shows where the properties of a file and those of a component differ
@@ -101,6 +103,16 @@ fn diff(
     })
 }
 
+/// The properties of a CPF file, checked likewise.
+fn of_rtt(cpf: Cpf, component: &str, declared: &Declaration) -> Read {
+    let mut read = property_file::of_tree(&cpf.properties, component, declared);
+    read.report.extend(cpf.report);
+    Read {
+        sources: cpf.sources,
+        ..read
+    }
+}
+
 /// The file, checked against what the component declares; nothing where an error is in it, which is told.
 fn read(
     component: &remote::Component,
@@ -109,7 +121,11 @@ fn read(
 ) -> Result<Option<Read>, Box<dyn Error>> {
     let text = Disk.read(file);
     let text = text.map_err(|error| format!("cannot read `{file}`: {}", error.reason))?;
-    let read = property_file::read(file, &text, component.name(), &component.declaration()?);
+    let (name, declared) = (component.name(), component.declaration()?);
+    let read = match file.ends_with(".cpf") || file.ends_with(".xml") {
+        true => of_rtt(scdl::cpf(file, &text), name, &declared),
+        false => property_file::read(file, &text, name, &declared),
+    };
     terminal.report(&read.report, &read.sources);
     if read.report.has_errors() {
         terminal.error(count(&read.report).unwrap_or_default());

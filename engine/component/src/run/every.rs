@@ -271,6 +271,11 @@ impl<E: Executor> Run for E {
         face.map_or(0, |face| face.status.cycles.load(Ordering::Relaxed))
     }
 
+    fn period(&self, component: &str) -> Duration {
+        let face = self.face(component);
+        face.map_or(Duration::ZERO, |face| face.status.period())
+    }
+
     fn overruns(&self, component: &str) -> u64 {
         let face = self.face(component);
         face.map_or(0, |face| face.status.overruns.load(Ordering::Relaxed))

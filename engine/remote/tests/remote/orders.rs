@@ -1,15 +1,14 @@
 //! Orders to a running system: ports are read and written, shapes described, the life cycle is driven.
 
-use assembly::{Opened, Standard};
+use assembly::Standard;
 use component::{Run, Simulation, Span, State};
 use datum::Datum;
 use remote::{Begun, Newest, Order, Wish};
 
 use crate::driver::{self, BUILD, files, open};
 
-/// A system in simulated time, its plan, and what has left its outputs.
+/// A system in simulated time, and what has left its outputs.
 struct Driven {
-    opened: Opened,
     run: Simulation,
     newest: Newest,
 }
@@ -27,18 +26,13 @@ fn driver() -> Driven {
     let newest = Newest::default();
     system.observe(newest.clone());
     let run = system.simulate();
-    Driven {
-        opened,
-        run,
-        newest,
-    }
+    Driven { run, newest }
 }
 
 /// What is answered, or the code and the words of a refusal.
 fn order(driven: &mut Driven, component: &str, wish: Wish) -> Result<Datum, String> {
     let component = component.to_owned();
-    let plan = driven.opened.plan(None).expect("a plan");
-    let begun = Order { component, wish }.begin(plan, &mut driven.run, &driven.newest);
+    let begun = Order { component, wish }.begin(&mut driven.run, &driven.newest);
     let refused = |code: &str, reason: String| format!("{code}: {reason}");
     match begun.map_err(|error| refused(error.reason().code(), error.to_string()))? {
         Begun::Done(answer) => Ok(answer),

@@ -1,0 +1,146 @@
+//! CPF, the XML in which Orocos RTT keeps the properties of a component: read as if it were a table of TOML.
+
+use assembly::At;
+use assembly::tree::{Branch, Entry, Node, Table};
+use source::{Report, Sources, Span};
+
+use crate::finding::ScdlError;
+use crate::xml::{self, Element};
+
+/// A file of properties that was read.
+pub struct Cpf {
+    /// Its text; the findings point into it.
+    pub sources: Sources,
+    /// What is wrong with it.
+    pub report: Report,
+    /// The properties, each at its place.
+    pub properties: Table,
+}
+
+/// Reads a CPF file.
+pub fn cpf(path: &str, text: &str) -> Cpf {
+    let mut sources = Sources::new();
+    let file = sources.add(path, text);
+    let mut report = Report::new();
+    let properties = match xml::parse(file, text) {
+        Ok(root) => table(&root, &mut report),
+        Err(error) => {
+            report.push(error.diagnostic());
+            Table::default()
+        }
+    };
+    Cpf {
+        sources,
+        report,
+        properties,
+    }
+}
+
+/// The elements in another one, by name.
+fn table(outer: &Element, report: &mut Report) -> Table {
+    let named = outer.children.iter().filter_map(|element| {
+        let (name, value) = (name(element), value(element, report)?);
+        let Some(key) = name else {
+            let missing = ScdlError::Missing {
+                element: element.name.value.clone(),
+                attribute: "name",
+                at: element.span,
+            };
+            report.push(missing.diagnostic());
+            return None;
+        };
+        let node = Node {
+            span: place(element),
+            value,
+        };
+        Some(Entry { key, node })
+    });
+    Table {
+        entries: named.collect(),
+    }
+}
+
+/// What an element holds; nothing for what is no property, as a description.
+fn value(element: &Element, report: &mut Report) -> Option<Branch> {
+    let kind = attribute(element, "type").map_or("", |kind| &kind.value);
+    match (element.name.value.as_str(), kind) {
+        ("simple", kind) => simple(element, kind, report),
+        ("sequence", _) | ("struct", "array") => {
+            let items = element.children.iter().filter_map(|item| {
+                let value = value(item, report)?;
+                let span = place(item);
+                Some(Node { span, value })
+            });
+            Some(Branch::List(items.collect()))
+        }
+        ("struct" | "properties", _) => Some(Branch::Table(table(element, report))),
+        ("description", _) => None,
+        (name, _) => {
+            let unknown = ScdlError::Unknown {
+                what: "element of CPF",
+                name: name.to_owned(),
+                nearest: None,
+                at: element.name.span,
+            };
+            report.push(unknown.diagnostic());
+            None
+        }
+    }
+}
+
+fn simple(element: &Element, kind: &str, report: &mut Report) -> Option<Branch> {
+    let written = written(element);
+    let (value, wanted) = match kind {
+        "boolean" => {
+            let truth = match written {
+                "1" | "true" => Some(true),
+                "0" | "false" => Some(false),
+                _ => None,
+            };
+            (truth.map(Branch::Boolean), "`0` or `1`")
+        }
+        "float" | "double" => {
+            let number = written.parse().ok();
+            (number.map(Branch::Float), "a number")
+        }
+        "string" | "char" => (Some(Branch::Text(written.to_owned())), "a text"),
+        "octet" | "short" | "ushort" | "long" | "ulong" | "longlong" | "ulonglong" => {
+            let number = written.parse().ok();
+            (number.map(Branch::Integer), "a whole number")
+        }
+        _ => (None, "of a type of CPF, as `double`"),
+    };
+    if value.is_none() {
+        let wrong = ScdlError::WrongValue {
+            name: name(element).map_or_else(String::new, |name| name.value),
+            value: written.to_owned(),
+            wanted,
+            at: place(element),
+        };
+        report.push(wrong.diagnostic());
+    }
+    value
+}
+
+fn name(element: &Element) -> Option<At<String>> {
+    attribute(element, "name").cloned()
+}
+
+fn attribute<'e>(element: &'e Element, name: &str) -> Option<&'e At<String>> {
+    let mut attributes = element.attributes.iter();
+    attributes.find(|it| it.name == name).map(|it| &it.value)
+}
+
+/// The text of the value in an element.
+fn written(element: &Element) -> &str {
+    let mut children = element.children.iter();
+    let value = children.find(|child| child.name.value == "value");
+    value.map_or("", |value| &value.text.value)
+}
+
+/// Where the value of an element stands.
+fn place(element: &Element) -> Span {
+    let mut children = element.children.iter();
+    let value = children.find(|child| child.name.value == "value");
+    value.map_or(element.span, |value| value.text.span)
+}
