@@ -179,9 +179,7 @@ impl Mission {
         };
         connected.iter().map(contact).collect()
     }
-}
 
-impl Mission {
     /// Who takes over the next versions of the composite, from the buses.
     pub(super) fn successor<'m>(
         &'m self,

@@ -109,9 +109,9 @@ pub(super) struct Planning<'r, E: Executor> {
     run: &'r mut E,
     /// Inputs get their new connections, so that nothing is written to nobody.
     first: Vec<(usize, Act)>,
-    /// All else, but
+    /// All else.
     then: Vec<(usize, Act)>,
-    /// inputs lose connections only when nobody writes there any more.
+    /// Inputs lose connections when nobody writes there any more.
     last: Vec<(usize, Act)>,
     /// How the joints become again what they were.
     undo: Vec<Undo>,
