@@ -1,14 +1,9 @@
-//! The kinematics of the KUKA youBot's arm, forward and backward in closed form.
+//! The KUKA youBot's arm: its lengths, its ranges, and where its hand is.
 //!
 //! Lengths and ranges are those of KUKA's data sheet, as `youbot_description` has them: axis 2 stands 33 mm before and
 //! 147 mm above the foot of axis 1, upper arm 155 mm, forearm 135 mm, hand 217.5 mm; ranges ±169°, −65°…90°,
 //! −151°…146°, ±102.5°, ±167.5°. All joints at zero, the arm stands upright; joint 1 turns counter-clockwise seen from
 //! above, joints 2 to 4 lean forward.
-//!
-//! The arm is a turning plane with three parallel joints in it, so the hand can point only along that plane: five
-//! joints reach five of the six dimensions of a pose.
-
-use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
@@ -32,75 +27,6 @@ pub struct Arm {
     pub ranges: [(f64, f64); 5],
 }
 
-/// How far a goal may point out of the arm's plane, rad.
-const OUT_OF_PLANE: f64 = 1e-3;
-
-/// What counts as nothing: m, and sines.
-const NOTHING: f64 = 1e-9;
-
-/// Why no posture brings the hand there.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Unreachable {
-    /// The pose is none.
-    #[error("the goal has a coordinate that is no number, or no orientation")]
-    BadPose,
-    /// The hand would have to point sideways.
-    #[error(
-        "the hand can only point along the plane of the arm, and the goal points {angle:.3} rad out of it"
-    )]
-    OutOfPlane {
-        /// How far, rad.
-        angle: f64,
-    },
-    /// The wrist cannot be so far away.
-    #[error(
-        "the wrist would be {distance:.3} m from the shoulder, and the arm is {reach:.3} m long"
-    )]
-    TooFar {
-        /// From axis 2 to axis 4, m.
-        distance: f64,
-        /// Upper arm and forearm, m.
-        reach: f64,
-    },
-    /// The wrist cannot be so near.
-    #[error(
-        "the wrist would be {distance:.3} m from the shoulder, and the arm folds to {least:.3} m only"
-    )]
-    TooNear {
-        /// From axis 2 to axis 4, m.
-        distance: f64,
-        /// The difference of upper arm and forearm, m.
-        least: f64,
-    },
-    /// A joint would have to turn too far.
-    #[error(
-        "joint {joint} would be at {position:.3} rad, and turns from {least:.3} to {greatest:.3} only"
-    )]
-    JointLimit {
-        /// Its number, from 1.
-        joint: usize,
-        /// Where it would be, rad.
-        position: f64,
-        /// Its range, rad.
-        least: f64,
-        /// Its range, rad.
-        greatest: f64,
-    },
-}
-
-impl Unreachable {
-    /// The code of a fault of a service.
-    pub fn code(&self) -> &'static str {
-        match self {
-            Self::BadPose => "BAD_POSE",
-            Self::OutOfPlane { .. } => "OUT_OF_PLANE",
-            Self::TooFar { .. } => "TOO_FAR",
-            Self::TooNear { .. } => "TOO_NEAR",
-            Self::JointLimit { .. } => "JOINT_LIMIT",
-        }
-    }
-}
-
 impl Default for Arm {
     /// KUKA's youBot.
     fn default() -> Self {
@@ -122,18 +48,6 @@ impl Default for Arm {
     }
 }
 
-/// A goal in the plane of the arm: the wrist seen from the shoulder, and where the hand points.
-struct Planar {
-    /// Joint 1.
-    turn: f64,
-    forward: f64,
-    up: f64,
-    /// From upright, forward.
-    pitch: f64,
-    /// Joint 5.
-    roll: f64,
-}
-
 impl Arm {
     /// Where the hand is in this posture, in the frame of the foot; z points out of the hand.
     pub fn forward(&self, [turn, shoulder, elbow, wrist, roll]: Joints) -> Isometry3<f64> {
@@ -150,261 +64,20 @@ impl Arm {
             * along(self.hand)
             * about_z(roll)
     }
-
-    /// The posture that brings the hand there; of several the one nearest to `near`.
-    ///
-    /// # Errors
-    /// Why none does. Of several reasons the one of the posture that comes closest.
-    pub fn inverse(&self, goal: &Isometry3<f64>, near: &Joints) -> Result<Joints, Unreachable> {
-        let coordinates = goal
-            .translation
-            .vector
-            .iter()
-            .chain(goal.rotation.coords.iter());
-        if !coordinates.copied().all(f64::is_finite) {
-            return Err(Unreachable::BadPose);
-        }
-        let mut best: Option<Joints> = None;
-        let mut reason: Option<Unreachable> = None;
-        for turn in turns(goal, near) {
-            let postures = self
-                .planar(goal, turn)
-                .and_then(|planar| self.postures(&planar));
-            for posture in postures.iter().flatten() {
-                match self.beyond(posture) {
-                    None if best.is_none_or(|best| far(posture, near) < far(&best, near)) => {
-                        best = Some(*posture);
-                    }
-                    None => {}
-                    Some(limit) => keep_closer(&mut reason, limit),
-                }
-            }
-            if let Err(why) = postures {
-                keep_closer(&mut reason, why);
-            }
-        }
-        best.ok_or_else(|| reason.unwrap_or(Unreachable::BadPose))
-    }
-
-    /// The goal in the plane to which joint 1 turns the arm.
-    fn planar(&self, goal: &Isometry3<f64>, turn: f64) -> Result<Planar, Unreachable> {
-        let back = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -turn);
-        let place = back * goal.translation.vector;
-        let rotation = back * goal.rotation;
-        let pointing = rotation * Vector3::z();
-        let angle = pointing.y.abs().min(1.0).asin();
-        if angle > OUT_OF_PLANE {
-            return Err(Unreachable::OutOfPlane { angle });
-        }
-        let pitch = pointing.x.atan2(pointing.z);
-        let rolled = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -pitch) * rotation;
-        let side = rolled * Vector3::x();
-        Ok(Planar {
-            turn,
-            forward: place.x - self.offset - self.hand * pitch.sin(),
-            up: place.z - self.height - self.hand * pitch.cos(),
-            pitch,
-            roll: side.y.atan2(side.x),
-        })
-    }
-
-    /// Both postures: elbow on the one side, and on the other.
-    fn postures(&self, planar: &Planar) -> Result<[Joints; 2], Unreachable> {
-        let Planar {
-            forward, up, pitch, ..
-        } = *planar;
-        let (upper, fore) = (self.upper, self.fore);
-        let distance = forward.hypot(up);
-        let cosine = (distance.powi(2) - upper.powi(2) - fore.powi(2)) / (2.0 * upper * fore);
-        if cosine > 1.0 + NOTHING {
-            let reach = upper + fore;
-            return Err(Unreachable::TooFar { distance, reach });
-        }
-        if cosine < -1.0 - NOTHING {
-            let least = (upper - fore).abs();
-            return Err(Unreachable::TooNear { distance, least });
-        }
-        let bend = cosine.clamp(-1.0, 1.0).acos();
-        Ok([bend, -bend].map(|elbow| {
-            let (sin, cos) = elbow.sin_cos();
-            let shoulder = forward.atan2(up) - (fore * sin).atan2(upper + fore * cos);
-            let wrist = pitch - shoulder - elbow;
-            [
-                planar.turn,
-                wrapped(shoulder),
-                elbow,
-                wrapped(wrist),
-                planar.roll,
-            ]
-        }))
-    }
-
-    /// The joint that would have to turn farthest beyond its range.
-    fn beyond(&self, posture: &Joints) -> Option<Unreachable> {
-        let limits = posture.iter().zip(&self.ranges).enumerate();
-        let beyond = limits.map(|(index, (&position, &(least, greatest)))| {
-            let excess = (least - position).max(position - greatest);
-            let joint = index + 1;
-            (
-                excess,
-                Unreachable::JointLimit {
-                    joint,
-                    position,
-                    least,
-                    greatest,
-                },
-            )
-        });
-        let worst = beyond.max_by(|(one, _), (other, _)| one.total_cmp(other));
-        worst
-            .filter(|(excess, _)| *excess > NOTHING)
-            .map(|(_, limit)| limit)
-    }
-}
-
-/// To where joint 1 may turn the arm: to the goal, or away from it; above the foot, to where the hand points.
-fn turns(goal: &Isometry3<f64>, near: &Joints) -> [f64; 2] {
-    let place = goal.translation.vector;
-    let pointing = goal.rotation * Vector3::z();
-    let to = |direction: Vector3<f64>| {
-        (direction.x.hypot(direction.y) > NOTHING).then(|| direction.y.atan2(direction.x))
-    };
-    // straight above, pointing straight up or down: any turn will do, so none is made
-    let turn = to(place).or_else(|| to(pointing)).unwrap_or(near[0]);
-    [turn, wrapped(turn + PI)]
-}
-
-/// How close a reason comes to a posture: one of the limits is nearer than the wrong distance or direction.
-fn keep_closer(reason: &mut Option<Unreachable>, other: Unreachable) {
-    let rank = |reason: &Unreachable| match reason {
-        Unreachable::JointLimit {
-            position,
-            least,
-            greatest,
-            ..
-        } => (0, (least - position).max(position - greatest)),
-        Unreachable::TooFar { distance, reach } => (1, distance - reach),
-        Unreachable::TooNear { distance, least } => (1, least - distance),
-        Unreachable::OutOfPlane { angle } => (2, *angle),
-        Unreachable::BadPose => (3, 0.0),
-    };
-    if reason
-        .as_ref()
-        .is_none_or(|known| rank(&other) < rank(known))
-    {
-        *reason = Some(other);
-    }
-}
-
-/// The farthest that a joint turns from one posture to the other.
-fn far(one: &Joints, other: &Joints) -> f64 {
-    let turns = one
-        .iter()
-        .zip(other)
-        .map(|(one, other)| (one - other).abs());
-    turns.fold(0.0, f64::max)
-}
-
-/// The same angle in `-π..=π`.
-fn wrapped(angle: f64) -> f64 {
-    angle - TAU * (angle / TAU).round()
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "tests")]
 mod tests {
     use super::*;
-    use proptest::prelude::*;
-
-    const UPRIGHT: Joints = [0.0; 5];
-
-    /// A pose of the hand: where, how far it leans forward in the plane of `turn`, and how it is rolled.
-    fn pose(place: [f64; 3], turn: f64, pitch: f64, roll: f64) -> Isometry3<f64> {
-        let about = |axis, angle| UnitQuaternion::from_axis_angle(&axis, angle);
-        let rotation = about(Vector3::z_axis(), turn)
-            * about(Vector3::y_axis(), pitch)
-            * about(Vector3::z_axis(), roll);
-        Isometry3::from_parts(Translation3::from(place), rotation)
-    }
-
-    fn why(goal: &Isometry3<f64>) -> Unreachable {
-        Arm::default().inverse(goal, &UPRIGHT).unwrap_err()
-    }
+    use std::f64::consts::PI;
 
     #[test]
     fn it_stands_upright_at_zero() {
-        let hand = Arm::default().forward(UPRIGHT);
+        let hand = Arm::default().forward([0.0; 5]);
         let expected = Vector3::new(0.033, 0.0, 0.147 + 0.155 + 0.135 + 0.2175);
         assert!((hand.translation.vector - expected).norm() < 1e-12);
         let bent = Arm::default().forward([PI / 2.0, PI / 2.0, 0.0, 0.0, 0.0]);
         let expected = Vector3::new(0.0, 0.033 + 0.155 + 0.135 + 0.2175, 0.147);
         assert!((bent.translation.vector - expected).norm() < 1e-12);
-    }
-
-    #[test]
-    fn it_says_why_a_goal_cannot_be_reached() {
-        let nan = pose([f64::NAN, 0.0, 0.3], 0.0, 0.0, 0.0);
-        assert_eq!(why(&nan).code(), "BAD_POSE");
-        let sideways = pose([0.3, 0.0, 0.3], 0.5, 1.0, 0.0);
-        assert_eq!(why(&sideways).code(), "OUT_OF_PLANE");
-        let far = why(&pose([1.0, 0.0, 0.3], 0.0, PI / 2.0, 0.0));
-        assert_eq!(
-            far.to_string(),
-            "the wrist would be 0.765 m from the shoulder, and the arm is 0.290 m long"
-        );
-        // too near as it stands; turned round, it could fold so far if its joints let it
-        let near = why(&pose([0.033 + 0.2175, 0.0, 0.147], 0.0, PI / 2.0, 0.0));
-        assert_eq!(near.code(), "JOINT_LIMIT");
-        let behind = why(&pose([0.033, 0.0, -0.3], 0.0, PI, 0.0));
-        assert_eq!(behind.code(), "JOINT_LIMIT");
-    }
-
-    #[test]
-    fn it_takes_the_posture_nearest_to_the_present_one() {
-        let arm = Arm::default();
-        let elbow_up = [0.3, 0.2, 1.1, 0.4, -0.2];
-        let hand = arm.forward(elbow_up);
-        let same = arm.inverse(&hand, &elbow_up).unwrap();
-        assert!(far(&same, &elbow_up) < 1e-9);
-        let elbow_down = arm.inverse(&hand, &[0.3, 1.2, -1.1, 1.4, -0.2]).unwrap();
-        assert!(elbow_down[2] < 0.0, "{elbow_down:?}");
-    }
-
-    proptest! {
-        /// There and back: whatever posture brought the hand there, the one that is found brings it there, too.
-        #[test]
-        fn it_finds_back_to_every_pose(
-            turn in -2.9..2.9_f64,
-            shoulder in -1.1..1.5_f64,
-            elbow in -2.6..2.5_f64,
-            wrist in -1.7..1.7_f64,
-            roll in -2.9..2.9_f64,
-        ) {
-            let arm = Arm::default();
-            let posture = [turn, shoulder, elbow, wrist, roll];
-            let goal = arm.forward(posture);
-            let found = arm.inverse(&goal, &posture);
-            prop_assert!(found.is_ok(), "{found:?}");
-            let found = found.unwrap();
-            let hand = arm.forward(found);
-            let distance = (hand.translation.vector - goal.translation.vector).norm();
-            prop_assert!(distance < 1e-6, "{distance} m from the goal");
-            prop_assert!(hand.rotation.angle_to(&goal.rotation) < 2e-3);
-            prop_assert!(arm.beyond(&found).is_none());
-        }
-
-        #[test]
-        fn it_refuses_or_solves_whatever_it_is_asked(
-            place in prop::array::uniform3(-0.8..0.8_f64),
-            pitch in -PI..PI,
-            roll in -PI..PI,
-        ) {
-            let arm = Arm::default();
-            let goal = pose(place, place[1].atan2(place[0]), pitch, roll);
-            if let Ok(found) = arm.inverse(&goal, &UPRIGHT) {
-                let hand = arm.forward(found);
-                prop_assert!((hand.translation.vector - goal.translation.vector).norm() < 1e-6);
-            }
-        }
     }
 }

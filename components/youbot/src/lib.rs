@@ -3,11 +3,14 @@
 
 mod arm;
 mod driver;
+mod inverse;
 mod joints;
 mod kinematics;
 mod operator;
+mod unreachable;
 
-pub use arm::{Arm, Joints, Unreachable};
+pub use arm::{Arm, Joints};
 pub use driver::DummyDriver;
 pub use kinematics::Kinematics;
 pub use operator::Operator;
+pub use unreachable::Unreachable;

@@ -1,0 +1,64 @@
+//! Why a goal cannot be reached.
+
+/// Why no posture brings the hand there.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Unreachable {
+    /// The pose is none.
+    #[error("the goal has a coordinate that is no number, or no orientation")]
+    BadPose,
+    /// The hand would have to point sideways.
+    #[error(
+        "the hand can only point along the plane of the arm, and the goal points {angle:.3} rad out of it"
+    )]
+    OutOfPlane {
+        /// How far, rad.
+        angle: f64,
+    },
+    /// The wrist cannot be so far away.
+    #[error(
+        "the wrist would be {distance:.3} m from the shoulder, and the arm is {reach:.3} m long"
+    )]
+    TooFar {
+        /// From axis 2 to axis 4, m.
+        distance: f64,
+        /// Upper arm and forearm, m.
+        reach: f64,
+    },
+    /// The wrist cannot be so near.
+    #[error(
+        "the wrist would be {distance:.3} m from the shoulder, and the arm folds to {least:.3} m only"
+    )]
+    TooNear {
+        /// From axis 2 to axis 4, m.
+        distance: f64,
+        /// The difference of upper arm and forearm, m.
+        least: f64,
+    },
+    /// A joint would have to turn too far.
+    #[error(
+        "joint {joint} would be at {position:.3} rad, and turns from {least:.3} to {greatest:.3} only"
+    )]
+    JointLimit {
+        /// Its number, from 1.
+        joint: usize,
+        /// Where it would be, rad.
+        position: f64,
+        /// Its range, rad.
+        least: f64,
+        /// Its range, rad.
+        greatest: f64,
+    },
+}
+
+impl Unreachable {
+    /// The code of a fault of a service.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::BadPose => "BAD_POSE",
+            Self::OutOfPlane { .. } => "OUT_OF_PLANE",
+            Self::TooFar { .. } => "TOO_FAR",
+            Self::TooNear { .. } => "TOO_NEAR",
+            Self::JointLimit { .. } => "JOINT_LIMIT",
+        }
+    }
+}
