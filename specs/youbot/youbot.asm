@@ -14,25 +14,28 @@ signature:
 	monitored withinTolerance: Boolean
 	monitored errorFlags: Boolean
 	monitored stale: Boolean
+	// nobody took the commands
+	monitored unsent: Boolean
 	out solve: Boolean
 	out notify: Note
 	controlled mode: Mode
 	// a request came while there was something else to do
 	controlled waiting: Boolean
 	out writeCommands: Boolean
+	// nothing can be begun: the arm has not come back from a fault, or nothing is heard of it
 	derived blocked: Boolean
 
 definitions:
-	function blocked = mode = FAULT and errorFlags
+	function blocked = stale or (mode = FAULT and errorFlags)
 
 	rule r_remember =
-		if moveRequest and not blocked then waiting := true endif
+		if moveRequest and not (mode = FAULT and errorFlags) then waiting := true endif
 
 	rule r_begin =
 		par mode := BUSY  notify := NOTE_BUSY  writeCommands := true  waiting := false endpar
 
 	rule r_locomote =
-		if mode = BUSY and (stale or (newStatus and errorFlags)) then
+		if mode = BUSY and (stale or unsent or (newStatus and errorFlags)) then
 			par mode := FAULT  notify := NOTE_FAULT  writeCommands := false  waiting := false endpar
 		else if mode = BUSY and newStatus and withinTolerance then
 			par mode := IDLE  notify := NOTE_IDLE  writeCommands := false  r_remember[] endpar

@@ -1,8 +1,15 @@
 //! Somebody who wants the hand here and there, one goal after the other.
 
-use component::{CallError, Component, Cycle, Fault, Interface, Property, Provided, Required};
+use std::time::Duration;
+
+use component::{
+    CallError, Component, Cycle, Fault, Interface, Property, Provided, Required, Time,
+};
 use messages::{MoveTo, Notify, Point, Pose, Quaternion};
 use nalgebra::{UnitQuaternion, Vector3};
+
+/// After so much silence an arrival may have been missed.
+const SILENCE: Duration = Duration::from_secs(1);
 
 /// `youbot::Operator`: sends the next goal when the arm is idle, or cannot reach the one before.
 pub struct Operator {
@@ -10,7 +17,18 @@ pub struct Operator {
     goto: Required<MoveTo>,
     notifying: Provided<Notify>,
     next: usize,
-    waits: bool,
+    state: State,
+    heard: Option<Time>,
+}
+
+/// What becomes of the goal before the next one.
+enum State {
+    /// It is done with, one way or the other.
+    Done,
+    /// The arm is on its way.
+    Waits,
+    /// It came too early, or nobody heard it: it is sent again when somebody is heard.
+    Again,
 }
 
 impl Operator {
@@ -25,40 +43,62 @@ impl Operator {
             goto: interface.require("move", "who brings the hand there"),
             notifying: interface.serve("notifying", "hears what happens to the arm"),
             next: 0,
-            waits: false,
+            state: State::Done,
+            heard: None,
         }
+    }
+
+    /// What happened to the arm.
+    fn listen(&mut self, cycle: &mut Cycle<'_>) {
+        let notices = cycle.requests(self.notifying);
+        if notices.is_empty() {
+            return;
+        }
+        let now = cycle.now();
+        let before = self.heard.replace(now);
+        let was_silent = before.is_some_and(|before| now.since(before) > SILENCE);
+        let arrived = notices.iter().any(|it| it.argument.event == "idle");
+        self.state = match self.state {
+            State::Waits if arrived => State::Done,
+            State::Again => self.take_back(),
+            State::Waits if was_silent => self.take_back(),
+            State::Waits => State::Waits,
+            State::Done => State::Done,
+        };
+    }
+
+    /// The goal before is the next one again.
+    fn take_back(&mut self) -> State {
+        self.next = self.next.saturating_sub(1);
+        State::Done
     }
 }
 
 impl Component for Operator {
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
-        let mut notices = cycle.requests(self.notifying).into_iter();
-        let arrived = notices.any(|notice| notice.argument.event == "idle");
+        self.listen(cycle);
         for reply in cycle.replies(self.goto) {
             if let Err(error) = reply.result {
-                self.waits = false;
-                // a goal that cannot be reached is given up; one that came too early is not
-                self.next -= usize::from(is_early(&error));
+                self.state = match is_refused(&error) {
+                    true => State::Done,
+                    false => State::Again,
+                };
             }
         }
-        if arrived {
-            self.waits = false;
-        }
-        if self.waits {
-            return Ok(());
-        }
-        if let Some(goal) = cycle.property(self.goals).get(self.next) {
+        if let State::Done = self.state
+            && let Some(goal) = cycle.property(self.goals).get(self.next)
+        {
             cycle.call(self.goto, pose(goal));
             self.next += 1;
-            self.waits = true;
+            self.state = State::Waits;
         }
         Ok(())
     }
 }
 
-/// The arm is still busy with something else.
-fn is_early(error: &CallError) -> bool {
-    matches!(error, CallError::Fault(fault) if fault.code == "NOT_NOW")
+/// The goal cannot be reached; otherwise it came too early, or nobody was there.
+fn is_refused(error: &CallError) -> bool {
+    matches!(error, CallError::Fault(fault) if fault.code != "NOT_NOW")
 }
 
 /// The hand there, leaning in the plane of the arm: another plane it has not.
