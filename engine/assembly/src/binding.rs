@@ -161,6 +161,9 @@ pub struct Call {
     /// The literal for a reply that did not come in time; `failed` where not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub timeout: Option<String>,
+    /// The literal for nobody there to answer; `failed` where not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unavailable: Option<String>,
     /// The service whose caller hears how the call has ended.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reply: Option<String>,

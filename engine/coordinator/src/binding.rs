@@ -155,6 +155,8 @@ pub struct Call {
     pub failed: Option<String>,
     /// The literal for a reply that did not come in time; `failed` where not given.
     pub timeout: Option<String>,
+    /// The literal for nobody there to answer; `failed` where not given.
+    pub unavailable: Option<String>,
     /// The service whose caller hears how the call has ended.
     pub reply: Option<String>,
 }

@@ -78,6 +78,7 @@ struct Outcome {
     ok: Option<Value>,
     failed: Option<Value>,
     timeout: Option<Value>,
+    unavailable: Option<Value>,
     /// The service whose caller hears of it.
     reply: Option<String>,
 }
@@ -162,7 +163,8 @@ impl Outbox {
                         outcome.ok
                     }
                     Err(CallError::Timeout) => outcome.timeout.or(outcome.failed),
-                    Err(CallError::Unavailable | CallError::Fault(_)) => outcome.failed,
+                    Err(CallError::Unavailable) => outcome.unavailable.or(outcome.failed),
+                    Err(CallError::Fault(_)) => outcome.failed,
                     Err(CallError::Cancelled) => None,
                 };
                 if let (Some(input), Some(event)) = (outcome.event, event) {
@@ -322,6 +324,7 @@ impl Handles {
                     ok: literal(&call.ok)?,
                     failed: literal(&call.failed)?,
                     timeout: literal(&call.timeout)?,
+                    unavailable: literal(&call.unavailable)?,
                     reply: call.reply.clone(),
                 };
                 Ok(BoundAction::Call {

@@ -46,7 +46,7 @@ const WORKER: &str = "
 asm worker
 import StandardLibrary
 signature:
-	enum domain Event = {GO | DONE | FAILED}
+	enum domain Event = {GO | DONE | FAILED | NOBODY}
 	enum domain Command = {NONE | WORK}
 	monitored event: Event
 	controlled seen: Seq(Event)
@@ -94,6 +94,7 @@ fn system(activity: Activity) -> System {
                     ok: named("DONE"),
                     failed: named("FAILED"),
                     timeout: None,
+                    unavailable: named("NOBODY"),
                     reply: None,
                 })],
             }]),
@@ -190,6 +191,16 @@ fn what_is_lost_is_counted_and_told() {
     let told = told.lock().unwrap();
     let last = told.iter().rfind(|(kind, _)| kind == LOSSES_REPORT);
     assert_eq!(last.unwrap().1.to::<Losses>().unwrap(), lost);
+}
+
+#[test]
+fn a_call_that_nobody_takes_has_a_literal_of_its_own() {
+    let (mut run, told) = simulate(Activity::periodic(10.ms()));
+    run.transition("Deaf", Transition::Stop).unwrap();
+    let now = run.now();
+    tell(&mut run, now, "GO");
+    run.run_for(1.s());
+    assert_eq!(seen(&told), ["[GO]", "[GO, NOBODY]"]);
 }
 
 #[test]

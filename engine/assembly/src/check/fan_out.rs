@@ -91,6 +91,7 @@ fn by_binding(part: &Part<'_>, reference: &str) -> Option<(String, Option<Span>)
             &call.ok,
             &call.failed,
             &call.timeout,
+            &call.unavailable,
         ];
         if call.operation.component.value == reference
             && let Some(place) = awaits.into_iter().flatten().next()

@@ -100,6 +100,7 @@ fn call(call: &Call, keys: &mut Keys) {
     keys.texts("ok", call.ok.iter());
     keys.texts("failed", call.failed.iter());
     keys.texts("timeout", call.timeout.iter());
+    keys.texts("unavailable", call.unavailable.iter());
     keys.texts("event", call.event.iter());
     keys.texts("reply", call.reply.iter());
 }

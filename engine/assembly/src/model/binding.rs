@@ -102,6 +102,8 @@ pub struct Call {
     pub failed: Option<At<String>>,
     /// The literal that tells it of a reply that did not come.
     pub timeout: Option<At<String>>,
+    /// The literal that tells it that nobody is there to answer.
+    pub unavailable: Option<At<String>>,
     /// The monitored function that takes these literals.
     pub event: Option<At<String>>,
     /// The service whose caller hears how the call has ended.

@@ -204,9 +204,11 @@ fn call(keys: &mut Keys<'_, '_, '_>) -> Option<Action> {
     let ok = keys.text("ok", "\"PATH_OK\"");
     let failed = keys.text("failed", "\"CALL_FAILED\"");
     let timeout = keys.text("timeout", "\"CALL_FAILED\"");
+    let unavailable = keys.text("unavailable", "\"NOBODY_THERE\"");
     let event = keys.text("event", "\"ev\"");
     let reply = keys.text("reply", "\"move\"");
-    if ok.is_some() || failed.is_some() || timeout.is_some() {
+    let told = [&ok, &failed, &timeout, &unavailable];
+    if told.iter().any(|literal| literal.is_some()) {
         keys.need("event", "\"ev\"");
     }
     let operation = operation?;
@@ -217,6 +219,7 @@ fn call(keys: &mut Keys<'_, '_, '_>) -> Option<Action> {
         ok,
         failed,
         timeout,
+        unavailable,
         event,
         reply,
     })))

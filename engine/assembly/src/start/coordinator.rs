@@ -131,6 +131,7 @@ fn action(action: &Action) -> coordinator::Action {
             ok: call.ok.clone(),
             failed: call.failed.clone(),
             timeout: call.timeout.clone(),
+            unavailable: call.unavailable.clone(),
             reply: call.reply.clone(),
         }),
     }

@@ -80,7 +80,7 @@ fn call(bound: &Bound<'_>, call: &Call, report: &mut Report) {
         });
         return;
     }
-    for literal in [&call.ok, &call.failed, &call.timeout]
+    for literal in [&call.ok, &call.failed, &call.timeout, &call.unavailable]
         .into_iter()
         .flatten()
     {

@@ -120,6 +120,7 @@ fn action(source: &Source<'_>, written: &written::Action, notes: &mut Notes) -> 
             ok: text(&call.ok),
             failed: text(&call.failed),
             timeout: text(&call.timeout),
+            unavailable: text(&call.unavailable),
             reply: text(&call.reply),
         }),
     }
