@@ -10,6 +10,7 @@
 
 mod access;
 mod assembly;
+mod ball_tracker;
 mod cli;
 mod composites;
 mod describe;
