@@ -127,6 +127,8 @@ properties = { script = SCRIPT }
 pub(super) struct Bench {
     /// The driver's composite.
     pub driver: String,
+    /// The driver's composite, where another one stands around it.
+    pub inner: Option<String>,
     /// Properties of it: `joints = 6`.
     pub properties: &'static str,
     /// What is said of the wire of the commands: `, oneway = true`.
@@ -138,6 +140,7 @@ impl Default for Bench {
     fn default() -> Self {
         Self {
             driver: include_str!("../../specs/youbot/youbot_driver.composite.toml").to_owned(),
+            inner: None,
             properties: "",
             wire: "",
             script: &[],
@@ -297,6 +300,9 @@ impl Bench {
             application.replace("SCRIPT", &script),
         );
         files.add("driver.composite.toml", self.driver.as_str());
+        if let Some(inner) = &self.inner {
+            files.add("inner.composite.toml", inner.as_str());
+        }
         files
     }
 

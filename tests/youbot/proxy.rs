@@ -153,7 +153,7 @@ fn j22_the_map_is_checked_before_anything_starts() {
 }
 
 #[test]
-fn j10_who_polls_slower_than_twice_as_often_is_warned() {
+fn j10_y5_who_polls_slower_than_twice_as_often_is_warned() {
     let driver = Bench::default().driver;
     let pushed = "type = \"buffer\", size = 32";
     let polled = |poll_ms| {
