@@ -35,7 +35,7 @@ pub enum Command {
     /// Shows a rover being coordinated to its goal, in a simulated world
     Demo(demo::Demo),
     /// Runs a composite
-    Run(run::Run),
+    Run(Box<run::Run>),
     /// Runs the processes of a composite that are of this machine, and starts them again as it says
     Up(up::Up),
     /// Says what is wrong with specifications, scenarios and composites, before anything runs

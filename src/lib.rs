@@ -1,8 +1,9 @@
 //! The front door of asmotion: the command line, one file a command, and what the commands share.
 //!
 //! This is the one crate that prints. [`mission`] puts a composite together and runs it; [`story`]
-//! tells what happens and [`trace`] writes it down.
+//! tells what happens, [`trace`] and [`record`] write it down.
 
+mod books;
 mod broker;
 mod build;
 mod command;
@@ -12,11 +13,12 @@ mod exit;
 mod files;
 pub mod mission;
 mod prompt;
+pub mod record;
 mod show;
 pub mod story;
 mod table;
 mod terminal;
-mod top;
+pub mod top;
 pub mod trace;
 
 pub use command::BLOCKED_CORRIDOR;

@@ -9,6 +9,7 @@ mod joints;
 mod tests;
 mod view;
 
-pub use board::Board;
+pub use board::{Board, Component, Silence, Topic};
 pub use draw::draw;
+pub(crate) use joints::brief;
 pub use view::{Key, View};

@@ -1,22 +1,23 @@
 //! `asmotion run`: a composite.
 
+mod told;
+
 use std::io::Write;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use assembly::{Value, plan};
 use clap::{Args, ValueEnum};
 use component::{Event, Time};
-use coordinator::{STEP_REPORT, StepRecord};
 use datum::Datum;
-use serde_json::json;
 
+use crate::books::{Books, Wanted};
 use crate::broker::{self, Access};
 use crate::exit::Exit;
-use crate::mission::{Brokers, Clock, Ended, Mission, MissionError, Named, Outcome};
-use crate::terminal::{BAD, FAINT, GOOD, NOTE, Terminal};
-use crate::trace::Trace;
+use crate::mission::{Brokers, Clock, Mission, MissionError, Named, Outcome};
+use crate::terminal::Terminal;
+use told::{event_json, summarise, summary_json};
 
 /// Runs a composite.
 #[derive(Args)]
@@ -93,9 +94,8 @@ pub struct Common {
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
 
-    /// Writes down what happened, line by line: the same run gives the same bytes.
-    #[arg(long, value_name = "FILE")]
-    pub trace: Option<String>,
+    #[command(flatten)]
+    books: Wanted,
 
     /// Steps, calls, faults and the summary as JSON, one object a line, on standard output.
     #[arg(long)]
@@ -235,8 +235,8 @@ impl Common {
         }
         let stop = Arc::new(AtomicBool::new(false));
         on_interrupt(&stop);
-        let trace = Arc::new(std::sync::Mutex::new(Trace::new()));
-        let ended = mission.run(self.listener(trace.clone()), &stop);
+        let books = Arc::new(Mutex::new(self.books.open()));
+        let ended = mission.run(self.listener(books.clone()), &stop);
         let ended = match ended {
             Ok(ended) => ended,
             Err(MissionError::Composite {
@@ -256,12 +256,16 @@ impl Common {
                 return Exit::Usage;
             }
         };
-        if let Some(path) = &self.trace {
-            let trace = trace
-                .lock()
-                .unwrap_or_else(std::sync::PoisonError::into_inner);
-            if let Err(error) = std::fs::write(path, trace.text()) {
-                terminal.error(format_args!("cannot write `{path}`: {error}"));
+        match lock(&books).close() {
+            Ok(silent) => {
+                for pattern in silent {
+                    terminal.warn(format_args!(
+                        "`{pattern}`: no port of this name published anything"
+                    ));
+                }
+            }
+            Err(problem) => {
+                terminal.error(problem);
                 return Exit::Usage;
             }
         }
@@ -336,16 +340,11 @@ impl Common {
     /// Who hears the events: the person at the terminal, or a program.
     fn listener(
         &self,
-        trace: Arc<std::sync::Mutex<Trace>>,
+        books: Arc<Mutex<Books>>,
     ) -> impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static {
-        let (tell, as_json, write) = (!self.quiet && !self.json, self.json, self.trace.is_some());
+        let (tell, as_json) = (!self.quiet && !self.json, self.json);
         move |at, event, line| {
-            if write {
-                trace
-                    .lock()
-                    .unwrap_or_else(std::sync::PoisonError::into_inner)
-                    .note(at, event);
-            }
+            lock(&books).note(at, event);
             if let (true, Some(line)) = (tell, line) {
                 let _ = writeln!(anstream::stderr(), "{line}");
             }
@@ -354,6 +353,11 @@ impl Common {
             }
         }
     }
+}
+
+/// What a panicking listener left behind is still in the books.
+fn lock(books: &Mutex<Books>) -> MutexGuard<'_, Books> {
+    books.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The first Ctrl-C ends the run in order, the second at once.
@@ -366,119 +370,4 @@ fn on_interrupt(stop: &Arc<AtomicBool>) {
         }
         let _ = writeln!(anstream::stderr(), "\n    Stopping (Ctrl-C again to abort)");
     });
-}
-
-fn event_json(at: Time, event: &Event<'_>) -> Option<serde_json::Value> {
-    let t = at.seconds();
-    match event {
-        Event::Report {
-            component,
-            kind,
-            what,
-        } if *kind == STEP_REPORT => {
-            let step: StepRecord = what.to().ok()?;
-            Some(json!({ "type": "step", "v": 1, "t": t, "component": component, "step": step }))
-        }
-        Event::Called {
-            component,
-            reference,
-            operation,
-            call,
-            attempt,
-            ..
-        } => Some(json!({
-            "type": "call", "v": 1, "t": t, "component": component, "reference": reference,
-            "operation": operation, "call": call, "attempt": attempt,
-        })),
-        Event::Replied {
-            component,
-            reference,
-            operation,
-            call,
-            result,
-        } => Some(json!({
-            "type": "reply", "v": 1, "t": t, "component": component, "reference": reference,
-            "operation": operation, "call": call, "error": result.err(),
-        })),
-        Event::Fault { component, fault } => Some(
-            json!({ "type": "fault", "v": 1, "t": t, "component": component, "fault": fault.to_string() }),
-        ),
-        _ => None,
-    }
-}
-
-fn word(outcome: Outcome) -> &'static str {
-    match outcome {
-        Outcome::Reached => "reached",
-        Outcome::Failed => "failed",
-        Outcome::TimeUp => "time up",
-        Outcome::Fault => "fault",
-        Outcome::Stopped => "stopped",
-    }
-}
-
-fn summary_json(ended: &Ended) -> serde_json::Value {
-    let summary = &ended.summary;
-    json!({
-        "type": "summary", "v": 1, "outcome": word(ended.outcome),
-        "time_s": ended.time.as_secs_f64(), "wall_s": ended.wall.as_secs_f64(),
-        "steps": summary.steps, "transitions": summary.transitions, "driven_m": summary.driven_m,
-        "to_goal_m": summary.to_goal_m, "paths": summary.paths, "blocked": summary.blocked,
-        "failed_calls": summary.failed_calls, "control_state": summary.control_state,
-        "calls": summary.calls.iter().map(|(name, count)| json!({ "name": name, "count": count })).collect::<Vec<_>>(),
-        "faults": summary.faults,
-    })
-}
-
-fn summarise(ended: &Ended, terminal: &mut Terminal) {
-    let summary = &ended.summary;
-    let style = match ended.outcome {
-        Outcome::Reached => GOOD,
-        Outcome::Failed | Outcome::Fault => BAD,
-        Outcome::TimeUp | Outcome::Stopped => NOTE,
-    };
-    let state = summary
-        .control_state
-        .as_deref()
-        .unwrap_or("no control state");
-    let seconds = ended.time.as_secs_f64();
-    terminal.say("");
-    terminal.result(format_args!(
-        "{style}{}{style:#} in {state} after {seconds:.1} s",
-        word(ended.outcome)
-    ));
-    let distance = match summary.to_goal_m {
-        Some(metres) => format!(", {metres:.2} m from the goal"),
-        None => String::new(),
-    };
-    terminal.result(format_args!(
-        "  driven     {:.1} m{distance}",
-        summary.driven_m
-    ));
-    let calls: Vec<String> = summary
-        .calls
-        .iter()
-        .map(|(name, count)| format!("{name} ×{count}"))
-        .collect();
-    terminal.result(format_args!(
-        "  calls      {}; {} failed",
-        calls.join(", "),
-        summary.failed_calls
-    ));
-    terminal.result(format_args!(
-        "  paths      {}, of which {} because the way was blocked",
-        summary.paths, summary.blocked
-    ));
-    terminal.result(format_args!(
-        "  steps      {} that wrote something, {} changes of control state",
-        summary.steps, summary.transitions
-    ));
-    for fault in &summary.faults {
-        terminal.result(format_args!("  {BAD}fault{BAD:#}      {fault}"));
-    }
-    let wall = ended.wall.as_secs_f64();
-    terminal.say(format_args!(
-        "  {FAINT}{wall:.2} s on the wall: {:.0} times real time{FAINT:#}",
-        seconds / wall.max(1e-9)
-    ));
 }

@@ -60,7 +60,7 @@ impl Finding for DeployError {
                 .suggest(*at, nearest),
             Self::Idle { at } => Diagnostic::warning("C076", self)
                 .label(*at, "without effect")
-                .help("`asmotion run --trace FILE` writes down what happens"),
+                .help("`asmotion run --record FILE --ports NAME` writes down what ports and topics had"),
         }
     }
 }

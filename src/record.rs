@@ -1,0 +1,202 @@
+//! A run as a table, for whoever draws curves: what ports published, a column a number, a row an instant.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+
+use component::{Event, Time};
+use datum::Datum;
+
+/// A longer list is data, not columns: its length is recorded.
+const WIDE: usize = 64;
+
+/// What ports published, and when.
+#[derive(Debug)]
+pub struct Record {
+    wanted: Vec<Wanted>,
+    columns: Vec<String>,
+    /// Where each column is.
+    places: BTreeMap<String, usize>,
+    rows: Vec<Row>,
+}
+
+/// Ports that are wanted: `*` is any run of characters.
+#[derive(Debug)]
+struct Wanted {
+    pattern: String,
+    is_there: bool,
+}
+
+/// What was published at an instant.
+#[derive(Debug)]
+struct Row {
+    at: Time,
+    /// The value in a column, absent where nothing was published.
+    cells: BTreeMap<usize, String>,
+}
+
+impl Record {
+    /// Of the ports and topics that match one of these patterns; of all where there are none.
+    pub fn of(patterns: &[String]) -> Self {
+        let wanted = |pattern: &str| Wanted {
+            pattern: pattern.to_owned(),
+            is_there: false,
+        };
+        Self {
+            wanted: match patterns {
+                [] => vec![wanted("*")],
+                some => some.iter().map(|it| wanted(it)).collect(),
+            },
+            columns: Vec::new(),
+            places: BTreeMap::new(),
+            rows: Vec::new(),
+        }
+    }
+
+    /// Takes in an event.
+    pub fn note(&mut self, at: Time, event: &Event<'_>) {
+        let Event::Published {
+            component,
+            port,
+            topic,
+            sample,
+            ..
+        } = event
+        else {
+            return;
+        };
+        let name = format!("{component}.{port}");
+        let names = [Some(name.as_str()), *topic];
+        let mut is_wanted = false;
+        for wanted in &mut self.wanted {
+            let found = names
+                .iter()
+                .flatten()
+                .any(|name| matches(&wanted.pattern, name));
+            wanted.is_there |= found;
+            is_wanted |= found;
+        }
+        if let (true, Ok(datum)) = (is_wanted, sample.to_datum()) {
+            let mut values = Vec::new();
+            flatten(&name, &datum, &mut values);
+            self.add(at, values);
+        }
+    }
+
+    /// Ports that were wanted and published nothing.
+    pub fn silent(&self) -> impl Iterator<Item = &str> {
+        let silent = self.wanted.iter().filter(|wanted| !wanted.is_there);
+        silent.map(|wanted| wanted.pattern.as_str())
+    }
+
+    /// Writes the table as CSV: the time in seconds, then the columns in the order in which they were first published.
+    ///
+    /// # Errors
+    /// Nobody takes it.
+    pub fn write(&self, to: impl Write) -> csv::Result<()> {
+        let mut table = csv::Writer::from_writer(to);
+        let columns = self.columns.iter().map(String::as_str);
+        table.write_record(std::iter::once("time_s").chain(columns))?;
+        for row in &self.rows {
+            let cell = |column| row.cells.get(&column).map_or("", String::as_str);
+            let cells = (0..self.columns.len()).map(cell);
+            table.write_record(std::iter::once(&*seconds(row.at)).chain(cells))?;
+        }
+        table.flush()?;
+        Ok(())
+    }
+
+    /// Puts values into the row of their instant, or a new one where that row has them already.
+    fn add(&mut self, at: Time, values: Vec<(String, String)>) {
+        let place = |(name, value): (String, String)| (self.column(name), value);
+        let values: Vec<(usize, String)> = values.into_iter().map(place).collect();
+        let taken = |row: &Row| {
+            values
+                .iter()
+                .any(|(column, _)| row.cells.contains_key(column))
+        };
+        let last = self.rows.last_mut();
+        match last.filter(|row| row.at == at && !taken(row)) {
+            Some(row) => row.cells.extend(values),
+            None => self.rows.push(Row {
+                at,
+                cells: values.into_iter().collect(),
+            }),
+        }
+    }
+
+    fn column(&mut self, name: String) -> usize {
+        *self.places.entry(name).or_insert_with_key(|name| {
+            self.columns.push(name.clone());
+            self.columns.len() - 1
+        })
+    }
+}
+
+/// The parts of a message that are values, each with its path.
+fn flatten(path: &str, datum: &Datum, values: &mut Vec<(String, String)>) {
+    match datum {
+        Datum::Record(fields) => {
+            for (name, value) in fields {
+                flatten(&format!("{path}.{name}"), value, values);
+            }
+        }
+        Datum::List(_) | Datum::Numbers(_) | Datum::Bytes(_) => {
+            let count = datum.count().unwrap_or(0);
+            if count > WIDE {
+                values.push((format!("{path}.count"), count.to_string()));
+                return;
+            }
+            for index in 0..count {
+                if let Some(value) = datum.element(index) {
+                    flatten(&format!("{path}.{index}"), &value, values);
+                }
+            }
+        }
+        Datum::Text(text) => values.push((path.to_owned(), text.clone())),
+        Datum::Float(number) => values.push((path.to_owned(), number.to_string())),
+        Datum::Null | Datum::Bool(_) | Datum::Int(_) => {
+            values.push((path.to_owned(), datum.to_string()));
+        }
+    }
+}
+
+/// Exact, and the same everywhere.
+fn seconds(at: Time) -> String {
+    let nanos = at.nanos();
+    let (whole, rest) = (nanos / 1_000_000_000, nanos % 1_000_000_000);
+    format!("{whole}.{rest:09}")
+}
+
+/// Whether a name fits a pattern, in which `*` is any run of characters.
+fn matches(pattern: &str, name: &str) -> bool {
+    let Some((begin, rest)) = pattern.split_once('*') else {
+        return pattern == name;
+    };
+    let Some(name) = name.strip_prefix(begin) else {
+        return false;
+    };
+    let ends = name.char_indices().map(|(at, _)| at).chain([name.len()]);
+    ends.into_iter().any(|at| matches(rest, &name[at..]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::matches;
+
+    #[test]
+    fn a_star_is_any_run_of_characters() {
+        for (pattern, fits) in [
+            ("Driver.status", true),
+            ("Driver.*", true),
+            ("*.status", true),
+            ("D*r.s*s", true),
+            ("*", true),
+            ("**", true),
+            ("Driver", false),
+            ("*.statu", false),
+            ("", false),
+        ] {
+            assert_eq!(matches(pattern, "Driver.status"), fits, "{pattern}");
+        }
+    }
+}

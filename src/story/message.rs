@@ -1,0 +1,90 @@
+//! A message in a few words, by what is in it.
+
+use datum::{Datum, Message, Sample};
+use messages::{OccupancyGrid, Path};
+
+use crate::top::brief as number;
+
+/// More numbers than these are data, not words.
+const FEW: usize = 8;
+
+/// A message in a few words; none where it says nothing, or too much.
+pub(super) fn brief(sample: &dyn Sample) -> Option<String> {
+    let untyped = sample.downcast_ref::<Datum>();
+    // what a message lacks gets its initial value: any data could be read as a path
+    let is = |name: &str, field: &str| match untyped {
+        Some(datum) => datum.get(field).is_some(),
+        None => sample.type_name() == name,
+    };
+    if is(Path::NAME, "poses") {
+        let path = sample.to_shared().read::<Path>();
+        return path.ok().map(|path| in_a_path(&path));
+    }
+    if is(OccupancyGrid::NAME, "info") {
+        let map = sample.to_shared().read::<OccupancyGrid>();
+        return map.ok().map(|map| in_a_map(&map));
+    }
+    let said = match untyped {
+        Some(datum) => words(datum),
+        None => words(&sample.to_datum().ok()?),
+    };
+    said.filter(|words| !words.is_empty())
+}
+
+/// What stands in a field of a message.
+pub(super) fn field(sample: &dyn Sample, field: &str) -> Option<String> {
+    let datum = sample.to_datum().ok()?;
+    Some(number(&*datum.get(field)?))
+}
+
+fn in_a_map(map: &OccupancyGrid) -> String {
+    let info = &map.info;
+    format!(
+        "a map of {} × {} cells, {:.2} m each",
+        info.width, info.height, info.resolution
+    )
+}
+
+fn in_a_path(path: &Path) -> String {
+    let points = path.poses.iter().map(|pose| pose.pose.position);
+    let pairs = points.clone().zip(points.skip(1));
+    let metres: f64 = pairs.map(|(a, b)| (b.x - a.x).hypot(b.y - a.y)).sum();
+    format!("a path of {metres:.1} m in {} poses", path.poses.len())
+}
+
+/// Text, a few numbers, a place, or several of these.
+fn words(datum: &Datum) -> Option<String> {
+    match datum {
+        Datum::Record(fields) => {
+            if let Some(place) = place(datum) {
+                return Some(place);
+            }
+            let said = (fields.iter()).filter(|(name, _)| !matches!(&**name, "stamp" | "header"));
+            let said: Option<Vec<String>> = said.map(|(_, value)| words(value)).collect();
+            let said: Vec<String> = said?.into_iter().filter(|it| !it.is_empty()).collect();
+            Some(said.join(": "))
+        }
+        Datum::List(_) | Datum::Numbers(_) | Datum::Bytes(_) => {
+            (datum.count()? <= FEW).then(|| number(datum))
+        }
+        Datum::Text(text) => Some(text.clone()),
+        Datum::Null => Some(String::new()),
+        Datum::Bool(_) | Datum::Int(_) | Datum::Float(_) => Some(number(datum)),
+    }
+}
+
+/// A point, or where a pose is: z only where it is above the ground.
+fn place(datum: &Datum) -> Option<String> {
+    let at = |path: &str| datum.get(path)?.as_float();
+    let of = |prefix: &str| {
+        let axis = |name: &str| at(&format!("{prefix}{name}"));
+        Some([axis("x")?, axis("y")?, axis("z")?])
+    };
+    let [x, y, z] = of("pose.position.")
+        .or_else(|| of("position."))
+        .or_else(|| of(""))?;
+    Some(match z == 0.0 {
+        true => format!("({x:.1}, {y:.1})"),
+        false => format!("({x:.2}, {y:.2}, {z:.2})"),
+    })
+}

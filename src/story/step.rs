@@ -1,0 +1,59 @@
+//! A step of a specification in words.
+
+use std::fmt;
+
+use coordinator::{StepRecord, UpdateRecord};
+
+use super::Told;
+use super::summary::control;
+use crate::terminal::{FAINT, GOOD};
+
+/// A change of the control state with all updates; another step on one line.
+pub(super) fn told(component: &str, record: &StepRecord) -> Told {
+    let number = record.number;
+    let Some(control) = control(record) else {
+        let (changed, locations) = changed(record);
+        return Told::often(
+            format!("{FAINT}step {number}  {changed}{FAINT:#}"),
+            format!("{component} {locations}"),
+        );
+    };
+    let UpdateRecord { before, after, .. } = control;
+    let head = format!(
+        "{GOOD}step {number}{GOOD:#}  {before} → {GOOD}{after}{GOOD:#}   {FAINT}{component}{FAINT:#}"
+    );
+    let updates = record.updates.iter();
+    let updates = updates.map(|update| format!("\n{:>12}{}", "", Shown(update)));
+    Told::once(head + &updates.collect::<String>())
+}
+
+/// The updates that changed something, and their locations.
+fn changed(record: &StepRecord) -> (String, String) {
+    let updates = record.updates.iter();
+    let changed = updates.filter(|update| update.before != update.after);
+    let (updates, locations): (Vec<String>, Vec<&str>) = changed
+        .map(|it| (format!("{} := {}", it.location, it.after), &*it.location))
+        .unzip();
+    match updates.is_empty() {
+        true => ("changed nothing".to_owned(), "steps".to_owned()),
+        false => (updates.join(", "), locations.join(", ")),
+    }
+}
+
+/// An update as the language writes it, with what was there before.
+struct Shown<'a>(&'a UpdateRecord);
+
+impl fmt::Display for Shown<'_> {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let UpdateRecord {
+            location,
+            before,
+            after,
+        } = self.0;
+        write!(to, "{location} := {after}")?;
+        if before != after {
+            write!(to, "  {FAINT}(was {before}){FAINT:#}")?;
+        }
+        Ok(())
+    }
+}
