@@ -26,20 +26,24 @@ const BRAKING: f64 = 1.5;
 const STANDS: f64 = 0.01;
 
 /// A process whose standard output is read while it runs.
-struct Heard {
+pub(super) struct Heard {
     child: Child,
     lines: Lines<BufReader<ChildStdout>>,
 }
 
 impl Heard {
-    fn start(command: &mut Command) -> Self {
+    pub(super) fn start(command: &mut Command) -> Self {
         let mut child = command.spawn().unwrap();
         let lines = BufReader::new(child.stdout.take().unwrap()).lines();
         Self { child, lines }
     }
 
     /// Reads on, up to a line that is wanted, and gives it; none at the end.
-    fn until(&mut self, told: &mut Vec<Value>, wanted: impl Fn(&Value) -> bool) -> Option<Value> {
+    pub(super) fn until(
+        &mut self,
+        told: &mut Vec<Value>,
+        wanted: impl Fn(&Value) -> bool,
+    ) -> Option<Value> {
         for line in self.lines.by_ref() {
             let line: Value = serde_json::from_str(&line.unwrap()).unwrap();
             told.push(line.clone());
@@ -59,7 +63,7 @@ impl Drop for Heard {
 }
 
 /// The modes that a line of a run tells to be entered.
-fn entered(line: &Value) -> Vec<String> {
+pub(super) fn entered(line: &Value) -> Vec<String> {
     let updates = line["step"]["updates"].as_array().into_iter().flatten();
     let modes = updates.filter(|update| update["location"] == "mode");
     modes
@@ -67,7 +71,7 @@ fn entered(line: &Value) -> Vec<String> {
         .collect()
 }
 
-fn enters(mode: &'static str) -> impl Fn(&Value) -> bool {
+pub(super) fn enters(mode: &'static str) -> impl Fn(&Value) -> bool {
     move |line| entered(line).iter().any(|entered| entered == mode)
 }
 

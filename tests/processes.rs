@@ -71,10 +71,14 @@ impl Running {
 
     /// Ends it as Ctrl-C does.
     pub(super) fn interrupt(self) -> Output {
-        let pid = self.0.as_ref().unwrap().id().to_string();
-        let told = Command::new("kill").args(["-INT", &pid]).status().unwrap();
-        assert!(told.success());
+        self.signal("-INT");
         self.end()
+    }
+
+    pub(super) fn signal(&self, signal: &str) {
+        let pid = self.0.as_ref().unwrap().id().to_string();
+        let told = Command::new("kill").args([signal, &pid]).status();
+        assert!(told.unwrap().success());
     }
 }
 

@@ -2,5 +2,8 @@
 //! named after the rows of the inventory that they accept.
 
 mod bench;
+mod facade;
 mod locomotor;
+mod processes;
 mod proxy;
+mod record;

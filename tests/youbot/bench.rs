@@ -180,7 +180,7 @@ impl Log {
                 let status: JointStatus = datum_of(*sample).to().unwrap();
                 let before = self.statuses.last().map(|(_, status)| &status.position);
                 if before.is_some_and(|before| *before != status.position) {
-                    self.turned_in.push(self.cycles["Driver/youBotDriver"]);
+                    self.turned_in.push(self.cycle_of_driver());
                 }
                 self.statuses.push((at, status));
             }
@@ -205,7 +205,7 @@ impl Log {
                     self.notices.push((at, event.as_text().unwrap().to_owned()));
                 }
                 _ if *component == "Client" => {
-                    self.called_in.push(self.cycles["Driver/youBotDriver"]);
+                    self.called_in.push(self.cycle_of_driver());
                 }
                 _ => {}
             },
@@ -220,6 +220,12 @@ impl Log {
             }
             _ => {}
         }
+    }
+
+    /// The number of the driver's present cycle; 0 before the first.
+    fn cycle_of_driver(&self) -> u64 {
+        let known = self.cycles.get("Driver/youBotDriver");
+        known.copied().unwrap_or_default()
     }
 
     /// When an event was told first.

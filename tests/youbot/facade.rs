@@ -66,6 +66,8 @@ fn with_gripper() -> String {
     let service = r#"{ service = "SCAyouBotDriver.retrievingStatus""#;
     let reading = arm.replace(service, r#"{ service = "SCAGripper.retrievingStatus""#);
     let joined = r#"connections = [
+  { from = "SCAGripper.commands", to = "gripper.commands" },
+  { from = "SCAGripper.period", to = "gripper.period" },
   { from = "gripper.jointStatus", to = "SCAGripper.jointStatus", policy = { type = "buffer", size = 32 } },"#;
     let reading = reading.replace("connections = [", joined);
     assert!(reading.contains("SCAGripper.r") && reading.contains("gripper.j"));
@@ -81,8 +83,12 @@ properties = { joints = 2 }
 [components.SCAGripper]
 implementation = { builtin = "port-proxy", target = "gripper" }
 activity   = { period_ms = 20 }
-services   = { retrievingStatus = "youbot/RetrievingStatus" }
-map = [{ operation = "retrievingStatus.getJointsPositions", port = "gripper.jointStatus", mode = "last" }]
+services   = { sendingCommand = "youbot/SendingCommands", retrievingStatus = "youbot/RetrievingStatus", settingPeriod = "youbot/SettingPeriod" }
+map = [
+  { operation = "sendingCommand.setJointsPositions", port = "gripper.commands", mode = "oneway" },
+  { operation = "retrievingStatus.getJointsPositions", port = "gripper.jointStatus", mode = "last" },
+  { operation = "settingPeriod.setPeriod", port = "gripper.period", mode = "oneway" },
+]
 "#
 }
 
