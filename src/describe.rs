@@ -2,7 +2,6 @@
 
 pub mod asyncapi;
 mod envelope;
-mod schema;
 mod spoken;
 pub mod yaml;
 

@@ -11,6 +11,7 @@ mod describe;
 mod diff;
 mod exit;
 mod files;
+mod gateway;
 pub mod mission;
 mod prompt;
 pub mod record;

@@ -1,10 +1,12 @@
 //! A composite put together, and its run until something ends it.
 
 mod error;
+mod gateway;
 mod process;
 mod successor;
 mod watch;
 
+pub use self::gateway::{Gateways, Told};
 pub use error::MissionError;
 pub use process::{Brokers, Named};
 pub use successor::{Version, reconfigure_address};
@@ -46,6 +48,8 @@ pub struct Mission {
     pub clock: Clock,
     /// What topics and wires go over.
     pub brokers: Brokers,
+    /// Whether what it serves is called over HTTP.
+    pub gateways: Gateways,
     /// Of the processes that the composite is deployed to, the one that is run; all of it where absent.
     pub process: Option<String>,
     /// It ends well when a location gets one of these values: location, value. Where absent, with
@@ -114,6 +118,7 @@ impl Mission {
             seeds_composite: false,
             clock: Clock::Virtual(0.0),
             brokers: Brokers::Nothing,
+            gateways: Gateways::Closed,
             process: None,
             until: None,
             unless: None,
@@ -184,6 +189,7 @@ impl Mission {
         let connected = self.connect(plan)?;
         let mut contacts = self.join(&mut system, &connected, plan, &part)?;
         let mut successor = self.successor(&opened, plan, &part, &connected)?;
+        let gateways = self.open_gateways(&mut system, &opened, plan, &part)?;
         let began = Instant::now();
         let mut run: Box<dyn Run> = match self.clock {
             Clock::Wall => Box::new(system.live()),
@@ -203,6 +209,8 @@ impl Mission {
         if outcome == Outcome::Reached || outcome == Outcome::Failed {
             run.run_for(REST);
         }
+        // who still calls is answered before those stop who answer
+        drop(gateways);
         run.stop();
         // what the components said last is sent before the bus closes
         contacts.iter_mut().for_each(Contact::leave);

@@ -18,7 +18,7 @@ const FLOORS: &[&[&str]] = &[
     // the engine
     &["engine-datum", "engine-connection", "engine-bus-broker"],
     &["engine-bus"],
-    &["engine-bus-amqp"],
+    &["engine-bus-amqp", "engine-gateway"],
     &["engine-component"],
     &["engine-bridge", "engine-coordinator", "engine-mqueue"],
     &["engine-assembly"],

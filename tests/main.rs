@@ -15,6 +15,7 @@ mod cli;
 mod composites;
 mod describe;
 mod faults;
+mod gateway;
 mod health;
 mod house;
 mod inspection;

@@ -2,6 +2,7 @@
 
 use broker::{Broker, Calm, Vhost};
 use serde_json::Value;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -62,6 +63,18 @@ pub(super) struct Running(Option<Child>);
 impl Running {
     pub(super) fn start(command: &mut Command) -> Self {
         Self(Some(command.spawn().unwrap()))
+    }
+
+    /// Waits until its gateway is open, and says where: `http://127.0.0.1:40123/services`.
+    pub(super) fn listening(&mut self) -> String {
+        let child = self.0.as_mut().unwrap();
+        let lines = BufReader::new(child.stderr.as_mut().unwrap()).lines();
+        let mut lines = lines.map(Result::unwrap);
+        let line = lines.find(|line| line.contains("Listening")).unwrap();
+        let url = line
+            .split_whitespace()
+            .find(|word| word.starts_with("http"));
+        url.unwrap().to_owned()
     }
 
     /// Waits for its end.

@@ -4,13 +4,14 @@
 use amqp::{AmqpBus, Settings};
 use broker::{Calm, Vhost};
 use bus::{Bell, Bus, Pattern, Queue};
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crate::gateway::post;
 use crate::processes::{Running, queues};
 
 /// Long enough for anything on a loaded machine.
@@ -172,6 +173,9 @@ fn three_doors(folder: &Path) -> PathBuf {
 [brokers.main]
 url = "${CELL}"
 
+[gateways.main]
+listen = "127.0.0.1:0"
+
 [components.Far]
 implementation = { asm = "courier.asm", main = "r_Main" }
 task       = { period_ms = 50 }
@@ -186,7 +190,7 @@ timeout_ms = 500
 [[promote]]
 service = "Dispatcher.dispatch"
 as = "jobs"
-binding = "amqp"
+binding = ["amqp", "http"]
 "#;
     write(folder, &[("main.composite.toml", &format!("{text}{more}"))])
 }
@@ -219,11 +223,20 @@ fn c4_a_service_is_called_through_three_doors() {
     let folder = tempfile::tempdir().unwrap();
     let composite = three_doors(folder.path());
     let mut command = run(&composite, &[]);
-    let running = Running::start(command.env("CELL", vhost.url()));
+    let mut running = Running::start(command.env("CELL", vhost.url()));
+    let services = running.listening();
     // by the name it is promoted under, and by its own
     assert_eq!(call(&broker, &vhost, "courier.jobs.job", "4"), "7");
     let own = "courier.Dispatcher.dispatch.job";
     assert_eq!(call(&broker, &vhost, own, "5"), "8");
+    // from outside of every bus: the same answer, and none where there is none
+    let job = format!("{services}/jobs/job");
+    assert_eq!(post(&job, "4"), (200, json!(7)));
+    assert_eq!(post(&job, "\"four\"").0, 400);
+    assert_eq!(
+        post(&format!("{services}/jobs/done"), "4"),
+        (202, Value::Null)
+    );
     std::thread::sleep(Duration::from_secs(1));
     let output = running.interrupt();
     let got: BTreeSet<String> = (written(&output.stdout, "jobs").into_iter())
@@ -235,7 +248,8 @@ fn c4_a_service_is_called_through_three_doors() {
         "who asks inside, and who asks over the broker: {output:?}"
     );
     // what goes over the broker alone needs it: without, all is direct
-    let mut command = run(&composite, &["--bus", "local", "--until", "jobs=3"]);
+    let inside = ["--bus", "local", "--http", "off", "--until", "jobs=3"];
+    let mut command = run(&composite, &inside);
     let output = command.env("CELL", vhost.url()).output().unwrap();
     assert!(output.status.success(), "{output:?}");
 }

@@ -1,6 +1,8 @@
 //! `asmotion describe`: what a composite is to the outside.
 
-use assembly::plan::End;
+use assembly::Plan;
+use assembly::model::Transport;
+use assembly::plan::{End, Promoted};
 use clap::{Args, ValueEnum};
 
 use crate::build;
@@ -100,6 +102,30 @@ fn tables(description: &Description<'_>, terminal: &mut Terminal) {
         operations,
         terminal,
     );
+    let doors = plan.promoted.iter().flat_map(|it| doors(it, plan));
+    show(&["from outside", "what", "over"], doors, terminal);
+}
+
+/// The ways from outside to what is promoted.
+fn doors(promoted: &Promoted, plan: &Plan) -> Vec<Vec<String>> {
+    let listens = |name: &String| {
+        let gateway = plan.gateways.iter().find(|it| it.name == *name)?;
+        Some(format!(
+            "http://{}/services/{}",
+            gateway.listen?, promoted.name
+        ))
+    };
+    let door = |over: &Transport| {
+        let called = promoted
+            .gateway
+            .as_ref()
+            .filter(|_| *over == Transport::Http);
+        let address = called
+            .and_then(listens)
+            .unwrap_or_else(|| promoted.name.clone());
+        vec![address, promoted.inside.clone(), over.to_string()]
+    };
+    promoted.bindings.iter().map(door).collect()
 }
 
 fn show(head: &[&str], rows: impl Iterator<Item = Vec<String>>, terminal: &mut Terminal) {

@@ -11,11 +11,13 @@ use assembly::{Value, plan};
 use clap::{Args, ValueEnum};
 use component::{Event, Time};
 use datum::Datum;
+use serde_json::json;
 
 use crate::books::{Books, Wanted};
 use crate::broker::{self, Access};
 use crate::exit::Exit;
-use crate::mission::{Brokers, Clock, Mission, MissionError, Named, Outcome};
+use crate::gateway;
+use crate::mission::{Brokers, Clock, Mission, MissionError, Named, Outcome, Told};
 use crate::terminal::Terminal;
 use told::{event_json, summarise, summary_json};
 
@@ -30,7 +32,7 @@ pub struct Run {
     profile: Option<String>,
 
     /// In virtual time (one thread, the same way each time) or as time passes on the wall; over a
-    /// broker it is the wall's.
+    /// broker or a gateway it is the wall's.
     #[arg(long, value_enum)]
     clock: Option<ClockKind>,
 
@@ -50,6 +52,12 @@ pub struct Run {
     /// Whose topics these are on the broker: keys are `ROBOT.TOPIC`; the composite's name without it.
     #[arg(long)]
     robot: Option<String>,
+
+    /// Where the gateway listens through which services are called over HTTP, `127.0.0.1:8080` or, of
+    /// several, `NAME=127.0.0.1:8080` (port 0 is a free one), or `off`; without it, where the composite
+    /// says.
+    #[arg(long, value_name = "ADDRESS")]
+    http: Vec<String>,
 
     /// Runs one of the processes that the composite is deployed to; the others run elsewhere.
     #[arg(long, value_name = "NAME")]
@@ -137,18 +145,22 @@ impl Run {
                 let _ = writeln!(anstream::stderr(), "         Bus {notice}");
             });
         }
-        let over_broker = mission.brokers.are_there();
-        mission.clock = match (self.clock, self.speed) {
-            (Some(ClockKind::Virtual), _) | (None, Some(_)) if over_broker => {
-                return Err(
-                    "over a broker, time is the wall's: leave out `--clock` and `--speed`"
-                        .to_owned(),
-                );
+        mission.gateways = gateway::open(&self.http, &mission.named_gateways(), self.told())?;
+        let over = match (mission.brokers.are_there(), mission.gateways.are_there()) {
+            (true, _) => Some(("a broker", "")),
+            (false, true) => Some(("a gateway", ", or say `--http off`")),
+            (false, false) => None,
+        };
+        mission.clock = match (self.clock, self.speed, over) {
+            (Some(ClockKind::Virtual), _, Some((what, or))) | (None, Some(_), Some((what, or))) => {
+                return Err(format!(
+                    "over {what}, time is the wall's: leave out `--clock` and `--speed`{or}"
+                ));
             }
-            (None, None) if over_broker => Clock::Wall,
-            (None | Some(ClockKind::Virtual), speed) => virtual_clock(speed.unwrap_or(0.0))?,
-            (Some(ClockKind::Wall), None) => Clock::Wall,
-            (Some(ClockKind::Wall), Some(_)) => {
+            (None, None, Some(_)) => Clock::Wall,
+            (None | Some(ClockKind::Virtual), speed, None) => virtual_clock(speed.unwrap_or(0.0))?,
+            (Some(ClockKind::Wall), None, _) => Clock::Wall,
+            (Some(ClockKind::Wall), Some(_), _) => {
                 return Err(
                     "`--speed` is of the virtual clock; on the wall, time has its own speed"
                         .to_owned(),
@@ -158,6 +170,21 @@ impl Run {
         mission.until = ends(&self.until)?;
         mission.unless = ends(&self.unless)?;
         Ok(mission)
+    }
+
+    /// Says where gateways listen.
+    fn told(&self) -> Told {
+        let (quiet, as_json) = (self.common.quiet, self.common.json);
+        Told::new(move |name, at| {
+            let url = format!("http://{at}/services");
+            if as_json {
+                let object = json!({ "type": "gateway", "v": 1, "name": name, "url": url });
+                let _ = writeln!(anstream::stdout(), "{object}");
+            }
+            if !quiet {
+                let _ = writeln!(anstream::stderr(), "   Listening {url} (gateway `{name}`)");
+            }
+        })
     }
 
     /// The brokers, if the bus is not that within the process.

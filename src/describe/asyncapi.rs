@@ -5,15 +5,17 @@ use std::collections::BTreeSet;
 use assembly::Plan;
 use assembly::plan::Broker;
 use datum::Schema;
+use datum::json_schema::{Definitions, key};
 use remote::{control_address, presence_topic};
 use serde_json::{Map, Value, json};
 
 use super::envelope::{headers, refusals};
-use super::schema::{Definitions, key};
 use super::{Channel, Description, Served};
 
 /// The topic exchange where the composite names no broker.
 const EXCHANGE: &str = "robots";
+/// Where the document has the schemas of messages.
+const SCHEMAS: &str = "#/components/schemas";
 /// Which version of the AMQP bindings.
 pub(super) const BINDING: &str = "0.3.0";
 
@@ -26,7 +28,7 @@ pub fn document(description: &Description<'_>, robot: &str) -> Value {
         channels: Map::new(),
         operations: Map::new(),
         messages: Map::new(),
-        schemas: Definitions::default(),
+        schemas: Definitions::at(SCHEMAS),
     };
     for topic in &description.topics {
         document.topic(topic);

@@ -57,6 +57,13 @@ pub enum MissionError {
         /// Why.
         reason: bus::BusError,
     },
+    /// A gateway cannot open.
+    Gateway {
+        /// The gateway.
+        name: String,
+        /// Why.
+        reason: gateway::GatewayError,
+    },
     /// It cannot be put together.
     Launch(String),
 }
@@ -118,6 +125,11 @@ impl fmt::Display for MissionError {
             Self::Broker { place, reason } => write!(
                 to,
                 "the broker at {place}: {reason}\n  `asmotion doctor` says how to mend it; `--bus local` runs \
+                 without one"
+            ),
+            Self::Gateway { name, reason } => write!(
+                to,
+                "the gateway `{name}`: {reason}\n  `--http {name}=127.0.0.1:0` takes a free port; `--http off` runs \
                  without one"
             ),
             Self::Launch(reason) => to.write_str(reason),

@@ -91,33 +91,38 @@ impl Mission {
     /// # Errors
     /// There are several, and nobody says what goes over which.
     pub fn named_brokers(&self) -> Result<Option<Named>, String> {
-        let opened = self.open(&self.composite, &Disk);
-        let plan = match opened.report.has_errors() {
-            true => None,
-            false => opened.plan(self.profile.as_deref()),
-        };
-        let Some(plan) = plan.filter(|plan| plan.missing.is_empty()) else {
-            return Ok(None);
-        };
-        if plan.names_brokers() {
-            let wanted = self.process.as_ref();
-            let process = plan.processes.iter().find(|it| Some(&it.name) == wanted);
-            let part = process.map_or_else(|| Part::with_brokers(plan), Part::of);
-            let brokers = plan.brokers_of(&part).into_iter().cloned();
-            return Ok(Some(Named::Each(brokers.collect())));
-        }
-        match &*plan.brokers {
-            [] => Ok(None),
-            [only] => Ok(Some(Named::One(only.clone()))),
-            several => {
-                let names: Vec<&str> = several.iter().map(|it| &*it.name).collect();
-                let names = names.join(", ");
-                Err(format!(
-                    "the composite has several brokers ({names}), and no component says which is its own with \
-                     `task.broker`: say it there, or with `--bus`"
-                ))
+        let named = self.planned(|plan| {
+            if plan.names_brokers() {
+                let wanted = self.process.as_ref();
+                let process = plan.processes.iter().find(|it| Some(&it.name) == wanted);
+                let part = process.map_or_else(|| Part::with_brokers(plan), Part::of);
+                let brokers = plan.brokers_of(&part).into_iter().cloned();
+                return Ok(Some(Named::Each(brokers.collect())));
             }
+            match &*plan.brokers {
+                [] => Ok(None),
+                [only] => Ok(Some(Named::One(only.clone()))),
+                several => {
+                    let names: Vec<&str> = several.iter().map(|it| &*it.name).collect();
+                    let names = names.join(", ");
+                    Err(format!(
+                        "the composite has several brokers ({names}), and no component says which is its own with \
+                         `task.broker`: say it there, or with `--bus`"
+                    ))
+                }
+            }
+        });
+        named.unwrap_or(Ok(None))
+    }
+
+    /// What the plan says, if it can be started.
+    pub(super) fn planned<T>(&self, says: impl FnOnce(&Plan) -> T) -> Option<T> {
+        let opened = self.open(&self.composite, &Disk);
+        if opened.report.has_errors() {
+            return None;
         }
+        let plan = opened.plan(self.profile.as_deref());
+        plan.filter(|plan| plan.missing.is_empty()).map(says)
     }
 
     /// The buses over the brokers, once they are there.

@@ -12,7 +12,9 @@ pub(crate) use self::write::value as toml;
 use self::write::{Keys, table, tables};
 use crate::model::{BridgeKind, Flow, Transport};
 use crate::opened::Opened;
-use crate::plan::{Bridge, Broker, Connection, Plan, Policy, Promoted, Terminal, Topic, Wire};
+use crate::plan::{
+    Bridge, Broker, Connection, Gateway, Plan, Policy, Promoted, Terminal, Topic, Wire,
+};
 
 /// The text of a plan of `opened` as a composite file, which belongs beside the outermost one.
 pub fn expand(opened: &Opened, plan: &Plan) -> String {
@@ -32,6 +34,10 @@ pub fn expand(opened: &Opened, plan: &Plan) -> String {
     document.insert("composite", Item::Table(table(head)));
     let sections = [
         ("brokers", named(&plan.brokers, |it| (&it.name, broker(it)))),
+        (
+            "gateways",
+            named(&plan.gateways, |it| (&it.name, gateway(it))),
+        ),
         ("bridges", named(&plan.bridges, |it| (&it.name, bridge(it)))),
         (
             "components",
@@ -85,6 +91,14 @@ fn broker(broker: &Broker) -> Table {
     reconnect.whole("max_ms", broker.reconnect_max_ms);
     reconnect.real("jitter", broker.reconnect_jitter);
     keys.inline("reconnect", reconnect);
+    table(keys)
+}
+
+fn gateway(gateway: &Gateway) -> Table {
+    let mut keys = Keys::new();
+    keys.words("listen", gateway.listen);
+    keys.whole("max_connections", gateway.max_connections);
+    keys.whole("max_body_kb", gateway.max_body_kb);
     table(keys)
 }
 
@@ -193,8 +207,11 @@ fn promoted(promoted: &Promoted) -> Keys {
     let mut keys = Keys::new();
     keys.text(promoted.what, &promoted.inside);
     keys.text("as", &promoted.name);
-    keys.words("binding", remote(promoted.binding));
+    let bindings = promoted.bindings.iter();
+    keys.one_or_many("binding", bindings.map(ToString::to_string));
     keys.texts("broker", promoted.broker.iter());
+    keys.texts("gateway", promoted.gateway.iter());
+    keys.wholes("timeout_ms", promoted.timeout_ms);
     keys
 }
 

@@ -17,12 +17,13 @@ use std::time::Duration;
 use bus::{Bell, Bus, BusError};
 
 use self::line::Line;
+use self::offered::Offers;
 use crate::Time;
 use crate::door::Doors;
 use crate::health;
 use crate::live::World;
 use crate::outside::Outside;
-use crate::system::{Abroad, Joints, Topic};
+use crate::system::{Abroad, Joints, Offered, Topic};
 use crate::unit::Unit;
 
 pub(crate) use self::reached::Way;
@@ -30,6 +31,8 @@ pub(crate) use self::reached::Way;
 /// The system's side of its buses.
 pub(crate) struct Exchange {
     lines: Vec<Line>,
+    /// What is served on buses that carry nothing else.
+    counters: Vec<Offers>,
     /// The topics of those who are on no bus, until they have heard that none is gone.
     inside: Option<(Vec<Topic>, Doors)>,
     /// Rung for everything that comes, and when a bus is up, blocked or down.
@@ -85,6 +88,7 @@ impl Exchange {
         let doors = Doors::of_topics(units, &inside, joints);
         Ok(Self {
             lines,
+            counters: Vec::new(),
             inside: Some((inside, doors)),
             bell: abroad.bell,
         })
@@ -97,6 +101,24 @@ impl Exchange {
         }
     }
 
+    /// Serves over a bus that carries nothing else.
+    pub(crate) fn serve(
+        &mut self,
+        units: &[Unit],
+        offered: &[Offered],
+        bus: Arc<dyn Bus>,
+    ) -> Result<(), BusError> {
+        let membership = Membership {
+            bus,
+            // it publishes nothing
+            incarnation: 0,
+            bell: Arc::clone(&self.bell),
+        };
+        self.counters
+            .push(Offers::new(units, offered.iter(), &membership)?);
+        Ok(())
+    }
+
     /// Lets in what has come, and lets out what waits.
     pub(crate) fn deliver(&mut self, now: Time, outside: &mut dyn Outside) {
         if let Some((topics, mut doors)) = self.inside.take() {
@@ -104,6 +126,9 @@ impl Exchange {
         }
         for line in &mut self.lines {
             line.deliver(now, outside);
+        }
+        for counter in &mut self.counters {
+            counter.deliver(now, outside);
         }
     }
 

@@ -6,7 +6,7 @@ mod common;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use bus::{Bell, Bus, CallFailure, Local, Origin, Payload, Queue, Sending};
+use bus::{Bell, Bus, CallFailure, Local, Origin, Pattern, Payload, Queue, Sending};
 use common::{Double, Number, behaviour, counter, doubler, number};
 use component::{
     Activity, CallError, Component, Event, Interface, Log, Policy, Reply, Run, ServiceFault, Span,
@@ -316,4 +316,53 @@ fn topics_abroad_reach_those_inside_by_the_bus_and_only_once() {
     assert_eq!(log.lines_with("heard").len(), 2);
     assert_eq!(log.lines_with("Teller.n <- ").len(), 2);
     assert_eq!(tool.try_next().unwrap().sequence, 2);
+}
+
+/// The result of `double` at an address.
+fn doubled(bus: &Local, address: &str, n: i64) -> Result<Payload, CallFailure> {
+    let request = bus::Request::new(Origin::new("Tool", 9), Payload::of(number(n)), 20.s());
+    bus.call(address, request, Arc::new(Bell::new()))
+        .unwrap()
+        .wait()
+}
+
+#[test]
+fn a_service_is_served_on_a_bus_that_carries_nothing_else() {
+    for is_on_a_bus in [false, true] {
+        let (own, counter_of) = (Local::new(), Local::new());
+        let heard = Pattern::new("#");
+        let bell = Arc::new(Bell::new());
+        let heard = counter_of.subscribe("ear", &heard, Queue::Latest, bell);
+        let heard = heard.unwrap();
+        let mut system = System::new();
+        system.add("Doubler", Activity::event(), doubler()).unwrap();
+        system
+            .add("Counter", Activity::periodic(10.ms()), counter())
+            .unwrap();
+        system.publish("Counter.n", "count").unwrap();
+        if is_on_a_bus {
+            system.offer("Doubler.sums").unwrap();
+            system.attach(Arc::new(own.clone()), 1).unwrap();
+        }
+        let bus = Arc::new(counter_of.clone());
+        assert!(
+            system
+                .serve_on(bus.clone(), &[("Doubler.sum", "x")])
+                .is_err()
+        );
+        let served = [("Doubler.sums", "sums"), ("Doubler.sums", "more")];
+        system.serve_on(bus, &served).unwrap();
+        let run = system.live();
+        for address in ["sums.double", "more.double"] {
+            let payload = doubled(&counter_of, address, 21).unwrap();
+            assert_eq!(payload.read::<common::Number>().unwrap(), number(42));
+        }
+        let of_own = doubled(&own, "Doubler.sums.double", 4);
+        assert_eq!(of_own.is_ok(), is_on_a_bus);
+        assert!(doubled(&own, "sums.double", 4).is_err());
+        assert!(heard.try_next().is_none(), "no topic goes there");
+        drop(run);
+        let gone = doubled(&counter_of, "sums.double", 1).unwrap_err();
+        assert_eq!(gone, CallFailure::Unavailable);
+    }
 }

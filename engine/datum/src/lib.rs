@@ -31,6 +31,8 @@ mod codec;
 mod de;
 mod described;
 mod error;
+mod fit;
+pub mod json_schema;
 mod message;
 mod numbers;
 mod sample;

@@ -217,3 +217,58 @@ fn a_comparison_names_the_first_difference() {
         "std_msgs/Empty here, test/Scan there"
     );
 }
+
+#[test]
+fn what_a_message_says_fits_its_schema_however_it_came() {
+    for message in [scan(), Scan::default()] {
+        let datum = Datum::of(&message).unwrap();
+        for codec in Codec::ALL {
+            let bytes = codec.encode(&datum, Scan::schema()).unwrap();
+            let read = codec.decode(&bytes, Scan::schema()).unwrap();
+            Scan::schema().accepts(&read).unwrap();
+        }
+    }
+}
+
+#[test]
+fn what_does_not_fit_a_schema_says_where() {
+    for (text, words) in [
+        (
+            r#"{"at": {"x": "1"}}"#,
+            "`at.x`: text stands where `float64` is wanted",
+        ),
+        (
+            r#"{"at": {"w": 1}}"#,
+            "`at`: `geometry_msgs/Vector3` has no field `w`; its fields: `x`, `y`, `z`",
+        ),
+        (r#"{"ranges": [1, null]}"#, "`ranges.1`: nothing stands"),
+        (
+            r#"{"cells": [0, 128]}"#,
+            "`cells.1`: 128 does not lie between -128 and 127",
+        ),
+        (
+            r#"{"covariance": [0, 1]}"#,
+            "`covariance`: it has 2 elements, and `float64[36]` is wanted",
+        ),
+        (
+            r#"{"maybe": 1}"#,
+            "`maybe`: a whole number stands where `geometry_msgs/Vector3` is wanted",
+        ),
+        (
+            r#"{"ok": null}"#,
+            "`ok`: nothing stands where `bool` is wanted",
+        ),
+        ("7", "a whole number stands where `test/Scan` is wanted"),
+    ] {
+        let datum: Datum = json::decode(text).unwrap();
+        let error = Scan::schema().accepts(&datum).unwrap_err().to_string();
+        assert!(error.contains(words), "{text}: {error}");
+    }
+    for text in [
+        "{}",
+        r#"{"ok": true, "count": 1, "maybe": null, "ranges": ["NaN", 1]}"#,
+    ] {
+        let datum: Datum = json::decode(text).unwrap();
+        Scan::schema().accepts(&datum).unwrap();
+    }
+}

@@ -8,9 +8,10 @@ use assembly::tree::Node;
 use source::{Report, Span};
 
 use crate::finding::ScdlError;
-use crate::model::{Binding, Composite, Contract, Multiplicity, Property, Target};
+use crate::model::{Binding, Bound, Composite, Contract, Multiplicity, Property, Target};
 use crate::tca::Time;
-use crate::{value, write};
+use crate::toml::TIMEOUT_MS;
+use crate::{gateway, value, write};
 
 /// What was exported.
 pub struct Exported {
@@ -96,6 +97,12 @@ impl Exporter<'_> {
         for file in &composite.types {
             self.unsayable("the message types", file, file.span);
         }
+        for gateway in &composite.gateways {
+            let bounds = [&gateway.max_connections, &gateway.max_body_kb];
+            if let Some(bound) = bounds.into_iter().flatten().next() {
+                self.unsayable("the bounds of the gateway", &gateway.name, bound.span);
+            }
+        }
         for broker in &composite.brokers {
             self.broker(broker);
         }
@@ -177,17 +184,40 @@ impl Exporter<'_> {
             optional: promotion.optional,
             many: false,
         };
-        let binding = promotion.binding.as_ref();
+        let timeout = promotion.timeout_ms.as_ref();
+        if let Some(timeout) = timeout.filter(|it| it.value != TIMEOUT_MS) {
+            self.unsayable("the deadline", &promotion.name, timeout.span);
+        }
+        let several = promotion.bindings.len() > 1;
+        let bindings = promotion.bindings.iter();
+        // what has one alone that is local, is not said to have it
+        let bindings = bindings.filter(|it| several || it.value != Transport::Local);
         Contract {
-            binding: binding.and_then(|binding| self.binding(binding, &promotion.name)),
+            bindings: bindings
+                .filter_map(|it| self.bound(it, promotion))
+                .collect(),
             promote: vec![target(inside)],
             ..contract(promotion.name.clone(), multiplicity)
         }
     }
 
+    /// A way to what is promoted.
+    fn bound(&mut self, binding: &At<Transport>, promotion: &here::Promotion) -> Option<Bound> {
+        let over = self.binding(binding, &promotion.name)?;
+        let gateway = promotion.gateway.as_ref();
+        let mut gateways = self.composite.gateways.iter();
+        let gateway = gateways.find(|it| gateway.is_none_or(|name| name.value == it.name.value));
+        let uri = gateway.filter(|_| over == Binding::Http).map(|gateway| {
+            let listen = written(&gateway.listen.value);
+            let uri = gateway::uri(&listen, &promotion.name);
+            At::new(uri, gateway.listen.span)
+        });
+        Some(Bound { over, uri })
+    }
+
     fn binding(&mut self, binding: &At<Transport>, of: &str) -> Option<Binding> {
         match binding.value {
-            Transport::Local => None,
+            Transport::Local => Some(Binding::Sca),
             Transport::Amqp => Some(Binding::Jms),
             Transport::Http => Some(Binding::Http),
             Transport::Ros => {
@@ -226,7 +256,7 @@ fn contract(name: At<String>, multiplicity: Multiplicity) -> Contract {
     Contract {
         name,
         interface: None,
-        binding: None,
+        bindings: Vec::new(),
         promote: Vec::new(),
         targets: Vec::new(),
         multiplicity,

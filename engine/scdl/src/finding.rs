@@ -15,7 +15,7 @@ macro_rules! codes {
 
 /// The codes of SCDL, in order: the file as XML, what it says, what cannot be said here or there.
 pub const CODES: &[Code] =
-    codes! { X001 X002 X003 X004 X005 X006 X007 X008 X009 X010 X011 X012 X013 };
+    codes! { X001 X002 X003 X004 X005 X006 X007 X008 X009 X010 X011 X012 X013 X014 };
 
 /// A finding in SCDL, or in a composite that is to become SCDL.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -82,6 +82,8 @@ pub(crate) enum ScdlError {
     },
     #[error("nothing says whether `{of}` publishes or subscribes `{topic}`")]
     Undirected { of: String, topic: String, at: Span },
+    #[error("`{of}` is called at another address here")]
+    Moved { of: String, here: String, at: Span },
 }
 
 fn found(services: &[String]) -> String {
@@ -145,6 +147,9 @@ impl ScdlError {
             } => Diagnostic::warning("X013", self)
                 .label(*at, format!("`{promoted}` becomes `{name}`"))
                 .help("one promotion promotes one thing here; wire each by its own name"),
+            Self::Moved { here, at, .. } => Diagnostic::warning("X014", self)
+                .label(*at, format!("`{here}` from now on"))
+                .help("tell those who call it: the operation's name follows, and the argument is JSON"),
             Self::Undirected { topic, at, .. } => Diagnostic::warning("X012", self)
                 .label(*at, "renames it")
                 .help(format!("list `{topic}` under `publish` or `subscribe` of the composite file, with its type")),

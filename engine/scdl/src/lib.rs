@@ -4,6 +4,7 @@
 mod cpf;
 mod export;
 mod finding;
+mod gateway;
 mod import;
 mod model;
 mod name;

@@ -71,7 +71,7 @@ pub(crate) struct Contract {
     /// Its interface, where it is said.
     pub interface: Option<Interface>,
     /// How others reach it, or it reaches others.
-    pub binding: Option<Binding>,
+    pub bindings: Vec<Bound>,
     /// `promote`: what of the components it is.
     pub promote: Vec<Target>,
     /// `target`: who answers.
@@ -91,6 +91,15 @@ pub(crate) struct Interface {
     pub name: At<String>,
     /// The interface that is called back.
     pub callback: Option<At<String>>,
+}
+
+/// A way to a service.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Bound {
+    /// What it goes over.
+    pub over: Binding,
+    /// `uri`: where it is called over HTTP, where it says.
+    pub uri: Option<At<String>>,
 }
 
 /// What messages of a service go over.

@@ -5,8 +5,8 @@ use source::{FileId, Report};
 
 use crate::finding::ScdlError;
 use crate::model::{
-    Binding, Component, Composite, Contract, Implementation, Interface, Multiplicity, Property,
-    Target, Wire,
+    Binding, Bound, Component, Composite, Contract, Implementation, Interface, Multiplicity,
+    Property, Target, Wire,
 };
 use crate::xml::{self, Element};
 use crate::{name, value};
@@ -108,7 +108,7 @@ fn contract(asked: &mut Asked<'_, '_>) -> Contract {
     Contract {
         name,
         interface: java.into_iter().chain(wsdl).next(),
-        binding: binding(asked),
+        bindings: bindings(asked, !promote.is_empty()),
         promote,
         targets,
         multiplicity,
@@ -145,8 +145,9 @@ fn wsdl_interface(asked: &mut Asked<'_, '_>) -> Interface {
     }
 }
 
-/// The first of the bindings; a service has one here.
-fn binding(asked: &mut Asked<'_, '_>) -> Option<Binding> {
+/// The ways to a service, each once. What is promoted keeps all of them, and a gateway says where it is called; a wire goes
+/// over one, and leaves HTTP to those outside.
+fn bindings(asked: &mut Asked<'_, '_>, promoted: bool) -> Vec<Bound> {
     const BINDINGS: &[(&str, Binding)] = &[
         ("binding.sca", Binding::Sca),
         ("binding.ws", Binding::Http),
@@ -155,13 +156,32 @@ fn binding(asked: &mut Asked<'_, '_>) -> Option<Binding> {
         ("binding.jms", Binding::Jms),
         ("binding.rmi", Binding::Rmi),
     ];
-    let known = |element: &Element| {
-        let mut bindings = BINDINGS.iter();
-        bindings.find(|(word, _)| *word == element.name.value)
-    };
-    let (word, binding) = asked.element.children.iter().find_map(known)?;
-    asked.first(word);
-    Some(*binding)
+    let known = asked.element.children.iter().filter_map(|child| {
+        let mut known = BINDINGS.iter();
+        let (word, over) = known.find(|(word, _)| *word == child.name.value)?;
+        Some((child, *word, *over))
+    });
+    let mut known: Vec<_> = known.collect();
+    if !promoted {
+        known.sort_by_key(|(_, _, over)| *over == Binding::Http);
+        known.truncate(1);
+    }
+    let is_called = promoted && asked.element.name.value == "service";
+    let mut bindings: Vec<Bound> = Vec::new();
+    for (child, word, over) in known {
+        if bindings.iter().any(|bound| bound.over == over) {
+            continue;
+        }
+        asked.children.push((word, 1));
+        let mut inner = Asked::new(child, asked.report);
+        let uri = match over {
+            Binding::Http if is_called => inner.attribute("uri"),
+            Binding::Http | Binding::Sca | Binding::Jms | Binding::Rmi => None,
+        };
+        asked.notes.extend(inner.rest());
+        bindings.push(Bound { over, uri });
+    }
+    bindings
 }
 
 fn multiplicity(asked: &mut Asked<'_, '_>) -> Multiplicity {
@@ -363,16 +383,6 @@ impl<'e, 'r> Asked<'e, 'r> {
         let read: Vec<T> = read.collect();
         self.children.push((name, read.len()));
         read
-    }
-
-    /// The first child of this name is known, and what it says is not.
-    fn first(&mut self, name: &'static str) {
-        self.children.push((name, 1));
-        let mut children = self.element.children.iter();
-        if let Some(child) = children.find(|child| child.name.value == name) {
-            let notes = Asked::new(child, self.report).rest();
-            self.notes.extend(notes);
-        }
     }
 
     /// Children of this name have no counterpart, although they were read.

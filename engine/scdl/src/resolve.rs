@@ -37,7 +37,7 @@ pub(crate) fn contract(name: At<String>, interface: Option<Interface>) -> Contra
     Contract {
         name,
         interface,
-        binding: None,
+        bindings: Vec::new(),
         promote: Vec::new(),
         targets: Vec::new(),
         multiplicity: Multiplicity::default(),
@@ -100,7 +100,7 @@ pub(crate) fn complete(listed: &mut Vec<Contract>, declared: Vec<Contract>) -> b
                 news = true;
                 listed.push(Contract {
                     promote: Vec::new(),
-                    binding: None,
+                    bindings: Vec::new(),
                     ..declared
                 });
             }

@@ -1,5 +1,7 @@
 //! A completed composite as the text of a composite file.
 
+mod doors;
+
 use std::collections::BTreeMap;
 
 use assembly::model::Scalar;
@@ -7,6 +9,7 @@ use assembly::{At, Catalogue};
 use source::Report;
 use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table, Value, value as item};
 
+use self::doors::{listening, word};
 use crate::finding::ScdlError;
 use crate::model::{Binding, Component, Composite, Contract, Implementation, Property, Target};
 use crate::tca::{self, Task, Time};
@@ -28,6 +31,7 @@ pub(crate) fn document(
         catalogue,
         report,
         brokers: Vec::new(),
+        gateways: listening(composite),
     };
     let mut components = Table::new();
     components.set_implicit(true);
@@ -46,6 +50,9 @@ pub(crate) fn document(
     }
     if !writer.brokers.is_empty() {
         document.insert("brokers", Item::Table(brokers(&writer.brokers)));
+    }
+    if !writer.gateways.is_empty() {
+        document.insert("gateways", Item::Table(gateways(&writer.gateways)));
     }
     document.insert("components", Item::Table(components));
     if !wires.is_empty() {
@@ -78,6 +85,17 @@ fn table<'n>(notes: impl IntoIterator<Item = &'n String>) -> Table {
         .collect();
     table.decor_mut().set_prefix(format!("\n{comments}"));
     table
+}
+
+fn gateways(listen: &[String]) -> Table {
+    let mut gateways = Table::new();
+    gateways.set_implicit(true);
+    for (index, listen) in listen.iter().enumerate() {
+        let mut gateway = table([]);
+        gateway.insert("listen", item(listen));
+        gateways.insert(&broker_name(index), Item::Table(gateway));
+    }
+    gateways
 }
 
 fn brokers(urls: &[String]) -> Table {
@@ -115,6 +133,8 @@ struct Writer<'w> {
     report: &'w mut Report,
     /// The addresses of brokers.
     brokers: Vec<String>,
+    /// Where gateways listen.
+    gateways: Vec<String>,
 }
 
 impl Writer<'_> {
@@ -357,8 +377,9 @@ impl Writer<'_> {
             let remote = ends
                 .into_iter()
                 .find_map(|(end, calls)| self.binding(end, calls));
-            if let Some(remote) = remote {
-                self.bind(remote, &mut table);
+            if let Some(word) = remote.and_then(word) {
+                table.insert("binding", item(word));
+                self.over_broker(word, &mut table);
             }
             match services.len() {
                 1 => table.insert("timeout_ms", item(TIMEOUT_MS)),
@@ -379,26 +400,8 @@ impl Writer<'_> {
             &component.services
         };
         let name = end.name.as_ref()?;
-        listed
-            .iter()
-            .find(|it| it.name.value == name.value)?
-            .binding
-    }
-
-    fn bind(&mut self, binding: Binding, table: &mut Table) {
-        let word = match binding {
-            Binding::Sca => return,
-            Binding::Http => "http",
-            // calls of Java to Java go over the broker here, like messages
-            Binding::Jms | Binding::Rmi => "amqp",
-        };
-        if word == "amqp" && self.brokers.is_empty() {
-            self.brokers.push(tca::BROKER.to_owned());
-        }
-        table.insert("binding", item(word));
-        if word == "amqp" && self.brokers.len() > 1 {
-            table.insert("broker", item(broker_name(0)));
-        }
+        let listed = listed.iter().find(|it| it.name.value == name.value)?;
+        listed.bindings.first().map(|bound| bound.over)
     }
 
     fn promotions(&mut self) -> ArrayOfTables {
@@ -425,9 +428,10 @@ impl Writer<'_> {
                     };
                     self.report.push(finding.diagnostic());
                 }
-                table.insert("as", item(name));
-                if let Some(binding) = promotion.binding {
-                    self.bind(binding, &mut table);
+                table.insert("as", item(&name));
+                self.bind(promotion, &mut table);
+                if kind == "service" {
+                    self.gateway(promotion, &name, &mut table);
                 }
                 if kind == "reference" && promotion.multiplicity.optional {
                     table.insert("optional", item(true));

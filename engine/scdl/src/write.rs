@@ -160,7 +160,8 @@ impl Xml {
                 unusual.then(|| multiplicity.word().to_owned()),
             ),
         ];
-        if contract.interface.is_none() && contract.binding.is_none() && contract.notes.is_empty() {
+        if contract.interface.is_none() && contract.bindings.is_empty() && contract.notes.is_empty()
+        {
             return self.empty(kind, &attributes);
         }
         self.element(kind, &attributes, |xml| {
@@ -175,14 +176,15 @@ impl Xml {
                 ];
                 xml.empty("interface.java", &attributes)?;
             }
-            if let Some(binding) = contract.binding {
-                let word = match binding {
+            for bound in &contract.bindings {
+                let word = match bound.over {
                     Binding::Sca => "binding.sca",
                     Binding::Http => "binding.ws",
                     Binding::Jms => "binding.jms",
                     Binding::Rmi => "binding.rmi",
                 };
-                xml.empty(word, &[])?;
+                let uri = bound.uri.as_ref().map(|uri| uri.value.clone());
+                xml.empty(word, &[("uri", uri)])?;
             }
             xml.notes(&contract.notes)
         })

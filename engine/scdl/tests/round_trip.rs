@@ -57,3 +57,20 @@ fn c14_what_comes_back_of_nested_composites_is_imported_to_the_same() {
         assert_eq!(without_comments(again), without_comments(file), "{name}");
     }
 }
+
+#[test]
+fn c4_all_bindings_of_a_service_come_back() {
+    let imported = import(&["doors.composite"]);
+    let (_, composite) = imported.files.first().expect("a composite");
+    assert_eq!(imported.report.diagnostics, [], "{composite}");
+    insta::assert_snapshot!(composite);
+    let opened = open(&imported.files);
+    let said = rendered(&opened.report, &opened.sources);
+    assert!(!opened.report.has_errors(), "{said}");
+    let back = exported(&imported);
+    // where the broker is, which the import assumed, SCDL says of tasks alone
+    let comment = "  <!-- the address of main -->\n";
+    assert_eq!(back.text.replace(comment, ""), text("doors.composite"));
+    let codes: Vec<_> = back.report.diagnostics.iter().map(|it| it.code).collect();
+    assert_eq!(codes, ["X010"]);
+}

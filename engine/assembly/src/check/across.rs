@@ -77,7 +77,7 @@ pub(crate) fn check(scene: &Scene<'_>, topics: &Topics, report: &mut Report) {
 }
 
 /// Which process each component is placed in.
-fn processes(deploy: &Deploy) -> BTreeMap<&str, &str> {
+pub(super) fn processes(deploy: &Deploy) -> BTreeMap<&str, &str> {
     let placed = deploy.processes.iter().flat_map(|process| {
         let components = process.components.iter();
         components.map(|component| (component.value.as_str(), process.name.value.as_str()))

@@ -17,6 +17,7 @@ mod deploy;
 mod endpoint;
 pub(crate) mod face;
 mod fan_out;
+mod gateway;
 mod map_error;
 mod promote;
 mod proxy;
@@ -35,7 +36,8 @@ pub(crate) use self::component::topic;
 use self::face::Face;
 use self::scene::Scene;
 pub(crate) use self::scene::{NameError, nested, takes_part};
-pub(crate) use self::wire::{DEFAULT_TIMEOUT_MS, waits};
+pub use self::wire::DEFAULT_TIMEOUT_MS;
+pub(crate) use self::wire::waits;
 use crate::catalogue::Catalogue;
 use crate::family::{Family, Member};
 use crate::types::Types;
@@ -117,6 +119,7 @@ impl<'c> Checker<'c> {
         deploy::check(&scene, &topics, report);
         across::check(&scene, &topics, report);
         binding::check(&scene, report);
+        gateway::check(&scene, report);
         let face = Rc::new(promote::check(&scene, &topics, report));
         let parts = scene.parts.into_iter();
         let faces = parts

@@ -8,7 +8,7 @@ use super::face::{Face, Kind, Named, Port, Service, Topic, Way};
 use super::scene::{NameError, Scene};
 use super::topic::Topics;
 use crate::finding::{Finding, Findings};
-use crate::model::{End, Promoted, Promotion};
+use crate::model::{End, Promoted, Promotion, Transport};
 use crate::nearest::nearest;
 use crate::read::error::ReadError;
 
@@ -26,10 +26,18 @@ pub(crate) enum PromoteError {
 impl Finding for PromoteError {
     fn diagnostic(&self) -> Diagnostic {
         match self {
-            Self::Twice { at, first, .. } => Diagnostic::error("C060", self)
+            Self::Twice {
+                what, at, first, ..
+            } => Diagnostic::error("C060", self)
                 .label(*at, "again here")
                 .label(*first, "first here")
-                .help("give one of them another name with `as`"),
+                .help(match *what {
+                    "service" => {
+                        "give one of them another name with `as`, or list all it goes over in one: \
+                         `binding = [\"amqp\", \"http\"]`"
+                    }
+                    _ => "give one of them another name with `as`",
+                }),
         }
     }
 }
@@ -58,12 +66,10 @@ pub(crate) fn check(scene: &Scene<'_>, topics: &Topics, report: &mut Report) -> 
             });
         }
         optional(promotion, report);
-        scene.broker(
-            promotion.binding.as_ref(),
-            promotion.broker.as_ref(),
-            report,
-        );
-        scene.transport(promotion.binding.as_ref(), report);
+        let over_broker = promotion.over(Transport::Amqp);
+        scene.broker(over_broker, promotion.broker.as_ref(), report);
+        // calls over HTTP come in, and do not go out
+        scene.transport(promotion.over(Transport::Ros), report);
         self::promotion(scene, promotion, topics, &mut face, &mut properties, report);
     }
     face.properties = Some(properties);

@@ -98,6 +98,7 @@ fn way_out(what: &str) -> String {
         "profile" => "a profile is what a component takes part in: `profile = \"sim\"`".to_owned(),
         "topic" => "a topic is what a component subscribes or publishes".to_owned(),
         "broker" => "a broker is written as `[brokers.name]`".to_owned(),
+        "gateway" => "a gateway is written as `[gateways.name]`".to_owned(),
         "bridge" => "a bridge is written as `[bridges.name]`".to_owned(),
         "input" => "an input stands under `subscribe` or `ports.in`".to_owned(),
         "output" => "an output stands under `publish` or `ports.out`".to_owned(),
@@ -239,7 +240,7 @@ impl<'s> Scene<'s> {
         });
     }
 
-    /// Checks that this build has what something goes over.
+    /// Checks that this build has what something goes out over.
     pub(crate) fn transport(&self, binding: Option<&At<Transport>>, report: &mut Report) {
         let Some(binding) = binding else {
             return;

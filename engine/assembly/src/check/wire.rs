@@ -100,7 +100,7 @@ pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) {
 const WIRED_TWICE: &str = "wired twice";
 
 /// How long a call may take where the wire does not say.
-pub(crate) const DEFAULT_TIMEOUT_MS: u64 = 1000;
+pub const DEFAULT_TIMEOUT_MS: u64 = 1000;
 
 /// The references that lead somewhere, the places that say where, and whether those are wires.
 #[derive(Default)]

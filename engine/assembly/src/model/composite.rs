@@ -2,7 +2,9 @@
 
 use source::FileId;
 
-use super::{Bridge, Broker, Component, Connection, Deploy, Promotion, Property, Topic, Wire};
+use super::{
+    Bridge, Broker, Component, Connection, Deploy, Gateway, Promotion, Property, Topic, Wire,
+};
 use crate::At;
 
 /// A composite file.
@@ -24,6 +26,8 @@ pub struct Composite {
     pub properties: Vec<Property>,
     /// `[brokers.<name>]`.
     pub brokers: Vec<Broker>,
+    /// `[gateways.<name>]`.
+    pub gateways: Vec<Gateway>,
     /// `[bridges.<name>]`.
     pub bridges: Vec<Bridge>,
     /// `[components.<name>]`, in the order of the file.

@@ -1,4 +1,4 @@
-//! Brokers and bridges: where messages leave the process.
+//! Brokers, gateways and bridges: where messages leave the process.
 
 use super::Template;
 use crate::At;
@@ -54,6 +54,19 @@ pub struct Reconnect {
     pub max_ms: Option<At<i64>>,
     /// Share of the wait that is random.
     pub jitter: Option<At<f64>>,
+}
+
+/// Where services are called over HTTP.
+#[derive(Clone, Debug)]
+pub struct Gateway {
+    /// Its name in the composite.
+    pub name: At<String>,
+    /// Where it listens: an address and a port.
+    pub listen: At<Template>,
+    /// How many may be connected at once.
+    pub max_connections: Option<At<i64>>,
+    /// The longest argument, in thousands of bytes.
+    pub max_body_kb: Option<At<i64>>,
 }
 
 /// A way to another middleware.

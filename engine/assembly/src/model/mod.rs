@@ -18,7 +18,7 @@ pub use component::{
 };
 pub use composite::Composite;
 pub use deploy::{Deploy, Process, Record, Restart, RestartPolicy};
-pub use endpoint::{Bridge, BridgeKind, Broker, Codec, Reconnect, Tls};
+pub use endpoint::{Bridge, BridgeKind, Broker, Codec, Gateway, Reconnect, Tls};
 pub use implementation::{Builtin, Implementation};
 pub use pace::{Lifecycle, OnDeadline, OnException, Overrun, Pace, Scheduler};
 pub use promote::{Promoted, Promotion};

@@ -17,10 +17,14 @@ pub struct Promotion {
     pub what: Promoted,
     /// Under which name.
     pub name: At<String>,
-    /// Over what the outside reaches it.
-    pub binding: Option<At<Transport>>,
+    /// Over what the outside reaches it, beside the wires of an outer composite.
+    pub bindings: Vec<At<Transport>>,
     /// Over which broker, if there are several.
     pub broker: Option<At<String>>,
+    /// Through which gateway, if there are several.
+    pub gateway: Option<At<String>>,
+    /// How long a call through a gateway may take whose caller does not say.
+    pub timeout_ms: Option<At<i64>>,
     /// Whether a reference may stay without a service.
     pub optional: bool,
 }
@@ -38,6 +42,14 @@ pub enum Promoted {
     Port(End),
     /// A topic.
     Topic(At<String>),
+}
+
+impl Promotion {
+    /// Where it says that the outside reaches it over this.
+    pub fn over(&self, transport: Transport) -> Option<&At<Transport>> {
+        let mut bindings = self.bindings.iter();
+        bindings.find(|binding| binding.value == transport)
+    }
 }
 
 impl Promoted {

@@ -1,6 +1,10 @@
-//! Brokers and bridges of a plan, with their secrets.
+//! Brokers, gateways and bridges of a plan, with their secrets.
+
+use std::collections::BTreeMap;
+use std::net::SocketAddr;
 
 use serde::{Serialize, Serializer};
+use source::Span;
 
 use super::fill::{given, number};
 use super::flatten::Flattener;
@@ -36,6 +40,19 @@ pub struct Broker {
     pub reconnect_max_ms: u64,
     /// Share of the wait that is random.
     pub reconnect_jitter: f64,
+}
+
+/// Where services are called over HTTP.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Gateway {
+    /// Its name.
+    pub name: String,
+    /// Where it listens; absent where a variable is missing, or where nothing can listen.
+    pub listen: Option<SocketAddr>,
+    /// How many may be connected at once.
+    pub max_connections: u64,
+    /// The longest argument, in thousands of bytes.
+    pub max_body_kb: u64,
 }
 
 /// A way to another middleware.
@@ -142,12 +159,51 @@ impl Flattener<'_, '_> {
             });
         }
     }
+
+    /// Adds the gateways of the outermost composite: they lead to what is promoted there.
+    pub(super) fn gateways(&mut self, composite: &Composite) {
+        let Some(outermost) = self.instances.first() else {
+            return;
+        };
+        let mut taken: BTreeMap<SocketAddr, Span> = BTreeMap::new();
+        for gateway in &composite.gateways {
+            let listen = listen(&outermost.scope, gateway, self.notes);
+            // of port 0, each has its own
+            let at = gateway.listen.span;
+            if let Some(address) = listen.filter(|it| it.port() != 0)
+                && let Some(first) = taken.insert(address, at)
+            {
+                self.notes
+                    .found(SettingError::SameAddress { address, at, first });
+            }
+            self.plan.gateways.push(Gateway {
+                name: gateway.name.value.clone(),
+                listen,
+                max_connections: number(&gateway.max_connections).unwrap_or(64),
+                max_body_kb: number(&gateway.max_body_kb).unwrap_or(1000),
+            });
+        }
+    }
 }
 
 fn endpoint(scope: &Scope<'_>, url: &At<Template>, notes: &mut Notes) -> Option<Endpoint> {
     scope
         .fill(url, notes)
         .map(|filled| Endpoint::new(filled.text, filled.shown))
+}
+
+/// Where a gateway listens.
+fn listen(scope: &Scope<'_>, gateway: &model::Gateway, notes: &mut Notes) -> Option<SocketAddr> {
+    let filled = scope.fill(&gateway.listen, notes)?;
+    let address = filled.text.parse().ok();
+    if address.is_none() {
+        notes.found(SettingError::NoAddress {
+            name: gateway.name.value.clone(),
+            text: filled.shown,
+            at: gateway.listen.span,
+        });
+    }
+    address
 }
 
 /// A password that stands in the file is read by everybody who has the file.

@@ -101,6 +101,7 @@ fn blank(composite: &Composite, profile: Option<&str>) -> Plan {
         start_order: Vec::new(),
         properties: Settings::default(),
         brokers: Vec::new(),
+        gateways: Vec::new(),
         bridges: Vec::new(),
         components: Vec::new(),
         topics: Vec::new(),
@@ -291,6 +292,7 @@ impl<'p> Flattener<'p, '_> {
 
     fn finish(mut self, member: &'p Member) -> Option<Plan> {
         let composite = &member.composite;
+        self.gateways(composite);
         for promotion in &composite.promotions {
             if check::takes_part(&promotion.profiles, self.parts.profile) {
                 self.promotion(promotion);

@@ -190,14 +190,34 @@ impl<'p> Flattener<'p, '_> {
         let Some(inside) = inside else {
             return;
         };
-        let binding = given(&promotion.binding);
+        let mut bindings: Vec<Transport> = Vec::new();
+        for binding in &promotion.bindings {
+            if binding.value != Transport::Local && !bindings.contains(&binding.value) {
+                bindings.push(binding.value);
+            }
+        }
+        let over_broker = given(&promotion.over(Transport::Amqp).cloned());
+        let called = promotion.over(Transport::Http);
+        let timeout_ms = number(&promotion.timeout_ms).unwrap_or(check::DEFAULT_TIMEOUT_MS);
         self.plan.promoted.push(Promoted {
             what: promotion.what.kind(),
             name: promotion.name.value.clone(),
             inside,
-            binding,
-            broker: self.broker(0, binding, promotion.broker.as_ref()),
+            bindings,
+            broker: self.broker(0, over_broker, promotion.broker.as_ref()),
+            gateway: called.and_then(|_| self.gateway(promotion)),
+            timeout_ms: called.map(|_| timeout_ms),
         });
+    }
+
+    /// The gateway that a promotion names, or the only one.
+    fn gateway(&self, promotion: &model::Promotion) -> Option<String> {
+        let only = || match &*self.composite(0)?.gateways {
+            [only] => Some(&only.name),
+            _ => None,
+        };
+        let name = promotion.gateway.as_ref().or_else(only)?;
+        Some(name.value.clone())
     }
 }
 

@@ -132,9 +132,21 @@ pub struct Promoted {
     /// What it is inside: `Component.name`, or a topic.
     pub inside: String,
     /// Over what the outside reaches it.
-    pub binding: Transport,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub bindings: Vec<Transport>,
     /// Over which broker.
     pub broker: Option<String>,
+    /// Through which gateway.
+    pub gateway: Option<String>,
+    /// How long a call through the gateway may take whose caller does not say.
+    pub timeout_ms: Option<u64>,
+}
+
+impl Promoted {
+    /// Whether it is a service that the outside reaches over this.
+    pub fn is_served_over(&self, transport: Transport) -> bool {
+        self.what == "service" && self.bindings.contains(&transport)
+    }
 }
 
 impl std::fmt::Display for End {

@@ -22,12 +22,13 @@ use serde::{Serialize, Serializer};
 
 use crate::value::Value;
 
+pub use crate::check::DEFAULT_TIMEOUT_MS;
 pub use component::{
     Asm, BuiltinSettings, Component, Idle, Implementation, Lifecycle, Notify, Pace, Plot, Port,
     ProxyEntry, RosEntry, Service, Verify,
 };
 pub(crate) use endpoint::mask;
-pub use endpoint::{Bridge, Broker, Endpoint};
+pub use endpoint::{Bridge, Broker, Endpoint, Gateway};
 pub(crate) use flatten::{Parts, flatten};
 pub use graph::Link;
 pub use joint::{Connection, End, Policy, Promoted, Terminal, Topic, Wire};
@@ -55,6 +56,9 @@ pub struct Plan {
     /// Brokers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub brokers: Vec<Broker>,
+    /// Gateways.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub gateways: Vec<Gateway>,
     /// Bridges.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub bridges: Vec<Bridge>,

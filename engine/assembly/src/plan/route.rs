@@ -1,9 +1,11 @@
-//! Over which broker what goes: over that of the component, which [`crate::model::Composite::broker_of`] gave it; where no
-//! component has one, all are on the only one there is.
+//! Over which broker what goes, and through which gateway.
+//!
+//! A component's broker is the one that [`crate::model::Composite::broker_of`] gave it; where no component has one, all are
+//! on the only one there is.
 
 use std::collections::BTreeSet;
 
-use super::{Broker, End, Plan, Wire};
+use super::{Broker, End, Gateway, Plan, Promoted, Wire};
 use crate::model::Transport;
 use crate::start::Part;
 
@@ -67,10 +69,29 @@ impl Plan {
     ) -> impl Iterator<Item = (&'p str, Option<&'p str>)> {
         let inside = service.to_string();
         let own = self.broker_of(&service.component);
-        let promoted = self.promoted.iter().filter(move |it| {
-            it.what == "service" && it.binding == Transport::Amqp && it.inside == inside
-        });
+        let promoted = self.promoted.iter();
+        let promoted =
+            promoted.filter(move |it| it.is_served_over(Transport::Amqp) && it.inside == inside);
         promoted.map(move |it| (it.name.as_str(), it.broker.as_deref().or(own)))
+    }
+
+    /// The gateways through which a part of the system is called, each with what is promoted there.
+    pub fn gateways_of(&self, part: &Part) -> Vec<(&Gateway, Vec<&Promoted>)> {
+        let is_here = |promoted: &Promoted| {
+            let (component, _) = promoted.inside.split_once('.').unwrap_or_default();
+            part.has(component)
+        };
+        let through = |gateway: &Gateway| {
+            let promoted = self.promoted.iter().filter(|it| {
+                let is_its = it.gateway.as_ref() == Some(&gateway.name);
+                is_its && it.is_served_over(Transport::Http) && is_here(it)
+            });
+            promoted.collect::<Vec<_>>()
+        };
+        let gateways = self.gateways.iter().map(|it| (it, through(it)));
+        gateways
+            .filter(|(_, promoted)| !promoted.is_empty())
+            .collect()
     }
 
     /// The brokers that a part of the system speaks to.

@@ -43,6 +43,7 @@ pub(crate) fn composite(reader: &mut Reader<'_>, file: FileId, root: &Table) -> 
         types,
         properties: keys.named("properties", "{ }", setting::property),
         brokers: keys.named("brokers", "{ }", endpoint::broker),
+        gateways: keys.named("gateways", "{ }", endpoint::gateway),
         bridges: keys.named("bridges", "{ }", endpoint::bridge),
         components: keys.named("components", "{ }", component::component),
         topics: keys.named("topics", "{ }", topic::topic),

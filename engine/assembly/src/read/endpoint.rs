@@ -1,9 +1,9 @@
-//! Brokers and bridges.
+//! Brokers, gateways and bridges.
 
 use super::keys::{Keys, Reader};
 use super::name;
 use crate::At;
-use crate::model::{Bridge, Broker, Reconnect};
+use crate::model::{Bridge, Broker, Gateway, Reconnect};
 use crate::tree::Node;
 
 /// No wait is longer than a day.
@@ -35,6 +35,22 @@ fn reconnect(mut keys: Keys<'_, '_, '_>) -> Reconnect {
         max_ms: keys.whole("max_ms", 1..=DAY_MS),
         jitter: keys.real("jitter", 0.0..=1.0),
     }
+}
+
+pub(crate) fn gateway(reader: &mut Reader<'_>, key: &At<String>, node: &Node) -> Option<Gateway> {
+    let name = name::thing(reader, key)?;
+    let listen = "\"127.0.0.1:8080\"";
+    let mut keys = reader.keys_of(node, key, "a gateway", &format!("{{ listen = {listen} }}"))?;
+    keys.need("listen", listen);
+    let listen = keys.template("listen", listen);
+    let max_connections = keys.whole("max_connections", 1..=10_000);
+    let max_body_kb = keys.whole("max_body_kb", 1..=1_000_000);
+    Some(Gateway {
+        name,
+        listen: listen?,
+        max_connections,
+        max_body_kb,
+    })
 }
 
 pub(crate) fn bridge(reader: &mut Reader<'_>, key: &At<String>, node: &Node) -> Option<Bridge> {

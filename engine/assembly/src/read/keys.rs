@@ -458,6 +458,20 @@ impl<'n> Keys<'_, '_, 'n> {
         self.reader.word(key, node)
     }
 
+    /// One word or a list of them.
+    pub(crate) fn words<T: Choice>(&mut self, key: &'static str) -> Vec<At<T>> {
+        let word = Way::word(T::WORDS.iter().map(|(word, _)| *word));
+        let node = self.ask(key, word.clone());
+        self.reader.asked.add(Way::List(Asked { ways: vec![word] }));
+        let Some(node) = node else {
+            return Vec::new();
+        };
+        match &node.value {
+            Branch::List(items) => (self.reader).list(items, |reader, item| reader.word(key, item)),
+            _ => self.reader.word(key, node).into_iter().collect(),
+        }
+    }
+
     /// Every entry of a table of names.
     pub(crate) fn named<T>(
         &mut self,

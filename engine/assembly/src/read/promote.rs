@@ -1,5 +1,6 @@
 //! `[[promote]]`.
 
+use super::endpoint::DAY_MS;
 use super::keys::{Keys, Reader};
 use super::name;
 use crate::model::{Promoted, Promotion};
@@ -13,15 +14,20 @@ pub(crate) fn promotion(reader: &mut Reader<'_>, node: &Node) -> Option<Promotio
     let name = keys.needed_text("as", "\"planning\"");
     let name = name.and_then(|name| name::topic(keys.reader, &name));
     let profiles = keys.texts("profile", "\"sim\"");
-    let (binding, broker) = (keys.word("binding"), keys.text("broker", "\"main\""));
+    let bindings = keys.words("binding");
+    let broker = keys.text("broker", "\"main\"");
+    let gateway = keys.text("gateway", "\"main\"");
+    let timeout_ms = keys.whole("timeout_ms", 1..=DAY_MS);
     let optional = keys.flag("optional").is_some_and(|optional| optional.value);
     Some(Promotion {
         span,
         profiles,
         what: what?,
         name: name?,
-        binding,
+        bindings,
         broker,
+        gateway,
+        timeout_ms,
         optional,
     })
 }

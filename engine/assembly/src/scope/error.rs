@@ -1,5 +1,7 @@
 //! What can be wrong with a value.
 
+use std::net::SocketAddr;
+
 use source::{Diagnostic, Span};
 
 use super::Range;
@@ -44,6 +46,18 @@ pub(crate) enum SettingError {
     MustBeSet { name: String, at: Span },
     #[error("a password stands in the file")]
     SecretInFile { at: Span },
+    #[error("gateway `{name}` cannot listen at `{text}`")]
+    NoAddress {
+        name: String,
+        text: String,
+        at: Span,
+    },
+    #[error("two gateways listen at {address}")]
+    SameAddress {
+        address: SocketAddr,
+        at: Span,
+        first: Span,
+    },
 }
 
 impl Finding for SettingError {
@@ -55,7 +69,9 @@ impl Finding for SettingError {
             Self::NotSet { .. }
             | Self::NoSecret { .. }
             | Self::MustBeSet { .. }
-            | Self::SecretInFile { .. } => false,
+            | Self::SecretInFile { .. }
+            | Self::NoAddress { .. }
+            | Self::SameAddress { .. } => false,
         }
     }
 
@@ -132,6 +148,16 @@ impl Finding for SettingError {
             Self::SecretInFile { at } => Diagnostic::warning("C019", self)
                 .label(*at, "everybody who has the file has it")
                 .help("name a file with it in a variable: `${AMQP_PASSWORD_FILE}`"),
+            Self::NoAddress { at, .. } => Diagnostic::error("C064", self)
+                .label(*at, "not an address and a port")
+                .help(
+                    "write `127.0.0.1:8080` for this machine alone, `0.0.0.0:8080` for every network, \
+                     port 0 for a free one",
+                ),
+            Self::SameAddress { at, first, .. } => Diagnostic::error("C065", self)
+                .label(*at, "again here")
+                .label(*first, "first here")
+                .help("give one of them another port, or promote everything through one"),
         }
     }
 }

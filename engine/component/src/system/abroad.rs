@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use bus::{Bell, Sending};
+use bus::{Bell, Bus, Sending};
 
 use super::ends::{outputs, references, services};
 use super::{BuildError, ComponentId, End, System};
@@ -102,6 +102,30 @@ impl System {
         };
         if !self.abroad.offered.contains(&offered) {
             self.abroad.offered.push(offered);
+        }
+        Ok(())
+    }
+
+    /// Serves over a bus that carries nothing else: a gateway's, say, behind which are those who are on no bus of ours.
+    /// Each service has a name there: `("MapServer.maps", "maps")`. Whoever is on a bus as well joins that one first.
+    pub fn serve_on(
+        &mut self,
+        bus: Arc<dyn Bus>,
+        offered: &[(&str, &str)],
+    ) -> Result<(), BuildError> {
+        let offered = offered.iter().map(|(service, name)| {
+            Ok(Offered {
+                service: self.end(service, services)?,
+                name: (*name).to_owned(),
+                bus: None,
+            })
+        });
+        let offered: Vec<Offered> = offered.collect::<Result<_, BuildError>>()?;
+        if self.exchange.is_none() {
+            self.join_buses(Vec::new(), 0)?;
+        }
+        if let Some(exchange) = &mut self.exchange {
+            exchange.serve(&self.units, &offered, bus)?;
         }
         Ok(())
     }

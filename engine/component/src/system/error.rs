@@ -1,5 +1,6 @@
 //! What can be wrong with a system's construction.
 
+use bus::BusError;
 use datum::{DatumError, Difference, Schema};
 
 use crate::declaration::DeclarationError;
@@ -150,6 +151,9 @@ pub enum BuildError {
     /// A property that cannot have its value.
     #[error(transparent)]
     Property(#[from] PropertyError),
+    /// What a bus does not do.
+    #[error(transparent)]
+    Bus(#[from] BusError),
 }
 
 impl BuildError {

@@ -7,7 +7,7 @@ use source::Span;
 
 use super::{Exporter, contract, target, written};
 use crate::model::{
-    Component, Contract, Implementation, Interface, Multiplicity, Property, Target,
+    Bound, Component, Contract, Implementation, Interface, Multiplicity, Property, Target,
 };
 use crate::tca::{self, Task};
 use crate::toml::TIMEOUT_MS;
@@ -209,7 +209,8 @@ impl Exporter<'_> {
             if let Some(reference) = references.get_mut(index) {
                 reference.targets = wire.services.iter().map(target).collect::<Vec<Target>>();
                 reference.multiplicity.many = wire.services.len() > 1;
-                reference.binding = binding;
+                let bound = |over| Bound { over, uri: None };
+                reference.bindings = binding.map(bound).into_iter().collect();
             }
         }
     }
@@ -232,7 +233,8 @@ impl Exporter<'_> {
                 self.unsayable(what, &of, at);
             }
         }
-        let binding = wire.binding.as_ref()?;
+        let local = |it: &&At<here::Transport>| it.value == here::Transport::Local;
+        let binding = wire.binding.as_ref().filter(|it| !local(it))?;
         self.binding(binding, &of)
     }
 }

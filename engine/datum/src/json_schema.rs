@@ -2,16 +2,28 @@
 
 use std::collections::BTreeMap;
 
-use datum::{Field, Schema, Shape};
 use serde_json::{Map, Value, json};
 
+use crate::{Field, Schema, Shape};
+
 /// Definitions of what has a name, as they are met.
-#[derive(Default)]
-pub(super) struct Definitions(BTreeMap<String, Value>);
+pub struct Definitions {
+    /// Where the document has them: `#/$defs`.
+    place: &'static str,
+    known: BTreeMap<String, Value>,
+}
 
 impl Definitions {
+    /// None yet, for a document that has them at this place: `#/$defs`.
+    pub fn at(place: &'static str) -> Self {
+        Self {
+            place,
+            known: BTreeMap::new(),
+        }
+    }
+
     /// The schema of what passes; a reference, where it has a name.
-    pub(super) fn schema(&mut self, schema: &Schema) -> Value {
+    pub fn schema(&mut self, schema: &Schema) -> Value {
         match &schema.shape {
             Shape::Any if schema.name.is_empty() => json!({}),
             Shape::Any => json!({ "title": schema.name }),
@@ -35,11 +47,11 @@ impl Definitions {
             Shape::Record(fields) if schema.name.is_empty() => self.record(schema, fields),
             Shape::Record(fields) => {
                 let key = key(&schema.name);
-                if !self.0.contains_key(&key) {
+                if !self.known.contains_key(&key) {
                     let record = self.record(schema, fields);
-                    self.0.insert(key.clone(), record);
+                    self.known.insert(key.clone(), record);
                 }
-                reference(&key)
+                self.reference(&key)
             }
         }
     }
@@ -70,13 +82,17 @@ impl Definitions {
             { "type": "number", "format": format },
             { "enum": ["NaN", "Infinity", "-Infinity"] },
         ] });
-        self.0.entry(name.to_owned()).or_insert(definition);
-        reference(name)
+        self.known.entry(name.to_owned()).or_insert(definition);
+        self.reference(name)
+    }
+
+    fn reference(&self, key: &str) -> Value {
+        json!({ "$ref": format!("{}/{key}", self.place) })
     }
 
     /// All of them, by key.
-    pub(super) fn into_value(self) -> Value {
-        self.0.into_iter().collect::<Map<_, _>>().into()
+    pub fn into_value(self) -> Value {
+        self.known.into_iter().collect::<Map<_, _>>().into()
     }
 }
 
@@ -95,12 +111,8 @@ fn described(schema: Value, doc: &str) -> Value {
     }
 }
 
-fn reference(key: &str) -> Value {
-    json!({ "$ref": format!("#/components/schemas/{key}") })
-}
-
 /// A type's name as a key: `nav_msgs.Path` of `nav_msgs/Path`, `f64_5_` of `f64[5]`.
-pub(super) fn key(name: &str) -> String {
+pub fn key(name: &str) -> String {
     name.chars()
         .map(|character| match character {
             '/' => '.',

@@ -1,0 +1,97 @@
+//! Whether a datum fits a schema, for those who let data in before anybody reads it as a type.
+
+use crate::codec::special_float;
+use crate::{Datum, DatumError, Field, Problem, Schema, Shape};
+
+impl Schema {
+    /// Says where a datum does not fit. Fields may be left out, and stand in any order, as when a message is read; one
+    /// that the schema does not have is an error.
+    ///
+    /// # Errors
+    /// The first place that does not fit.
+    pub fn accepts(&self, datum: &Datum) -> Result<(), DatumError> {
+        match &self.shape {
+            Shape::Any => Ok(()),
+            Shape::Bool => self.if_fits(datum.as_bool().is_some(), datum),
+            Shape::I8 => self.whole(i8::MIN, i8::MAX, datum),
+            Shape::I16 => self.whole(i16::MIN, i16::MAX, datum),
+            Shape::I32 => self.whole(i32::MIN, i32::MAX, datum),
+            Shape::I64 => self.whole(i64::MIN, i64::MAX, datum),
+            Shape::U8 => self.whole(u8::MIN, u8::MAX, datum),
+            Shape::U16 => self.whole(u16::MIN, u16::MAX, datum),
+            Shape::U32 => self.whole(u32::MIN, u32::MAX, datum),
+            // a datum's integers have a sign
+            Shape::U64 => self.whole(0, i64::MAX, datum),
+            Shape::F32 | Shape::F64 => {
+                let special = || datum.as_text().and_then(special_float);
+                self.if_fits(datum.as_float().or_else(special).is_some(), datum)
+            }
+            Shape::Text => self.if_fits(datum.as_text().is_some(), datum),
+            Shape::Option(_) if datum.is_null() => Ok(()),
+            Shape::Option(some) => some.accepts(datum),
+            Shape::List(element) => self.all(element, datum).map(drop),
+            Shape::Array(element, count) => {
+                let found = self.all(element, datum)?;
+                let reason = || format!("it has {found} elements, and `{self}` is wanted");
+                (found == *count)
+                    .then_some(())
+                    .ok_or_else(|| mismatch(reason()))
+            }
+            Shape::Record(fields) => {
+                let Datum::Record(entries) = datum else {
+                    return Err(self.wanted(datum));
+                };
+                (entries.iter()).try_for_each(|(name, value)| self.field(fields, name, value))
+            }
+        }
+    }
+
+    fn whole<N: Into<i64>>(&self, least: N, greatest: N, datum: &Datum) -> Result<(), DatumError> {
+        let (least, greatest) = (least.into(), greatest.into());
+        match datum.as_int() {
+            Some(value) if (least..=greatest).contains(&value) => Ok(()),
+            Some(value) => Err(mismatch(format!(
+                "{value} does not lie between {least} and {greatest}"
+            ))),
+            None => Err(self.wanted(datum)),
+        }
+    }
+
+    fn field(&self, fields: &[Field], name: &str, value: &Datum) -> Result<(), DatumError> {
+        match fields.iter().find(|field| field.name == name) {
+            Some(field) => (field.schema.accepts(value)).map_err(|error| error.within(name)),
+            None => {
+                let known = fields.iter().map(|field| format!("`{}`", field.name));
+                let known = known.collect::<Vec<_>>().join(", ");
+                Err(mismatch(format!(
+                    "`{self}` has no field `{name}`; its fields: {known}"
+                )))
+            }
+        }
+    }
+
+    /// How many elements a run has that fit, each of them.
+    fn all(&self, element: &Self, datum: &Datum) -> Result<usize, DatumError> {
+        let Some(count) = datum.count().filter(|_| !matches!(datum, Datum::Record(_))) else {
+            return Err(self.wanted(datum));
+        };
+        for index in 0..count {
+            if let Some(datum) = datum.element(index) {
+                (element.accepts(&datum)).map_err(|error| error.within(index))?;
+            }
+        }
+        Ok(count)
+    }
+
+    fn if_fits(&self, fits: bool, datum: &Datum) -> Result<(), DatumError> {
+        fits.then_some(()).ok_or_else(|| self.wanted(datum))
+    }
+
+    fn wanted(&self, found: &Datum) -> DatumError {
+        mismatch(format!("{} stands where `{self}` is wanted", found.kind()))
+    }
+}
+
+fn mismatch(reason: String) -> DatumError {
+    DatumError::new(Problem::Mismatch(reason))
+}

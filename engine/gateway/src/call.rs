@@ -1,0 +1,32 @@
+//! A call on the bus, awaited by a task: dropping the future takes it back.
+
+use std::sync::Arc;
+
+use bus::{Bell, Bus, CallFailure, Payload, Request, later};
+use tokio::sync::Notify;
+use tokio::time::timeout_at;
+
+/// Calls, or tells where nobody is to answer.
+pub(crate) async fn call(
+    bus: &dyn Bus,
+    address: &str,
+    request: Request,
+    one_way: bool,
+) -> Result<Payload, CallFailure> {
+    let news = Arc::new(Notify::new());
+    let ring = Arc::clone(&news);
+    let bell = Arc::new(Bell::that(move || ring.notify_one()));
+    let until = later(request.timeout).into();
+    let begun = match one_way {
+        true => bus.tell(address, request, bell),
+        false => bus.call(address, request, bell),
+    };
+    let pending = begun.map_err(|_| CallFailure::Unavailable)?;
+    loop {
+        if let Some(end) = pending.try_take() {
+            return end;
+        }
+        // Whichever it was, the call knows.
+        let _ = timeout_at(until, news.notified()).await;
+    }
+}

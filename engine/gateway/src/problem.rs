@@ -1,0 +1,164 @@
+//! What can be wrong with a request, or become of it: problem details of RFC 9457, with a code for programs and a way out
+//! for people.
+
+use std::time::Duration;
+
+use bus::Refusal;
+use datum::DatumError;
+use hyper::{StatusCode, header};
+use serde_json::json;
+
+use crate::answer::{self, Answer};
+
+/// Why a request has no result.
+#[derive(Debug, PartialEq, thiserror::Error)]
+pub(crate) enum Problem {
+    #[error("there is nothing at `{path}`")]
+    NoPath { path: String },
+    #[error("there is no service `{name}`")]
+    NoService { name: String, known: Vec<String> },
+    #[error("`{service}` has no operation `{name}`")]
+    NoOperation {
+        service: String,
+        name: String,
+        known: Vec<String>,
+    },
+    #[error("this is asked with {allowed}")]
+    Method { allowed: &'static str },
+    #[error("a page of the web asks")]
+    WebPage,
+    #[error("the argument is `{found}`")]
+    ContentType { found: String },
+    #[error("the argument is longer than {limit} bytes")]
+    TooLarge { limit: usize },
+    #[error("the argument did not come within {} s", within.as_secs())]
+    Slow { within: Duration },
+    #[error("the argument did not come whole")]
+    Broken,
+    #[error("`{part}` says nothing about a call")]
+    Query { part: String },
+    #[error("{error}")]
+    Argument { error: DatumError, path: String },
+    #[error("{}", refusal.detail)]
+    Fault { refusal: Refusal, path: String },
+    #[error("no answer within {} ms", after.as_millis())]
+    Timeout { after: Duration },
+    #[error("nobody is there to answer for `{service}`")]
+    Unavailable { service: String },
+    #[error("the answer has no form in JSON: {0}")]
+    Answer(DatumError),
+}
+
+/// The code of the engine for an argument that its operation cannot read.
+const BAD_REQUEST: &str = "BAD_REQUEST";
+
+impl Problem {
+    fn status(&self) -> StatusCode {
+        match self {
+            Self::NoPath { .. } | Self::NoService { .. } | Self::NoOperation { .. } => {
+                StatusCode::NOT_FOUND
+            }
+            Self::Method { .. } => StatusCode::METHOD_NOT_ALLOWED,
+            Self::WebPage => StatusCode::FORBIDDEN,
+            Self::ContentType { .. } => StatusCode::UNSUPPORTED_MEDIA_TYPE,
+            Self::TooLarge { .. } => StatusCode::PAYLOAD_TOO_LARGE,
+            Self::Slow { .. } => StatusCode::REQUEST_TIMEOUT,
+            Self::Broken | Self::Query { .. } | Self::Argument { .. } => StatusCode::BAD_REQUEST,
+            Self::Fault { refusal, .. } if refusal.code == BAD_REQUEST => StatusCode::BAD_REQUEST,
+            Self::Fault { .. } => StatusCode::UNPROCESSABLE_ENTITY,
+            Self::Timeout { .. } => StatusCode::GATEWAY_TIMEOUT,
+            Self::Unavailable { .. } => StatusCode::SERVICE_UNAVAILABLE,
+            Self::Answer(_) => StatusCode::BAD_GATEWAY,
+        }
+    }
+
+    /// For programs; that of a fault is the operation's own.
+    fn code(&self) -> &str {
+        match self {
+            Self::NoPath { .. } => "NO_PATH_HERE",
+            Self::NoService { .. } => "NO_SERVICE",
+            Self::NoOperation { .. } => "NO_OPERATION",
+            Self::Method { .. } => "OTHER_METHOD",
+            Self::WebPage => "WEB_PAGE",
+            Self::ContentType { .. } => "OTHER_CONTENT_TYPE",
+            Self::TooLarge { .. } => "TOO_LARGE",
+            Self::Slow { .. } => "SLOW",
+            Self::Broken => "BROKEN",
+            Self::Query { .. } => "BAD_QUERY",
+            Self::Argument { .. } => BAD_REQUEST,
+            Self::Fault { refusal, .. } => &refusal.code,
+            Self::Timeout { .. } => "TIMEOUT",
+            Self::Unavailable { .. } => "UNAVAILABLE",
+            Self::Answer(_) => "NO_FORM",
+        }
+    }
+
+    /// A way out; none for what only the operation knows.
+    fn help(&self) -> Option<String> {
+        Some(match self {
+            Self::NoPath { .. } => {
+                "`GET /services` lists what can be called; call it with `POST /services/NAME/OPERATION`"
+                    .to_owned()
+            }
+            Self::NoService { name, known } => among("services", name, known),
+            Self::NoOperation { name, known, .. } => among("operations", name, known),
+            Self::Method { allowed } => format!("say `curl -X {allowed}`"),
+            Self::WebPage => "a robot is not moved by whoever opens a page: where yours may, put a proxy before the \
+                              gateway that knows who asks, and takes the header `Origin` away"
+                .to_owned(),
+            Self::ContentType { .. } => {
+                "say `-H 'Content-Type: application/json'`, as `curl --json` does by itself".to_owned()
+            }
+            Self::TooLarge { .. } => "send less, or raise `max_body_kb` of the gateway".to_owned(),
+            Self::Slow { .. } | Self::Broken => "send it again".to_owned(),
+            Self::Query { .. } => {
+                "a call takes `timeout_ms=500`, from 1 to 86400000, and `oneway=true`".to_owned()
+            }
+            Self::Argument { path, .. } => format!("`GET {path}` has its JSON Schema"),
+            Self::Fault { refusal, path } if refusal.code == BAD_REQUEST => {
+                format!("`GET {path}` has its JSON Schema")
+            }
+            Self::Fault { .. } => return None,
+            Self::Timeout { .. } => "give it longer with `?timeout_ms=5000`".to_owned(),
+            Self::Unavailable { .. } => {
+                "its component is stopped, or too many wait for it: try again later".to_owned()
+            }
+            Self::Answer(_) => return None,
+        })
+    }
+
+    /// As it is sent.
+    pub(crate) fn response(&self) -> Answer {
+        let status = self.status();
+        let mut details = json!({
+            "status": status.as_u16(),
+            "title": status.canonical_reason(),
+            "code": self.code(),
+            "detail": self.to_string(),
+        });
+        if let Some(help) = self.help() {
+            details["help"] = help.into();
+        }
+        let mut response = answer::json(status, details.to_string());
+        let kind = header::HeaderValue::from_static("application/problem+json");
+        response.headers_mut().insert(header::CONTENT_TYPE, kind);
+        if let Self::Method { allowed } = self {
+            let allowed = header::HeaderValue::from_static(allowed);
+            response.headers_mut().insert(header::ALLOW, allowed);
+        }
+        response
+    }
+}
+
+/// What there is instead of a name that is not there.
+fn among(what: &str, name: &str, known: &[String]) -> String {
+    let distance = |known: &String| strsim::osa_distance(name, known);
+    let nearest = known.iter().min_by_key(|known| distance(known));
+    let meant =
+        nearest.filter(|it| distance(it) * 3 <= it.chars().count().max(name.chars().count()));
+    match (meant, known.is_empty()) {
+        (Some(meant), _) => format!("did you mean `{meant}`?"),
+        (None, true) => format!("it has no {what}"),
+        (None, false) => format!("the {what} are {}", known.join(", ")),
+    }
+}

@@ -1,0 +1,54 @@
+//! What can be called, as JSON: services, operations, and the JSON Schema of everything.
+
+use datum::json_schema::Definitions;
+use hyper::StatusCode;
+use serde_json::{Value, json};
+
+use crate::answer::{self, Answer};
+use crate::{Operation, Service};
+
+/// Where the schemas of what has a name stand.
+const SCHEMAS: &str = "#/$defs";
+
+/// All services.
+pub(crate) fn all(services: &[Service]) -> Answer {
+    let mut definitions = Definitions::at(SCHEMAS);
+    let services: Vec<Value> = services
+        .iter()
+        .map(|it| service(it, &mut definitions))
+        .collect();
+    let shown = json!({ "services": services, "$defs": definitions.into_value() });
+    answer::json(StatusCode::OK, shown.to_string())
+}
+
+/// One service.
+pub(crate) fn one(of: &Service) -> Answer {
+    let mut definitions = Definitions::at(SCHEMAS);
+    let mut shown = service(of, &mut definitions);
+    shown["$defs"] = definitions.into_value();
+    answer::json(StatusCode::OK, shown.to_string())
+}
+
+fn service(service: &Service, definitions: &mut Definitions) -> Value {
+    let operations = service.operations.iter();
+    let operations = operations.map(|it| operation(service, it, definitions));
+    json!({
+        "name": service.name,
+        "interface": service.interface,
+        "timeout_ms": u64::try_from(service.timeout.as_millis()).unwrap_or(u64::MAX),
+        "operations": operations.collect::<Vec<_>>(),
+    })
+}
+
+fn operation(service: &Service, operation: &Operation, definitions: &mut Definitions) -> Value {
+    let mut shown = json!({
+        "name": operation.name,
+        "call": format!("POST /services/{}/{}", service.name, operation.name),
+        "oneway": operation.one_way,
+        "argument": definitions.schema(&operation.request),
+    });
+    if !operation.one_way {
+        shown["result"] = definitions.schema(&operation.response);
+    }
+    shown
+}

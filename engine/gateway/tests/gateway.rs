@@ -1,0 +1,447 @@
+//! A gateway before a bus: every end of a call as a status of HTTP.
+#![allow(clippy::unwrap_used, clippy::panic, missing_docs, reason = "tests")]
+
+mod client;
+
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use bus::{Bell, Bus, Call, Local, Payload, Refusal};
+use client::{Client, Said};
+use datum::{Datum, Message, Schema, Shape};
+use gateway::{Gateway, Operation, Service, Settings};
+use serde_json::json;
+
+datum::message! {
+    /// What is asked.
+    pub struct Question = "test/Question" {
+        /// whose
+        pub name: String,
+        /// how many
+        pub count: u32 = 1,
+        pub range: f64,
+        pub path: Vec<Point>,
+    }
+
+    /// A point.
+    #[derive(Copy)]
+    pub struct Point = "test/Point" {
+        pub x: f64,
+        pub y: f64,
+    }
+
+    /// What is answered.
+    pub struct Reply = "test/Reply" {
+        pub text: String,
+        pub range: f64,
+    }
+}
+
+const SECOND: Duration = Duration::from_secs(1);
+
+/// A gateway to a service `maps`, and the service, whose requests a function takes.
+struct Open {
+    gateway: Option<Gateway>,
+    ended: Arc<AtomicBool>,
+    server: Option<JoinHandle<()>>,
+}
+
+impl Open {
+    fn new(
+        change: impl FnOnce(&mut Settings),
+        mut take: impl FnMut(Call) + Send + 'static,
+    ) -> Self {
+        let bus = Local::new();
+        let bell = Arc::new(Bell::new());
+        let serving = ["get", "tell", "any"].map(|operation| {
+            let address = format!("maps.{operation}");
+            bus.serve(&address, 8, Arc::clone(&bell)).unwrap()
+        });
+        let ended = Arc::new(AtomicBool::new(false));
+        let end = Arc::clone(&ended);
+        let server = std::thread::spawn(move || {
+            while !end.load(Ordering::Relaxed) {
+                serving
+                    .iter()
+                    .filter_map(bus::Serving::try_next)
+                    .for_each(&mut take);
+                bell.wait(Duration::from_millis(5));
+            }
+        });
+        let mut settings = Settings::at("127.0.0.1:0".parse().unwrap());
+        change(&mut settings);
+        let gateway = Gateway::open(settings, vec![maps(), empty()], Arc::new(bus)).unwrap();
+        Self {
+            gateway: Some(gateway),
+            ended,
+            server: Some(server),
+        }
+    }
+
+    fn client(&self) -> Client {
+        Client(self.gateway.as_ref().unwrap().address())
+    }
+}
+
+impl Drop for Open {
+    fn drop(&mut self) {
+        self.gateway = None;
+        self.ended.store(true, Ordering::Relaxed);
+        self.server.take().unwrap().join().unwrap();
+    }
+}
+
+fn maps() -> Service {
+    let operation = |name: &str, request: Schema, one_way| Operation {
+        name: name.to_owned(),
+        request,
+        response: Reply::schema().clone(),
+        one_way,
+    };
+    Service {
+        name: "maps".to_owned(),
+        interface: "test/Maps".to_owned(),
+        timeout: 20 * SECOND,
+        operations: vec![
+            operation("get", Question::schema().clone(), false),
+            operation("tell", Question::schema().clone(), true),
+            operation("any", Schema::plain(Shape::Any), false),
+        ],
+    }
+}
+
+/// Nobody serves it.
+fn empty() -> Service {
+    Service {
+        name: "plans".to_owned(),
+        ..maps()
+    }
+}
+
+/// Answers with what was asked.
+fn echo(call: Call) {
+    let asked: Result<Question, _> = call.argument.read();
+    call.reply(match asked {
+        Ok(asked) => Ok(Payload::of(Reply {
+            text: format!("{} {} {:?}", asked.name, asked.count, asked.path),
+            range: asked.range,
+        })),
+        Err(error) => Err(Refusal {
+            code: "BAD_REQUEST".to_owned(),
+            detail: error.to_string(),
+        }),
+    });
+}
+
+/// Keeps its callers waiting.
+fn silent() -> impl FnMut(Call) + Send {
+    let mut kept = Vec::new();
+    move |call| kept.push(call)
+}
+
+#[track_caller]
+fn is_problem(said: &Said, status: u16, code: &str, words: &[&str]) {
+    assert_eq!(
+        (said.status, said.json["code"].as_str()),
+        (status, Some(code)),
+        "{said:?}"
+    );
+    assert_eq!(
+        said.header("content-type"),
+        Some("application/problem+json")
+    );
+    let text = said.json.to_string();
+    for word in words {
+        assert!(text.contains(word), "{text} does not say {word}");
+    }
+}
+
+#[test]
+fn an_operation_is_called_with_json_and_answers_with_json() {
+    let open = Open::new(|_| {}, echo);
+    let argument = json!({ "name": "office", "range": "Infinity", "path": [{ "x": 1 }, {}] });
+    let said = open
+        .client()
+        .post("/services/maps/get", &argument.to_string());
+    let text = "office 1 [Point { x: 1.0, y: 0.0 }, Point { x: 0.0, y: 0.0 }]";
+    let expected = json!({ "text": text, "range": "Infinity" });
+    assert_eq!((said.status, &said.json), (200, &expected));
+    assert_eq!(said.header("content-type"), Some("application/json"));
+    // who says nothing leaves all fields out
+    let said = open.client().post("/services/maps/get", "");
+    assert_eq!(said.json, json!({ "text": " 1 []", "range": 0.0 }));
+}
+
+#[test]
+fn an_argument_that_does_not_fit_is_refused_at_its_place_before_anybody_is_asked() {
+    let open = Open::new(|_| {}, |call| panic!("{call:?}"));
+    let client = open.client();
+    for (argument, words) in [
+        (
+            r#"{"nam": "a"}"#,
+            &["no field `nam`", "`name`", "/services/maps"][..],
+        ),
+        (
+            r#"{"name": 7}"#,
+            &["`name`: a whole number stands where `string` is wanted"],
+        ),
+        (
+            r#"{"count": -1}"#,
+            &["`count`: -1 does not lie between 0 and 4294967295"],
+        ),
+        (
+            r#"{"count": 1.5}"#,
+            &["`count`: a number stands where `uint32` is wanted"],
+        ),
+        (r#"{"range": "much"}"#, &["`range`"]),
+        (
+            r#"{"path": [{}, {"x": true}]}"#,
+            &["`path.1.x`: a truth value stands where"],
+        ),
+        (r#"{"path": 1}"#, &["`path`"]),
+        (r"[1]", &["a list stands where `test/Question` is wanted"]),
+        (r#"{"name": "#, &["malformed JSON"]),
+        ("\u{0}", &["malformed JSON"]),
+    ] {
+        for operation in ["get", "tell"] {
+            let said = client.post(&format!("/services/maps/{operation}"), argument);
+            is_problem(&said, 400, "BAD_REQUEST", words);
+        }
+    }
+    let deep = "[".repeat(100_000);
+    is_problem(
+        &client.post("/services/maps/any", &deep),
+        400,
+        "BAD_REQUEST",
+        &["JSON"],
+    );
+}
+
+#[test]
+fn every_end_of_a_call_has_its_status() {
+    let mut open = Open::new(
+        |_| {},
+        |call| {
+            let refusal = |code: &str| Refusal {
+                code: code.to_owned(),
+                detail: "no such map".to_owned(),
+            };
+            match call.argument.to_datum().unwrap().as_text() {
+                Some("refuse") => call.reply(Err(refusal("NO_MAP"))),
+                Some("misread") => call.reply(Err(refusal("BAD_REQUEST"))),
+                Some("leave") => drop(call),
+                _ => call.reply(Ok(Payload::of(Datum::Null))),
+            }
+        },
+    );
+    let any = |open: &Open, word: &str| open.client().post("/services/maps/any", word);
+    assert_eq!(any(&open, "null").json, json!(null));
+    is_problem(&any(&open, "\"refuse\""), 422, "NO_MAP", &["no such map"]);
+    is_problem(
+        &any(&open, "\"misread\""),
+        400,
+        "BAD_REQUEST",
+        &["/services/maps"],
+    );
+    is_problem(&any(&open, "\"leave\""), 503, "UNAVAILABLE", &["`maps`"]);
+    let nobody = open.client().post("/services/plans/get", "{}");
+    is_problem(&nobody, 503, "UNAVAILABLE", &["`plans`"]);
+    // what was served and is no longer
+    open.ended.store(true, Ordering::Relaxed);
+    open.server
+        .replace(std::thread::spawn(|| {}))
+        .unwrap()
+        .join()
+        .unwrap();
+    is_problem(&any(&open, "1"), 503, "UNAVAILABLE", &["try again"]);
+}
+
+#[test]
+fn the_callers_deadline_ends_a_call() {
+    let open = Open::new(|_| {}, silent());
+    let began = Instant::now();
+    let said = open
+        .client()
+        .post("/services/maps/get?timeout_ms=150", "{}");
+    is_problem(&said, 504, "TIMEOUT", &["within 150 ms", "?timeout_ms="]);
+    let took = began.elapsed();
+    assert!(
+        took >= Duration::from_millis(150) && took < 10 * SECOND,
+        "{took:?}"
+    );
+    let said = open.client().post("/services/maps/get?timeout=150", "{}");
+    is_problem(&said, 400, "BAD_QUERY", &["timeout_ms=500"]);
+}
+
+#[test]
+fn who_waits_for_no_answer_hears_that_it_was_accepted() {
+    let (told, hears) = std::sync::mpsc::channel();
+    let open = Open::new(
+        |_| {},
+        move |call| {
+            told.send((call.is_one_way(), call.argument.to_datum().unwrap()))
+                .unwrap()
+        },
+    );
+    for path in ["/services/maps/tell", "/services/maps/any?oneway=true"] {
+        let said = open.client().post(path, r#"{"name": "a"}"#);
+        assert_eq!((said.status, said.body.as_str()), (202, ""));
+        let (one_way, argument) = hears.recv_timeout(20 * SECOND).unwrap();
+        assert!(one_way && argument.get("name").unwrap().as_text() == Some("a"));
+    }
+    let nobody = open.client().post("/services/plans/tell", "{}");
+    is_problem(&nobody, 503, "UNAVAILABLE", &[]);
+}
+
+#[test]
+fn who_hangs_up_has_taken_the_call_back() {
+    let (came, comes) = std::sync::mpsc::channel();
+    let open = Open::new(|_| {}, move |call| came.send(call).unwrap());
+    let mut stream = TcpStream::connect(open.client().0).unwrap();
+    let head = "POST /services/maps/get HTTP/1.1\r\nHost: a\r\nContent-Length: 0\r\n\r\n";
+    stream.write_all(head.as_bytes()).unwrap();
+    let call = comes.recv_timeout(20 * SECOND).unwrap();
+    assert!(call.is_awaited());
+    drop(stream);
+    let until = Instant::now() + 15 * SECOND;
+    while call.is_awaited() {
+        assert!(Instant::now() < until, "the call is still awaited");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[test]
+fn what_is_not_there_has_a_name_near_it() {
+    let open = Open::new(|_| {}, echo);
+    let client = open.client();
+    for (path, code, words) in [
+        (
+            "/services/map/get",
+            "NO_SERVICE",
+            &["did you mean `maps`?"][..],
+        ),
+        (
+            "/services/x/get",
+            "NO_SERVICE",
+            &["the services are maps, plans"],
+        ),
+        (
+            "/services/maps/gett",
+            "NO_OPERATION",
+            &["did you mean `get`?"],
+        ),
+        ("/services/maps/move", "NO_OPERATION", &["get, tell, any"]),
+        ("/", "NO_PATH_HERE", &["GET /services"]),
+        ("/services/maps/get/more", "NO_PATH_HERE", &[]),
+    ] {
+        is_problem(&client.post(path, "{}"), 404, code, words);
+    }
+    is_problem(&client.get("/services/map"), 404, "NO_SERVICE", &["maps"]);
+    let said = client.get("/services/maps/get");
+    is_problem(&said, 405, "OTHER_METHOD", &["POST"]);
+    assert_eq!(said.header("allow"), Some("POST"));
+    is_problem(
+        &client.post("/services", "{}"),
+        405,
+        "OTHER_METHOD",
+        &["GET"],
+    );
+}
+
+#[test]
+fn it_says_what_can_be_called_and_with_what() {
+    let open = Open::new(|_| {}, echo);
+    assert_eq!(open.client().get("/health").json, json!({ "state": "UP" }));
+    let all = open.client().get("/services").json;
+    assert_eq!(all["services"][1]["name"], "plans");
+    let mut one = open.client().get("/services/maps").json;
+    assert_eq!(one["interface"], "test/Maps");
+    assert_eq!(one["timeout_ms"], 20_000);
+    let get = one["operations"][0].clone();
+    assert_eq!(get["call"], "POST /services/maps/get");
+    assert_eq!(one["operations"][1]["oneway"], true);
+    assert_eq!(one["operations"][1].get("result"), None);
+    // the schema of an argument, with what it refers to, is one
+    one.as_object_mut()
+        .unwrap()
+        .extend(get["argument"].as_object().unwrap().clone());
+    let schema = jsonschema::validator_for(&one).unwrap();
+    assert!(schema.is_valid(&json!({ "name": "a", "path": [{ "x": 1.5 }], "range": "NaN" })));
+    for wrong in [json!({ "nam": "a" }), json!({ "count": -1 }), json!(1)] {
+        assert!(!schema.is_valid(&wrong), "{wrong}");
+    }
+}
+
+#[test]
+fn it_bears_no_more_than_it_was_told_to() {
+    let limits = |settings: &mut Settings| {
+        settings.max_body = 100;
+        settings.max_connections = 1;
+        settings.patience = Duration::from_millis(300);
+    };
+    let open = Open::new(limits, echo);
+    let client = open.client();
+    let long = json!({ "name": "a".repeat(101) }).to_string();
+    let said = client.post("/services/maps/get", &long);
+    is_problem(&said, 413, "TOO_LARGE", &["100 bytes", "max_body_kb"]);
+    let lying = "POST /services/maps/get HTTP/1.1\r\nHost: a\r\nContent-Length: 50\r\n\r\n{";
+    is_problem(&client.say(lying), 408, "SLOW", &[]);
+    let form = "POST /services/maps/get HTTP/1.1\r\nHost: a\r\nContent-Length: 2\r\n\
+                Content-Type: application/x-www-form-urlencoded\r\n\r\n{}";
+    is_problem(
+        &client.say(form),
+        415,
+        "OTHER_CONTENT_TYPE",
+        &["curl --json"],
+    );
+    let page = "POST /services/maps/get HTTP/1.1\r\nHost: a\r\nContent-Length: 0\r\n\
+                Origin: http://elsewhere.example\r\n\r\n";
+    is_problem(&client.say(page), 403, "WEB_PAGE", &["proxy"]);
+    // who does not say what it wants is in nobody's way for long
+    let mut idle = TcpStream::connect(client.0).unwrap();
+    idle.write_all(b"GET /hea").unwrap();
+    assert_eq!(client.get("/health").status, 200);
+    let mut heard = Vec::new();
+    let _ = idle.read_to_end(&mut heard);
+    assert!(heard.is_empty(), "it is hung up on");
+    for noise in [
+        "\r\n\r\n",
+        "GET / HTTP/9\r\n\r\n",
+        "\u{1}\u{2}\u{3}\r\n\r\n",
+    ] {
+        let mut stream = TcpStream::connect(client.0).unwrap();
+        stream.write_all(noise.as_bytes()).unwrap();
+        stream.shutdown(std::net::Shutdown::Write).unwrap();
+        // refused in words of HTTP, or hung up on
+        let mut heard = Vec::new();
+        let _ = stream.read_to_end(&mut heard);
+        assert!(
+            heard.is_empty() || heard.starts_with(b"HTTP/1.1 4"),
+            "{noise:?}"
+        );
+    }
+    assert_eq!(client.get("/health").status, 200);
+}
+
+#[test]
+fn what_is_under_way_ends_before_the_gateway_is_closed() {
+    let (came, comes) = std::sync::mpsc::channel();
+    let mut open = Open::new(|_| {}, move |call| came.send(call).unwrap());
+    let (client, address) = (open.client(), open.client().0);
+    let caller = std::thread::spawn(move || client.post("/services/maps/get", "{}"));
+    let call = comes.recv_timeout(20 * SECOND).unwrap();
+    let gateway = open.gateway.take();
+    let closing = std::thread::spawn(move || drop(gateway));
+    // nobody more is let in
+    while TcpStream::connect(address).is_ok() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(!closing.is_finished());
+    echo(call);
+    assert_eq!(caller.join().unwrap().status, 200);
+    closing.join().unwrap();
+}

@@ -1,0 +1,51 @@
+//! Gateways from the command line: where each listens.
+
+use std::net::SocketAddr;
+
+use asm_lang::source::similar;
+
+use crate::mission::{Gateways, Told};
+
+/// The gateways of what runs here, by their names, as `--http` wants them.
+///
+/// # Errors
+/// It speaks of none of them, or gives no address.
+pub fn open(http: &[String], named: &[String], told: Told) -> Result<Gateways, String> {
+    if http == ["off"] {
+        return Ok(Gateways::Closed);
+    }
+    let elsewhere = http.iter().map(|written| elsewhere(written, named));
+    let elsewhere = elsewhere.collect::<Result<_, _>>()?;
+    Ok(match named.is_empty() {
+        true => Gateways::Closed,
+        false => Gateways::Open { elsewhere, told },
+    })
+}
+
+/// Which gateway listens where, as it was written.
+fn elsewhere(written: &str, named: &[String]) -> Result<(String, SocketAddr), String> {
+    let wrong = |reason: &str| Err(format!("`--http {written}`: {reason}"));
+    let (name, address) = match (written.split_once('='), named) {
+        (_, []) => {
+            return wrong("nothing here is promoted with `binding = \"http\"`; leave it out");
+        }
+        (Some((name, address)), _) => (name, address),
+        (None, [only]) => (&**only, written),
+        (None, several) => {
+            let names = several.join(", ");
+            return wrong(&format!(
+                "there are several gateways ({names}): say which, `NAME=ADDRESS`"
+            ));
+        }
+    };
+    if !named.iter().any(|known| known == name) {
+        let meant = similar(name, named);
+        let meant = meant.map_or_else(String::new, |name| format!("; did you mean `{name}`?"));
+        let names = named.join(", ");
+        return wrong(&format!("there is no gateway `{name}`, but {names}{meant}"));
+    }
+    match address.parse() {
+        Ok(address) => Ok((name.to_owned(), address)),
+        Err(_) => wrong("an address and a port is wanted, as in `127.0.0.1:8080`, or `off`"),
+    }
+}

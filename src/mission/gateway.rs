@@ -1,0 +1,135 @@
+//! The gateways of a mission: where what it serves is called over HTTP.
+
+use std::fmt;
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use assembly::{Opened, Part, Plan, plan};
+use bus::Local;
+use component::System;
+use gateway::{Gateway, Operation, Service, Settings};
+
+use super::{Mission, MissionError};
+use crate::describe::{self, Served};
+
+/// Whether what is served is called over HTTP.
+#[derive(Clone, Debug, Default)]
+pub enum Gateways {
+    /// It is not.
+    #[default]
+    Closed,
+    /// Where the composite says.
+    Open {
+        /// Gateways that listen elsewhere: name, address.
+        elsewhere: Vec<(String, SocketAddr)>,
+        /// Told where each listens.
+        told: Told,
+    },
+}
+
+/// Hears where a gateway listens: its name, its address.
+#[derive(Clone)]
+pub struct Told(Arc<Hears>);
+
+type Hears = dyn Fn(&str, SocketAddr) + Send + Sync;
+
+impl Told {
+    /// Tells this function.
+    pub fn new(hears: impl Fn(&str, SocketAddr) + Send + Sync + 'static) -> Self {
+        Self(Arc::new(hears))
+    }
+}
+
+impl fmt::Debug for Told {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        to.write_str("Told")
+    }
+}
+
+impl Gateways {
+    /// Whether somebody can call.
+    pub fn are_there(&self) -> bool {
+        matches!(self, Self::Open { .. })
+    }
+}
+
+impl Mission {
+    /// The names of the gateways that the composite has for what runs here. What is wrong with the composite the run tells.
+    pub fn named_gateways(&self) -> Vec<String> {
+        let names = self.planned(|plan| {
+            let wanted = self.process.as_ref();
+            let process = plan.processes.iter().find(|it| Some(&it.name) == wanted);
+            let part = process.map_or(Part::Whole, Part::of);
+            let gateways = plan.gateways_of(&part).into_iter();
+            gateways.map(|(gateway, _)| gateway.name.clone()).collect()
+        });
+        names.unwrap_or_default()
+    }
+
+    /// Opens them to a system that is about to run.
+    pub(super) fn open_gateways(
+        &self,
+        system: &mut System,
+        opened: &Opened,
+        plan: &Plan,
+        part: &Part,
+    ) -> Result<Vec<Gateway>, MissionError> {
+        let Gateways::Open { elsewhere, told } = &self.gateways else {
+            return Ok(Vec::new());
+        };
+        let gateways = plan.gateways_of(part);
+        let served = gateways.iter().flat_map(|(_, promoted)| promoted);
+        let served: Vec<(&str, &str)> = served.map(|it| (&*it.inside, &*it.name)).collect();
+        let bus = Arc::new(Local::new());
+        let launch = |error: component::BuildError| MissionError::Launch(error.to_string());
+        system.serve_on(bus.clone(), &served).map_err(launch)?;
+        let operations = describe::describe(opened, plan).operations;
+        let open = |(gateway, promoted): &(&plan::Gateway, Vec<&plan::Promoted>)| {
+            let other = elsewhere.iter().find(|(name, _)| *name == gateway.name);
+            let listen = other.map(|(_, address)| *address).or(gateway.listen);
+            // where a variable is missing, the start has said so
+            let listen = listen.unwrap_or_else(|| SocketAddr::from(([127, 0, 0, 1], 0)));
+            let services = promoted.iter().map(|it| service(it, &operations));
+            let open = Gateway::open(settings(gateway, listen), services.collect(), bus.clone());
+            let open = open.map_err(|reason| MissionError::Gateway {
+                name: gateway.name.clone(),
+                reason,
+            })?;
+            (told.0)(&gateway.name, open.address());
+            Ok(open)
+        };
+        gateways.iter().map(open).collect()
+    }
+}
+
+fn settings(gateway: &plan::Gateway, listen: SocketAddr) -> Settings {
+    let count = |number: u64| usize::try_from(number).unwrap_or(usize::MAX);
+    Settings {
+        max_connections: count(gateway.max_connections),
+        max_body: count(gateway.max_body_kb.saturating_mul(1000)),
+        ..Settings::at(listen)
+    }
+}
+
+/// What a promoted service is to those outside.
+fn service(promoted: &plan::Promoted, operations: &[Served]) -> Service {
+    let own = operations.iter();
+    let own: Vec<&Served> = own
+        .filter(|it| it.service.to_string() == promoted.inside)
+        .collect();
+    let interface = own.first().map_or("", |served| &*served.interface);
+    let operations = own.iter().map(|served| Operation {
+        name: served.operation.name.clone(),
+        request: served.operation.request.clone(),
+        response: served.operation.response.clone(),
+        one_way: served.one_way,
+    });
+    let timeout_ms = promoted.timeout_ms.unwrap_or(plan::DEFAULT_TIMEOUT_MS);
+    Service {
+        name: promoted.name.clone(),
+        interface: interface.to_owned(),
+        timeout: Duration::from_millis(timeout_ms),
+        operations: operations.collect(),
+    }
+}

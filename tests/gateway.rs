@@ -1,0 +1,211 @@
+//! Services over HTTP: what a composite promotes is called by those who are on no bus.
+
+use serde_json::{Value, json};
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use crate::processes::Running;
+
+const MAPS: &str = r#"
+schema = "composite/1"
+[composite]
+name = "maps"
+[gateways.main]
+listen = "127.0.0.1:${PORT:-0}"
+[components.MapServer]
+implementation = { rust = "nav::MapServer" }
+task           = { period_ms = 20 }
+services       = { maps = "nav/MapService" }
+properties     = { source = "${MAPS}" }
+[[promote]]
+service = "MapServer.maps"
+as      = "maps"
+binding = "http"
+"#;
+
+/// A composite in a folder of its own.
+fn composite(text: &str) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("main.composite.toml");
+    std::fs::write(&path, text).unwrap();
+    (folder, path)
+}
+
+fn run(composite: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    command.arg("run").arg(composite).args(arguments);
+    let maps = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/navigation/maps");
+    command.env("MAPS", maps);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// Calls over HTTP: the status, and what was said. With `curl`, where there is one.
+pub(super) fn post(url: &str, argument: &str) -> (u16, Value) {
+    let mut command = Command::new("curl");
+    command.args([
+        "-sS",
+        "-H",
+        "Content-Type: application/json",
+        "-w",
+        "\n%{http_code}",
+    ]);
+    command.args(["-d", argument, url]);
+    let said = match command.output() {
+        Ok(output) => String::from_utf8(output.stdout).unwrap(),
+        Err(_) => said(url, argument),
+    };
+    let (body, status) = said.rsplit_once('\n').unwrap();
+    let body = serde_json::from_str(body).unwrap_or(Value::Null);
+    (status.parse().unwrap(), body)
+}
+
+/// What `curl` would show.
+fn said(url: &str, argument: &str) -> String {
+    let (address, path) = url
+        .strip_prefix("http://")
+        .unwrap()
+        .split_once('/')
+        .unwrap();
+    let mut stream = TcpStream::connect(address.parse::<SocketAddr>().unwrap()).unwrap();
+    let length = argument.len();
+    let request = format!(
+        "POST /{path} HTTP/1.1\r\nHost: {address}\r\nContent-Type: application/json\r\n\
+         Connection: close\r\nContent-Length: {length}\r\n\r\n{argument}"
+    );
+    stream.write_all(request.as_bytes()).unwrap();
+    let mut said = String::new();
+    stream.read_to_string(&mut said).unwrap();
+    let (head, body) = said.split_once("\r\n\r\n").unwrap();
+    let status = head.split(' ').nth(1).unwrap();
+    format!("{body}\n{status}")
+}
+
+#[test]
+fn c5_curl_calls_a_promoted_service() {
+    let (_folder, path) = composite(MAPS);
+    let mut running = Running::start(&mut run(&path, &[]));
+    let services = running.listening();
+    let (status, map) = post(&format!("{services}/maps/getMap"), r#"{"name": "office"}"#);
+    assert_eq!(status, 200, "{map}");
+    let cells = map["data"].as_array().unwrap().len();
+    assert_eq!(
+        map["info"]["width"].as_u64().unwrap() as usize
+            * map["info"]["height"].as_u64().unwrap() as usize,
+        cells
+    );
+    // both clients hear the same
+    let own = said(&format!("{services}/maps/getMap"), r#"{"name": "office"}"#);
+    let (own, _) = own.rsplit_once('\n').unwrap();
+    assert_eq!(serde_json::from_str::<Value>(own).unwrap(), map);
+    for (operation, argument, status, code) in [
+        (
+            "maps/getMap",
+            r#"{"name": "nowhere"}"#,
+            422,
+            map_fault(&services),
+        ),
+        (
+            "maps/getMap",
+            r#"{"place": "office"}"#,
+            400,
+            json!("BAD_REQUEST"),
+        ),
+        ("maps/getMap?timeout_ms=0", "{}", 400, json!("BAD_QUERY")),
+        ("maps/getMaps", "{}", 404, json!("NO_OPERATION")),
+        ("map/getMap", "{}", 404, json!("NO_SERVICE")),
+    ] {
+        let (found, said) = post(&format!("{services}/{operation}"), argument);
+        assert_eq!(
+            (found, &said["code"]),
+            (status, &code),
+            "{operation}: {said}"
+        );
+    }
+    let output = running.interrupt();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.is_empty() || !said.contains("panicked"), "{said}");
+}
+
+/// The code with which a map that is not there is refused; it is the operation's own.
+fn map_fault(services: &str) -> Value {
+    let (_, said) = post(
+        &format!("{services}/maps/getMap"),
+        r#"{"name": "elsewhere"}"#,
+    );
+    assert!(
+        said["detail"].as_str().unwrap().contains("elsewhere"),
+        "{said}"
+    );
+    said["code"].clone()
+}
+
+#[test]
+fn a_gateway_is_opened_elsewhere_or_not_at_all_or_says_what_stands_in_the_way() {
+    let (_folder, path) = composite(MAPS);
+    let ends = |arguments: &[&str]| {
+        let output = run(&path, arguments).output().unwrap();
+        (
+            output.status.code(),
+            String::from_utf8(output.stderr).unwrap(),
+        )
+    };
+    // without it, time is virtual again
+    let (code, said) = ends(&["--http", "off", "--for", "60"]);
+    assert!(code == Some(1) && said.contains("virtual clock"), "{said}");
+    for (arguments, words) in [
+        (&["--clock", "virtual"][..], "--http off"),
+        (&["--speed", "1"], "over a gateway, time is the wall's"),
+        (&["--http", "localhost"], "127.0.0.1:8080"),
+        (
+            &["--http", "mian=127.0.0.1:0"],
+            "there is no gateway `mian`, but main",
+        ),
+    ] {
+        let (code, said) = ends(arguments);
+        assert!(
+            code == Some(2) && said.contains(words),
+            "{arguments:?}: {said}"
+        );
+    }
+    let taken = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = taken.local_addr().unwrap().to_string();
+    let (code, said) = ends(&["--http", &address]);
+    assert!(
+        code == Some(2) && said.contains(&address) && said.contains("--http off"),
+        "{said}"
+    );
+    let output = run(&path, &["--for", "0.2", "--json", "--http", "127.0.0.1:0"]).output();
+    let output = output.unwrap();
+    let first = String::from_utf8(output.stdout).unwrap();
+    let first: Value = serde_json::from_str(first.lines().next().unwrap()).unwrap();
+    assert_eq!(
+        (&first["type"], &first["name"]),
+        (&json!("gateway"), &json!("main"))
+    );
+    let (_folder, plain) = composite(&MAPS.replace("binding = \"http\"", ""));
+    let output = run(&plain, &["--http", "127.0.0.1:0"]).output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("binding = \"http\""), "{said}");
+}
+
+#[test]
+fn a_component_that_is_stopped_is_unavailable_and_one_that_is_slow_too_late() {
+    let slow = MAPS.replace("period_ms = 20", "period_ms = 2000, delay_ms = 1500");
+    let (_folder, path) = composite(&slow);
+    let mut running = Running::start(&mut run(&path, &[]));
+    let services = running.listening();
+    let began = std::time::Instant::now();
+    let (status, said) = post(&format!("{services}/maps/getMap?timeout_ms=100"), "{}");
+    assert!(began.elapsed() < std::time::Duration::from_millis(1400));
+    assert_eq!((status, &said["code"]), (504, &json!("TIMEOUT")));
+    drop(running);
+    let stopped = MAPS.replace("period_ms = 20", "period_ms = 20, run_on_startup = false");
+    let (_folder, path) = composite(&stopped);
+    let mut running = Running::start(&mut run(&path, &[]));
+    let services = running.listening();
+    let (status, said) = post(&format!("{services}/maps/getMap"), "{}");
+    assert_eq!((status, &said["code"]), (503, &json!("UNAVAILABLE")));
+}
