@@ -118,3 +118,169 @@ fn schemas_are_json() {
         assert_eq!(schema["additionalProperties"], false);
     }
 }
+
+/// The navigation composite with one line changed, in a folder of its own.
+fn changed(line: &str, other: &str) -> tempfile::TempDir {
+    let folder = copy("navigation");
+    let specs = Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/navigation");
+    let maps = std::fs::create_dir(folder.path().join("maps"));
+    maps.unwrap();
+    for entry in std::fs::read_dir(specs.join("maps")).unwrap() {
+        let path = entry.unwrap().path();
+        let to = folder.path().join("maps").join(path.file_name().unwrap());
+        std::fs::copy(&path, to).unwrap();
+    }
+    let file = folder.path().join("navigation.composite.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    assert_eq!(text.matches(line).count(), 1, "{line}");
+    std::fs::write(&file, text.replace(line, other)).unwrap();
+    folder
+}
+
+/// Exit code and standard error of a command on a composite.
+fn on(folder: &tempfile::TempDir, command: &str, arguments: &[&str]) -> (i32, String) {
+    let file = folder.path().join("navigation.composite.toml");
+    let mut asmotion = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    asmotion.arg(command).arg(file).args(arguments);
+    let output = asmotion.output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    (output.status.code().unwrap(), said)
+}
+
+/// Another implementation of `nav/PlanService`: one that keeps further away from walls.
+const CAREFUL: &str = r#"
+schema = "composite/1"
+[composite]
+name = "careful"
+[components.Planner]
+implementation = { rust = "nav::TrajectoryPlanner" }
+task       = { period_ms = 100 }
+services   = { planning = "nav/PlanService" }
+ports.in   = { obstacles = "nav/Obstacles" }
+properties = { comfort_m = 1.2 }
+[[promote]]
+service = "Planner.planning"
+as      = "planning"
+[[promote]]
+port = "Planner.obstacles"
+as   = "obstacles"
+"#;
+
+/// What happened, without the line that names the file.
+fn story(said: &str) -> Vec<&str> {
+    said.lines().skip(1).collect()
+}
+
+#[test]
+fn c1_the_planner_is_another_by_one_line() {
+    let written = "implementation = { rust = \"nav::TrajectoryPlanner\" }\ntask       = { id = \"planner\", period_ms = 100, \
+                   delay_ms = 0, run_on_startup = true, may_interrupt_if_running = false }\n\
+                   services   = { planning = \"nav/PlanService\" }\nports.in   = { obstacles = \"nav/Obstacles\" }\n";
+    let ours = changed(
+        written,
+        "implementation = { rust = \"nav::TrajectoryPlanner\" }\n",
+    );
+    let other = changed(
+        written,
+        "implementation = { composite = \"careful.toml\" }\n",
+    );
+    std::fs::write(other.path().join("careful.toml"), CAREFUL).unwrap();
+    let [ours, other] = [ours, other].map(|folder| on(&folder, "run", &["--goal", "26.4,4.2"]));
+    assert_eq!((ours.0, other.0), (0, 0), "{}\n{}", ours.1, other.1);
+    // both arrive, on ways of their own
+    assert_ne!(story(&ours.1), story(&other.1));
+}
+
+#[test]
+fn c2_an_argument_of_another_type_is_found_before_anything_runs() {
+    let with = "with = { name = \"${properties.place}\" }";
+    let (code, said) = on(&changed(with, "with = { name = 7 }"), "check", &[]);
+    assert!(code == 1 && said.contains("C100"), "{said}");
+    let (code, said) = on(&changed(with, "with = { nam = \"office\" }"), "check", &[]);
+    assert!(code == 1 && said.contains("`nam`"), "{said}");
+}
+
+#[test]
+fn c3_a_reference_that_leads_nowhere_is_refused() {
+    let wire = "[[wires]]\nreference  = \"ASMCoordinator.maps\"\nservice    = \"MapServer.maps\"\n";
+    let folder = changed(
+        wire,
+        "[[wires]]\nreference = \"Nobody.x\"\nservice = \"MapServer.maps\"\n",
+    );
+    let (code, said) = on(&folder, "check", &[]);
+    assert!(
+        code == 1 && said.contains("C031") && said.contains("ASMCoordinator.maps"),
+        "{said}"
+    );
+    assert_eq!(on(&folder, "run", &["--for", "1"]).0, 1);
+}
+
+#[test]
+fn c16_one_command_runs_both_case_studies() {
+    let missions = [
+        (
+            "specs/navigation/navigation.composite.toml",
+            &["--goal", "3.4,4.7"][..],
+        ),
+        (
+            "specs/youbot/youbot.composite.toml",
+            &["--until", "mode=IDLE"],
+        ),
+    ];
+    for (composite, arguments) in missions {
+        let mut all = vec!["run", composite];
+        all.extend(arguments);
+        assert_eq!(run(&all).0, 0, "{composite}");
+    }
+}
+
+/// A map server for each of two profiles, and who asks it.
+const LINE: &str = r#"
+schema = "composite/1"
+[composite]
+name = "line"
+[components.Toy]
+implementation = { rust = "nav::MapServer" }
+profile = "sim"
+[components.Archive]
+implementation = { rust = "nav::MapServer" }
+profile = "real"
+[components.Planner]
+implementation = { process = "planner" }
+references = { maps = "nav/MapService" }
+[[wires]]
+profile = "sim"
+reference = "Planner.maps"
+service = "Toy.maps"
+timeout_ms = 100
+[[wires]]
+profile = "real"
+reference = "Planner.maps"
+service = "Archive.maps"
+timeout_ms = 100
+"#;
+
+#[test]
+fn c20_every_profile_is_checked_whichever_is_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("navigation.composite.toml");
+    let check = |text: &str, command: &str, arguments: &[&str]| {
+        std::fs::write(&file, text).unwrap();
+        on(&folder, command, arguments)
+    };
+    let (code, said) = check(LINE, "check", &[]);
+    assert_eq!(code, 0, "{said}");
+    let wrong = LINE.replace("Archive.maps", "Archive.map");
+    let forgotten = LINE.replace(
+        "profile = \"real\"\nreference",
+        "profile = \"sim\"\nreference",
+    );
+    for (text, finding) in [(wrong, "C021"), (forgotten, "C031")] {
+        let (code, said) = check(&text, "check", &[]);
+        assert!(code == 1 && said.contains(finding), "{said}");
+        let (code, said) = check(&text, "run", &["--profile", "sim", "--for", "1"]);
+        assert!(code == 1 && said.contains(finding), "{said}");
+    }
+    let (code, said) = check(LINE, "run", &["--profile", "rael"]);
+    assert!(code == 2 && said.contains("did you mean `real`"), "{said}");
+}
