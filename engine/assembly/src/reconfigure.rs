@@ -73,6 +73,7 @@ fn tables(running: &Plan, wanted: &Plan) -> Vec<Fixed> {
         ("the profile", running.profile == wanted.profile),
         ("`brokers`", running.brokers == wanted.brokers),
         ("`bridges`", running.bridges == wanted.bridges),
+        ("`gateways`", running.gateways == wanted.gateways),
         ("`topics`", running.topics == wanted.topics),
         ("`promote`", running.promoted == wanted.promoted),
         ("`deploy`", placed(running) == placed(wanted)),
