@@ -88,13 +88,21 @@ impl Broker {
     /// # Errors
     /// It is not there, or does not let us.
     pub fn remote(&self) -> Result<Remote, String> {
-        let settings = self.settings()?;
-        let place = settings.place();
-        let bus = AmqpBus::connect(settings, CONNECT).map_err(|reason| {
-            format!("the broker at {place}: {reason}\n  `asmotion doctor` says how to mend it")
-        })?;
-        Remote::over(Arc::new(bus), None).map_err(|error| error.to_string())
+        remote(self.settings()?)
     }
+}
+
+/// The systems on a broker, for a tool.
+///
+/// # Errors
+/// It is not there, or does not let us.
+pub fn remote(mut settings: Settings) -> Result<Remote, String> {
+    settings.process = "asmotion-tool".to_owned();
+    let place = settings.place();
+    let bus = AmqpBus::connect(settings, CONNECT).map_err(|reason| {
+        format!("the broker at {place}: {reason}\n  `asmotion doctor` says how to mend it")
+    })?;
+    Remote::over(Arc::new(bus), None).map_err(|error| error.to_string())
 }
 
 /// The settings of a broker that a composite names.

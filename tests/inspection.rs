@@ -164,3 +164,54 @@ fn the_monitor_wants_a_terminal() {
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(said.contains("draws on a terminal"), "{said}");
 }
+
+/// In one process, on a bus inside of it: what is seen ends with the run.
+#[test]
+fn the_monitor_stands_beside_a_run_without_a_broker() {
+    let composite = navigation().join("navigation.composite.toml");
+    let run = ["run", composite.to_str().unwrap(), "--top", "--speed", "4"];
+    let keys = [("Operator", "q")];
+    let Some((code, screen)) = person(("", ""), &run, &keys) else {
+        return;
+    };
+    assert_eq!(code, Some(1), "{screen}");
+    assert!(screen.contains("components"), "{screen}");
+    assert!(screen.contains("stopped"), "{screen}");
+}
+
+#[test]
+fn a_run_that_is_looked_at_wants_a_terminal() {
+    let mut run = Command::new(env!("CARGO_BIN_EXE_asmotion"));
+    let composite = navigation().join("navigation.composite.toml");
+    let output = run.arg("run").arg(composite).arg("--top").output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("`--top` draws on a terminal"), "{said}");
+}
+
+/// The library on RabbitMQ: the same handle as on the bus inside a process.
+#[test]
+fn j7_j8_j16_a_robot_on_a_broker_is_at_hand() {
+    let Some(broker) = broker::calm() else { return };
+    let vhost = broker.vhost().unwrap();
+    let composite = navigation().join("navigation.composite.toml");
+    let _onboard = Running::start(&mut over(&composite, &broker, &vhost, Some("onboard")));
+    there(&vhost, "onboard");
+    let rover = remote::Remote::connect(&vhost.url(), Some("navigation")).unwrap();
+    assert_eq!(rover.components().len(), 5);
+    let follower = rover.component("TrajectoryFollower").unwrap();
+    follower.set("max_speed", 0.25).unwrap();
+    assert_eq!(follower.get::<f64>("max_speed"), Ok(0.25));
+    let laser = rover.component("LaserDriver").unwrap();
+    laser.transition(component::Transition::Stop).unwrap();
+    assert_eq!(laser.state(), Ok(component::State::Stopped));
+    let driver = rover.component("navigation.RoverDriver").unwrap();
+    let mut watch = driver.watch("odom").unwrap();
+    for _ in 0..3 {
+        let odom = watch.next_within(std::time::Duration::from_secs(10));
+        let odom = odom.unwrap().unwrap();
+        assert!(odom.get("pose.pose.position.x").is_some(), "{odom}");
+    }
+    let other = remote::Remote::connect(&vhost.url(), Some("other")).unwrap();
+    assert!(other.components().is_empty(), "it is another robot's");
+}

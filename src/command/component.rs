@@ -79,8 +79,7 @@ impl Component {
     /// Does it.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         let done = self.broker.remote().and_then(|remote| {
-            let values = self.what.values()?;
-            let done = self.what.run(&remote, values, terminal);
+            let done = self.what.run(&remote, terminal);
             done.map_err(|error| error.to_string())
         });
         match done {
@@ -94,27 +93,7 @@ impl Component {
 }
 
 impl What {
-    /// The properties to be set.
-    fn values(&self) -> Result<Vec<(String, Datum)>, String> {
-        match self {
-            Self::Set { values, .. } => values.iter().map(|value| setting(value)).collect(),
-            Self::List
-            | Self::Info { .. }
-            | Self::Configure { .. }
-            | Self::Start { .. }
-            | Self::Stop { .. }
-            | Self::Cleanup { .. }
-            | Self::Reset { .. }
-            | Self::Properties(_) => Ok(Vec::new()),
-        }
-    }
-
-    fn run(
-        self,
-        remote: &Remote,
-        values: Vec<(String, Datum)>,
-        terminal: &mut Terminal,
-    ) -> Result<Exit, Box<dyn Error>> {
+    fn run(self, remote: &Remote, terminal: &mut Terminal) -> Result<Exit, Box<dyn Error>> {
         let take = |name: String, transition| remote.component(&name)?.transition(transition);
         match self {
             Self::List => list(&remote.components(), terminal),
@@ -131,7 +110,10 @@ impl What {
             Self::Stop { name } => take(name, Transition::Stop)?,
             Self::Cleanup { name } => take(name, Transition::Cleanup)?,
             Self::Reset { name } => take(name, Transition::ResetException)?,
-            Self::Set { name, .. } => remote.component(&name)?.set_all(values)?,
+            Self::Set { name, values } => {
+                let values: Result<_, String> = values.iter().map(|it| setting(it)).collect();
+                remote.component(&name)?.set_all(values?)?;
+            }
             Self::Properties(properties) => return properties.run(remote, terminal),
         }
         Ok(Exit::Ok)

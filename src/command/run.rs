@@ -1,6 +1,7 @@
 //! `asmotion run`: a composite.
 
 mod told;
+mod watched;
 
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,6 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use assembly::{Value, plan};
+use bus::Local;
 use clap::{Args, ValueEnum};
 use component::{Event, Time};
 use datum::Datum;
@@ -112,6 +114,10 @@ pub struct Common {
     /// The summary alone.
     #[arg(long, short)]
     pub quiet: bool,
+
+    /// Shows the system on the terminal while it runs, as `asmotion top` does; `q` ends both.
+    #[arg(long, conflicts_with = "json")]
+    pub top: bool,
 }
 
 impl Run {
@@ -139,8 +145,12 @@ impl Run {
         mission.process = self.process.clone();
         self.common.apply(&mut mission)?;
         mission.brokers = self.brokers(&mission)?;
+        self.common.open_to_spectators(&mut mission);
         for settings in mission.brokers.settings_mut() {
             settings.robot = self.robot.clone();
+            if self.common.top {
+                continue;
+            }
             settings.notices = Arc::new(|notice| {
                 let _ = writeln!(anstream::stderr(), "         Bus {notice}");
             });
@@ -244,6 +254,7 @@ impl Common {
             terminal.error(problem);
             return Exit::Usage;
         }
+        self.open_to_spectators(&mut mission);
         self.run_applied(title, &mission, terminal)
     }
 
@@ -263,7 +274,12 @@ impl Common {
         let stop = Arc::new(AtomicBool::new(false));
         on_interrupt(&stop);
         let books = Arc::new(Mutex::new(self.books.open()));
-        let ended = mission.run(self.listener(books.clone()), &stop);
+        let listener = self.listener(books.clone());
+        let ended = match watched::spectator(self.top, mission) {
+            Ok(None) => mission.run(listener, &stop),
+            Ok(Some(spectator)) => spectator.beside(&stop, || mission.run(listener, &stop)),
+            Err(problem) => Err(MissionError::Launch(problem)),
+        };
         let ended = match ended {
             Ok(ended) => ended,
             Err(MissionError::Composite {
@@ -307,6 +323,13 @@ impl Common {
             Outcome::Stopped if mission.process.is_some() => Exit::Ok,
             Outcome::Failed | Outcome::TimeUp | Outcome::Stopped => Exit::Findings,
             Outcome::Fault => Exit::Fault,
+        }
+    }
+
+    /// Whoever looks on needs a bus, where there is no broker.
+    fn open_to_spectators(&self, mission: &mut Mission) {
+        if let (true, Brokers::Nothing) = (self.top, &mission.brokers) {
+            mission.brokers = Brokers::Inside(Local::new());
         }
     }
 
@@ -369,7 +392,7 @@ impl Common {
         &self,
         books: Arc<Mutex<Books>>,
     ) -> impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static {
-        let (tell, as_json) = (!self.quiet && !self.json, self.json);
+        let (tell, as_json) = (!self.quiet && !self.json && !self.top, self.json);
         move |at, event, line| {
             lock(&books).note(at, event);
             if let (true, Some(line)) = (tell, line) {

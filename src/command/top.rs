@@ -3,12 +3,10 @@
 use crate::broker::Broker;
 use crate::exit::Exit;
 use crate::terminal::Terminal;
-use crate::top::{Board, Key, View, draw};
+use crate::top;
 use clap::Args;
-use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind, KeyModifiers};
-use remote::Remote;
 use std::io::IsTerminal;
-use std::time::{Duration, Instant};
+use std::sync::atomic::AtomicBool;
 
 /// Shows a running system: components, topics, the last messages.
 ///
@@ -20,9 +18,6 @@ pub struct Top {
     broker: Broker,
 }
 
-/// How often the screen is drawn.
-const FRAME: Duration = Duration::from_millis(100);
-
 impl Top {
     /// Shows it, until a key ends it.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
@@ -33,7 +28,7 @@ impl Top {
         let shown = (self.broker.settings()).and_then(|settings| {
             let place = settings.place();
             let remote = self.broker.remote()?;
-            show(&remote, &place).map_err(|error| error.to_string())
+            top::show(&remote, &place, &AtomicBool::new(false)).map_err(|error| error.to_string())
         });
         match shown {
             Ok(()) => Exit::Ok,
@@ -43,53 +38,4 @@ impl Top {
             }
         }
     }
-}
-
-/// Draws and listens; the terminal is as it was afterwards, whatever happens.
-fn show(remote: &Remote, place: &str) -> Result<(), Box<dyn std::error::Error>> {
-    let everything = remote.listen("#")?;
-    let began = Instant::now();
-    let (mut board, mut view) = (Board::default(), View::default());
-    let mut screen = ratatui::try_init()?;
-    let shown = loop {
-        while let Some(envelope) = everything.try_next() {
-            board.hear(&envelope, began.elapsed());
-        }
-        let now = began.elapsed();
-        board.feel(remote.bus().health().link, now);
-        if let Err(error) = screen.draw(|frame| draw(frame, &board, &view, place, now)) {
-            break Err(error);
-        }
-        match pressed(FRAME) {
-            Ok(Some(key)) if !view.press(key, &board, began.elapsed()) => break Ok(()),
-            Ok(_) => {}
-            Err(error) => break Err(error),
-        }
-    };
-    ratatui::try_restore()?;
-    Ok(shown?)
-}
-
-/// The next key that means something, waited for so long.
-fn pressed(at_most: Duration) -> std::io::Result<Option<Key>> {
-    if !event::poll(at_most)? {
-        return Ok(None);
-    }
-    let Event::Key(key) = event::read()? else {
-        return Ok(None);
-    };
-    if key.kind == KeyEventKind::Release {
-        return Ok(None);
-    }
-    Ok(match key.code {
-        KeyCode::Char('c') if key.modifiers.contains(KeyModifiers::CONTROL) => Some(Key::Interrupt),
-        KeyCode::Char(letter) => Some(Key::Char(letter)),
-        KeyCode::Up => Some(Key::Up),
-        KeyCode::Down => Some(Key::Down),
-        KeyCode::Tab | KeyCode::BackTab => Some(Key::Tab),
-        KeyCode::Enter => Some(Key::Enter),
-        KeyCode::Esc => Some(Key::Escape),
-        KeyCode::Backspace => Some(Key::Backspace),
-        _ => None,
-    })
 }

@@ -7,7 +7,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use amqp::{AmqpBus, Settings};
 use assembly::plan::Broker;
 use assembly::{Opened, Part, Plan};
-use bus::{Bus, BusError};
+use bus::{Bus, BusError, Local};
 use component::System;
 use remote::{Contact, Newest};
 
@@ -24,6 +24,8 @@ pub enum Brokers {
     /// None: everything is joined directly.
     #[default]
     Nothing,
+    /// None either, but those who look on are on this bus inside the process.
+    Inside(Local),
     /// One, whatever the composite says: topics and wires go over it.
     One(Box<Settings>),
     /// Those that the composite names, by their names: what it puts on one goes over that.
@@ -43,19 +45,22 @@ pub(super) struct Connected {
     /// Its name in the composite, where that says what goes over it.
     name: Option<String>,
     place: String,
-    bus: Arc<AmqpBus>,
+    bus: Arc<dyn Bus>,
 }
 
 impl Brokers {
     /// Whether messages leave the process.
     pub fn are_there(&self) -> bool {
-        !matches!(self, Self::Nothing)
+        match self {
+            Self::Nothing | Self::Inside(_) => false,
+            Self::One(_) | Self::Each(_) => true,
+        }
     }
 
     /// The settings of all.
     pub fn settings_mut(&mut self) -> Vec<&mut Settings> {
         match self {
-            Self::Nothing => Vec::new(),
+            Self::Nothing | Self::Inside(_) => Vec::new(),
             Self::One(settings) => vec![settings],
             Self::Each(brokers) => brokers.values_mut().collect(),
         }
@@ -67,7 +72,7 @@ impl Mission {
     pub(super) fn part(&self, plan: &Plan) -> Result<Part, MissionError> {
         let Some(wanted) = &self.process else {
             return Ok(match self.brokers {
-                Brokers::Nothing => Part::Whole,
+                Brokers::Nothing | Brokers::Inside(_) => Part::Whole,
                 Brokers::One(_) => Part::WholeOverBus,
                 Brokers::Each(_) => Part::with_brokers(plan),
             });
@@ -130,6 +135,11 @@ impl Mission {
         let named = |(name, settings): (&String, _)| (Some(name.clone()), settings);
         let brokers: Vec<(Option<String>, &Settings)> = match &self.brokers {
             Brokers::Nothing => Vec::new(),
+            Brokers::Inside(bus) => {
+                let (place, bus) = ("this process".to_owned(), Arc::new(bus.clone()));
+                let name = None;
+                return Ok(vec![Connected { name, place, bus }]);
+            }
             Brokers::One(settings) => vec![(None, settings)],
             Brokers::Each(brokers) => brokers.iter().map(named).collect(),
         };
@@ -161,7 +171,7 @@ impl Mission {
         let of_all = |reason| broker_error(&places.join(", "), reason);
         match (&self.brokers, connected) {
             (Brokers::Nothing, _) => {}
-            (Brokers::One(_), connected) => {
+            (Brokers::Inside(_) | Brokers::One(_), connected) => {
                 for it in connected {
                     system.attach(it.bus.clone(), incarnation).map_err(of_all)?;
                 }
@@ -194,7 +204,7 @@ impl Mission {
         connected: &'m [Connected],
     ) -> Result<Successor<'m>, MissionError> {
         let places: Vec<&str> = connected.iter().map(|it| &*it.place).collect();
-        let buses = connected.iter().map(|it| &*it.bus as &dyn Bus);
+        let buses = connected.iter().map(|it| &*it.bus);
         let successor = Successor::new(self, opened, plan, part, buses);
         successor.map_err(|reason| broker_error(&places.join(", "), reason))
     }

@@ -111,7 +111,7 @@ fn components(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now
         "state",
         "asked",
         "measured",
-        "cycle mean/max",
+        "mean/max",
         "overruns",
     ];
     let widths = [
@@ -120,7 +120,7 @@ fn components(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now
         Constraint::Length(14),
         Constraint::Length(8),
         Constraint::Length(9),
-        Constraint::Length(14),
+        Constraint::Length(12),
         Constraint::Length(8),
     ];
     let title = format!("components {}", components.len());

@@ -2,6 +2,7 @@
 //! have changed.
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
@@ -56,6 +57,12 @@ struct Last {
     envelope: Option<Envelope>,
     /// The routes up to this generation.
     had: u64,
+}
+
+impl fmt::Debug for Local {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Local, {} subscriptions", self.shared.routes().len())
+    }
 }
 
 impl Local {

@@ -1,0 +1,69 @@
+//! The monitor on a real terminal.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind, KeyModifiers};
+use remote::Remote;
+
+use super::{Board, Key, View, draw};
+
+/// How often the screen is drawn.
+const FRAME: Duration = Duration::from_millis(100);
+
+/// Draws and listens until a key ends it, or somebody else; the terminal is as it was afterwards, whatever happens.
+///
+/// # Errors
+/// The bus does not let us, or there is nothing to draw on.
+pub fn show(
+    remote: &Remote,
+    place: &str,
+    stop: &AtomicBool,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let everything = remote.listen("#")?;
+    let began = Instant::now();
+    let (mut board, mut view) = (Board::default(), View::default());
+    let mut screen = ratatui::try_init()?;
+    let shown = loop {
+        while let Some(envelope) = everything.try_next() {
+            board.hear(&envelope, began.elapsed());
+        }
+        let now = began.elapsed();
+        board.feel(remote.bus().health().link, now);
+        if let Err(error) = screen.draw(|frame| draw(frame, &board, &view, place, now)) {
+            break Err(error);
+        }
+        match pressed(FRAME) {
+            Ok(Some(key)) if !view.press(key, &board, began.elapsed()) => break Ok(()),
+            Ok(_) if stop.load(Ordering::Relaxed) => break Ok(()),
+            Ok(_) => {}
+            Err(error) => break Err(error),
+        }
+    };
+    ratatui::try_restore()?;
+    Ok(shown?)
+}
+
+/// The next key that means something, waited for so long.
+fn pressed(at_most: Duration) -> std::io::Result<Option<Key>> {
+    if !event::poll(at_most)? {
+        return Ok(None);
+    }
+    let Event::Key(key) = event::read()? else {
+        return Ok(None);
+    };
+    if key.kind == KeyEventKind::Release {
+        return Ok(None);
+    }
+    Ok(match key.code {
+        KeyCode::Char('c') if key.modifiers.contains(KeyModifiers::CONTROL) => Some(Key::Interrupt),
+        KeyCode::Char(letter) => Some(Key::Char(letter)),
+        KeyCode::Up => Some(Key::Up),
+        KeyCode::Down => Some(Key::Down),
+        KeyCode::Tab | KeyCode::BackTab => Some(Key::Tab),
+        KeyCode::Enter => Some(Key::Enter),
+        KeyCode::Esc => Some(Key::Escape),
+        KeyCode::Backspace => Some(Key::Backspace),
+        _ => None,
+    })
+}
