@@ -14,7 +14,7 @@
 //! let request = datum::Datum::record([("name", datum::Datum::text("office"))]);
 //! map.send("getMap", request, Duration::from_secs(1))?
 //!     .then(|answer| println!("{answer:?}"))?;
-//! # Ok::<(), remote::RemoteError>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod call;
