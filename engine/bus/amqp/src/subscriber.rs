@@ -15,7 +15,7 @@ use amqprs::channel::{
 use bus::{Inlet, Overflow, Pattern, Queue};
 use tokio::sync::mpsc::UnboundedReceiver;
 use tokio::sync::oneshot;
-use tokio::time::sleep;
+use tokio::time::{Instant, sleep, sleep_until};
 
 use crate::Notice;
 use crate::channel::{self, Broken, Ends, Word};
@@ -25,9 +25,14 @@ use crate::ready::Ready;
 use crate::repeats::Repeats;
 use crate::wire::{self, Headers};
 
-/// How many events may be under way to us; so many are acknowledged at once.
+/// How many events may be under way to us,
 const PREFETCH: u16 = 1024;
-const ACKNOWLEDGED: usize = 64;
+/// and how many are taken at once.
+const TAKEN: usize = 64;
+/// How long an event waits to be acknowledged, with those after it: whoever acts on it goes first.
+const ACKNOWLEDGED_AFTER: Duration = Duration::from_millis(1);
+/// So many do not wait.
+const OWED: u64 = 256;
 /// How long to wait before a queue is made again.
 const REST: Duration = Duration::from_millis(100);
 
@@ -46,6 +51,39 @@ pub(crate) struct Task {
     pub leave: oneshot::Receiver<()>,
     /// Told how the first declaration ended.
     pub ready: Ready,
+}
+
+/// What is handed on and not acknowledged, by the tags of its channel.
+#[derive(Default)]
+struct Owed {
+    last: u64,
+    paid: u64,
+    /// When it is to be acknowledged.
+    due: Option<Instant>,
+}
+
+impl Owed {
+    fn count(&self) -> u64 {
+        self.last.saturating_sub(self.paid)
+    }
+
+    /// Returns when something has waited long enough.
+    async fn fall_due(&self) {
+        match self.due {
+            Some(due) => sleep_until(due).await,
+            None => std::future::pending().await,
+        }
+    }
+
+    async fn pay(&mut self, channel: &Channel) -> Ends<()> {
+        self.due = None;
+        if self.count() > 0 {
+            self.paid = self.last;
+            let all = BasicAckArguments::new(self.last, true);
+            channel.basic_ack(all).await?;
+        }
+        Ok(())
+    }
 }
 
 impl Task {
@@ -91,6 +129,7 @@ impl Task {
         self.ready.tell(Ok(()));
         let link = Arc::clone(&self.link);
         let mut closing = pin!(link.closing());
+        let mut owed = Owed::default();
         loop {
             tokio::select! {
                 _ = &mut self.leave => break,
@@ -107,13 +146,21 @@ impl Task {
                     let Some(message) = message else {
                         return Err(Broken::Cancelled);
                     };
-                    let last = self.take(message, &mut messages, repeats);
-                    let acknowledgement = BasicAckArguments::new(last, true);
-                    (channel.basic_ack(acknowledgement).await)
-                        .map_err(|_| channel::why(&mut words))?;
+                    owed.last = owed.last.max(self.take(message, &mut messages, repeats));
+                    // of a state the next one comes when this one is acknowledged
+                    if self.policy == Queue::Latest || owed.count() >= OWED {
+                        owed.pay(&channel).await.map_err(|_| channel::why(&mut words))?;
+                    } else {
+                        owed.due.get_or_insert_with(|| Instant::now() + ACKNOWLEDGED_AFTER);
+                    }
+                }
+                () = owed.fall_due() => {
+                    owed.pay(&channel).await.map_err(|_| channel::why(&mut words))?;
                 }
             }
         }
+        // what was handed on shall not come again in the next life; a channel that is gone takes nothing any more
+        let _ = owed.pay(&channel).await;
         self.end(channel).await;
         Ok(())
     }
@@ -159,7 +206,7 @@ impl Task {
     ) -> u64 {
         let mut last = 0;
         let mut next = Some(first);
-        for _ in 0..ACKNOWLEDGED {
+        for _ in 0..TAKEN {
             let Some(message) = next else { break };
             last = self.hand_on(message, repeats).unwrap_or(last);
             next = messages.try_recv().ok();
