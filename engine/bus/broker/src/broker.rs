@@ -11,7 +11,7 @@ use crate::files::{Files, PASSWORD, USER};
 use crate::process::{self, SERVER};
 
 /// A cold start takes 5 s on a quiet machine, twice that on a loaded one.
-const START: Duration = Duration::from_secs(90);
+pub(crate) const START: Duration = Duration::from_secs(90);
 
 /// A RabbitMQ of our own.
 pub struct Broker {
@@ -189,7 +189,8 @@ impl Broker {
         self.server.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn greets(&self) -> bool {
+    /// Whether it answers who connects.
+    pub(crate) fn greets(&self) -> bool {
         let second = Duration::from_secs(1);
         let greeted = || {
             let mut stream = TcpStream::connect_timeout(&self.address(), second)?;

@@ -4,6 +4,7 @@ use std::io::Write;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use crate::broker::START;
 use crate::{Broker, BrokerError};
 
 /// What `erl_call` says of a node that does not answer.
@@ -74,9 +75,17 @@ impl Broker {
         self.command("rabbit:stop()")
     }
 
-    /// Starts RabbitMQ again inside its node, and waits until it serves.
+    /// Starts RabbitMQ again inside its node, and waits until it serves. One that is not done with stopping answers `ok`, and
+    /// does not start: it is told again.
     pub fn start_app(&self) -> Result<(), BrokerError> {
-        self.command("rabbit:start()")?;
+        let until = Instant::now() + START;
+        while Instant::now() < until {
+            self.command("rabbit:start()")?;
+            if self.greets() {
+                return Ok(());
+            }
+            std::thread::sleep(Duration::from_millis(200));
+        }
         self.wait_until_up()
     }
 
