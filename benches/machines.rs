@@ -16,7 +16,7 @@ mod hand;
 #[path = "machines/large.rs"]
 mod large;
 
-use asm_lang::{Chooser, Files, Machine, NoInputs};
+use asmotion_lang::{Chooser, Files, Machine, NoInputs};
 use hand::{Hand, Shifts};
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
@@ -73,7 +73,7 @@ fn machine(case: &Case) -> Machine {
     let name = format!("{}.asm", case.name);
     let mut files = Files::new();
     files.add(&name, case.text);
-    let opened = asm_lang::open(&name, &files).unwrap_or_else(|failure| panic!("{failure}"));
+    let opened = asmotion_lang::open(&name, &files).unwrap_or_else(|failure| panic!("{failure}"));
     opened.machine().unwrap()
 }
 
@@ -87,8 +87,8 @@ fn run(machine: &mut Machine, shifts: &mut Shifts, steps: u64) {
 fn state(machine: &Machine) -> Vec<String> {
     let naming = machine.naming();
     let line = |(function, arguments, slot)| {
-        let function: asm_lang::ir::FunctionId = function;
-        let arguments: Vec<asm_lang::value::Value> = arguments;
+        let function: asmotion_lang::ir::FunctionId = function;
+        let arguments: Vec<asmotion_lang::value::Value> = arguments;
         let name = &naming.program.symbols.functions[function.0 as usize];
         let shown: Vec<String> = arguments
             .iter()
@@ -154,7 +154,7 @@ fn main() {
     if all.get(1).map(String::as_str) == Some("steps") {
         let case = CASES.iter().find(|case| case.name == all[2]).unwrap();
         let mut machine = machine(case);
-        machine.set_back_end(asm_lang::BackEnd::Native);
+        machine.set_back_end(asmotion_lang::BackEnd::Native);
         run(
             &mut machine,
             &mut Shifts(Shifts::SEED),

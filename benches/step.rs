@@ -13,7 +13,7 @@
 #[path = "machines/mission.rs"]
 mod mission;
 
-use asm_lang::{Chooser, Files, Machine};
+use asmotion_lang::{Chooser, Files, Machine};
 use criterion::{Criterion, criterion_group, criterion_main};
 use mission::Mission;
 
@@ -49,7 +49,7 @@ impl Chooser for Shifts {
 fn machine(name: &str, text: &str) -> Machine {
     let mut files = Files::new();
     files.add(&format!("{name}.asm"), text);
-    let opened = asm_lang::open(&format!("{name}.asm"), &files);
+    let opened = asmotion_lang::open(&format!("{name}.asm"), &files);
     opened
         .unwrap_or_else(|failure| panic!("{failure}"))
         .machine()

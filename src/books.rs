@@ -3,8 +3,8 @@
 use std::fs::File;
 use std::io;
 
+use asmotion_component::{Event, Time};
 use clap::Args;
-use component::{Event, Time};
 
 use crate::record::Record;
 use crate::trace::Trace;

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-use amqp::{AmqpBus, Credentials, Identity, Settings};
-use assembly::model::Tls;
-use assembly::plan;
+use asmotion_amqp::{AmqpBus, Credentials, Identity, Settings};
+use asmotion_assembly::model::Tls;
+use asmotion_assembly::plan;
+use asmotion_remote::Remote;
 use clap::Args;
-use remote::Remote;
 
 /// How long to wait for the broker.
 const CONNECT: Duration = Duration::from_secs(10);

@@ -1,19 +1,23 @@
 //! What this build offers to composites, and the variables of the process.
 
-use asm_lang::Loader;
-use assembly::model::Builtin;
-use assembly::{AsmFiles, Context, Environment, Tables};
+use asmotion_assembly::model::Builtin;
+use asmotion_assembly::{AsmFiles, Context, Environment, Tables};
+use asmotion_lang::Loader;
 
 /// The components, messages and interfaces of this build.
 pub const BUILD: Tables = Tables {
-    components: components::COMPONENTS,
-    messages: components::MESSAGES,
-    interfaces: components::INTERFACES,
+    components: asmotion_components::COMPONENTS,
+    messages: asmotion_components::MESSAGES,
+    interfaces: asmotion_components::INTERFACES,
     builtins: &[Builtin::PortProxy],
 };
 
 /// Opens a composite, with the properties that are set from outside: name and text.
-pub fn open(path: &str, settings: &[(String, String)], loader: &dyn Loader) -> assembly::Opened {
+pub fn open(
+    path: &str,
+    settings: &[(String, String)],
+    loader: &dyn Loader,
+) -> asmotion_assembly::Opened {
     let context = Context {
         loader,
         environment: &Variables,
@@ -21,7 +25,7 @@ pub fn open(path: &str, settings: &[(String, String)], loader: &dyn Loader) -> a
         specifications: &AsmFiles::new(loader),
         settings,
     };
-    assembly::open(path, &context)
+    asmotion_assembly::open(path, &context)
 }
 
 /// The variables and secret files of the process.

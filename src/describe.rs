@@ -7,12 +7,12 @@ pub mod yaml;
 
 use std::sync::Arc;
 
-use asm_lang::ir::Program;
-use assembly::declaration::{Declaration, OperationDeclaration};
-use assembly::plan::{Component, End, Implementation, Terminal, Topic};
-use assembly::{Catalogue, Opened, Plan, Standard, Workshop};
-use component::{HEALTH_TOPIC, Interface};
-use datum::{Schema, Shape};
+use asmotion_assembly::declaration::{Declaration, OperationDeclaration};
+use asmotion_assembly::plan::{Component, End, Implementation, Terminal, Topic};
+use asmotion_assembly::{Catalogue, Opened, Plan, Standard, Workshop};
+use asmotion_component::{HEALTH_TOPIC, Interface};
+use asmotion_datum::{Schema, Shape};
+use asmotion_lang::ir::Program;
 
 use crate::build::BUILD;
 use crate::files::Disk;
@@ -254,7 +254,7 @@ fn program(component: &Component) -> Option<Arc<Program>> {
     let Implementation::Asm(asm) = &component.implementation else {
         return None;
     };
-    Some(asm_lang::open(&asm.path, &Disk).ok()?.program)
+    Some(asmotion_lang::open(&asm.path, &Disk).ok()?.program)
 }
 
 /// What a component declares; `None` where it cannot be made here, such as a ROS node.

@@ -2,7 +2,7 @@
 
 use std::net::SocketAddr;
 
-use asm_lang::source::similar;
+use asmotion_lang::source::similar;
 
 use crate::mission::{Gateways, Told};
 

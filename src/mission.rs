@@ -15,13 +15,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use asm_lang::Loader;
-use asm_lang::source::similar;
-use assembly::plan::Terminal;
-use assembly::{Opened, Plan, Standard};
-use component::{Event, Observer, Pace, Run, Time};
-use datum::Datum;
-use remote::Contact;
+use asmotion_assembly::plan::Terminal;
+use asmotion_assembly::{Opened, Plan, Standard};
+use asmotion_component::{Event, Observer, Pace, Run, Time};
+use asmotion_datum::Datum;
+use asmotion_lang::Loader;
+use asmotion_lang::source::similar;
+use asmotion_remote::Contact;
 
 use crate::build;
 use crate::files::Disk;
@@ -161,7 +161,7 @@ impl Mission {
             builtins: &mut |_, _| None,
         };
         let part = self.part(plan)?;
-        let mut system = assembly::start_part(plan, &part, &mut workshop)
+        let mut system = asmotion_assembly::start_part(plan, &part, &mut workshop)
             .map_err(|error| MissionError::Launch(error.to_string()))?;
         for (component, property, value) in &self.properties {
             if plan.component(component).is_none() {

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::io::Write;
 
-use component::{Event, Time};
-use datum::Datum;
+use asmotion_component::{Event, Time};
+use asmotion_datum::Datum;
 
 /// A longer list is data, not columns: its length is recorded.
 const WIDE: usize = 64;

@@ -1,8 +1,8 @@
 //! States and steps as text and as JSON.
 
-use asm_lang::Step;
-use asm_lang::machine::Machine;
-use asm_lang::simulate;
+use asmotion_lang::Step;
+use asmotion_lang::machine::Machine;
+use asmotion_lang::simulate;
 use serde_json::{Map, Value, json};
 
 /// What every location of the specification that has a value holds.

@@ -14,10 +14,10 @@ mod way;
 pub use summary::{Summary, Tally};
 pub use way::Way;
 
-use assembly::Plan;
-use component::{CallError, Event, Losses, Time};
-use coordinator::{LOSSES_REPORT, STEP_REPORT, StepRecord, UNSENT_REPORT};
-use datum::{Datum, Sample};
+use asmotion_assembly::Plan;
+use asmotion_component::{CallError, Event, Losses, Time};
+use asmotion_coordinator::{LOSSES_REPORT, STEP_REPORT, StepRecord, UNSENT_REPORT};
+use asmotion_datum::{Datum, Sample};
 
 use self::ear::Ear;
 use self::repeats::Repeats;

@@ -2,7 +2,7 @@
 
 use anstream::ColorChoice;
 use anstyle::{AnsiColor, Style as Ansi};
-use asm_lang::{Report, Severity, Sources, Style};
+use asmotion_lang::{Report, Severity, Sources, Style};
 use clap::ValueEnum;
 use std::fmt::Display;
 use std::io::Write;
@@ -97,7 +97,7 @@ impl Terminal {
         for finding in &report.diagnostics {
             self.say(format_args!(
                 "{}\n",
-                asm_lang::render(finding, sources, Style::Coloured)
+                asmotion_lang::render(finding, sources, Style::Coloured)
             ));
         }
     }

@@ -3,9 +3,9 @@
 //! Steps of coordinators stand in full; of a message the trace keeps the CRC-32 of its CBOR form, so
 //! that a map costs a line like everything else. Cycles that did nothing are not mentioned.
 
-use component::{CallError, Event, Time};
-use coordinator::{STEP_REPORT, StepRecord};
-use datum::{Datum, Sample, cbor};
+use asmotion_component::{CallError, Event, Time};
+use asmotion_coordinator::{STEP_REPORT, StepRecord};
+use asmotion_datum::{Datum, Sample, cbor};
 use std::fmt::Write;
 
 /// Writes events as lines.

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use broker::{Broker, Vhost};
+use asmotion_broker::{Broker, Vhost};
 
 /// An `asmotion` that finds no password by itself.
 fn asmotion(arguments: &[&str]) -> Command {
@@ -44,7 +44,9 @@ fn credentials(folder: &Path, text: &str) -> PathBuf {
 
 #[test]
 fn a_password_from_the_environment_or_a_file_lets_in_and_is_told_nowhere() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let (user, password) = user(&broker, &vhost);
     let folder = tempfile::tempdir().unwrap();
@@ -96,7 +98,9 @@ fn a_password_from_the_environment_or_a_file_lets_in_and_is_told_nowhere() {
 
 #[test]
 fn certificates_on_both_sides_let_in_where_they_fit() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let trace = folder.path().join("trace");

@@ -11,7 +11,7 @@
 #[path = "../benches/machines/mission.rs"]
 mod mission;
 
-use asm_lang::{Files, First};
+use asmotion_lang::{Files, First};
 use mission::Mission;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -53,8 +53,8 @@ fn a_step_asks_for_no_memory() {
         "S1_navigate.asm",
         include_str!("../benches/machines/S1_navigate.asm"),
     );
-    let specification =
-        asm_lang::open("S1_navigate.asm", &files).unwrap_or_else(|failure| panic!("{failure}"));
+    let specification = asmotion_lang::open("S1_navigate.asm", &files)
+        .unwrap_or_else(|failure| panic!("{failure}"));
     let mut machine = specification.machine().unwrap();
     let mut mission = Mission::of(&machine);
     let mut steps = |count: usize| {

@@ -6,8 +6,8 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use asmotion::mission::{Mission, Outcome};
-use component::{Event, Time};
-use coordinator::{STEP_REPORT, StepRecord};
+use asmotion_component::{Event, Time};
+use asmotion_coordinator::{STEP_REPORT, StepRecord};
 
 fn composite() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/ball_tracker/ball_tracker.composite.toml")

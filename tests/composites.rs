@@ -1,14 +1,14 @@
 //! The pages of the codes of composites: what their wrong example earns, the mended one does not.
 
-use asm_lang::codes::Code;
-use asm_lang::{Diagnostic, Files, Report, Severity};
-use assembly::{AsmFiles, CODES, Context, EmptyEnvironment, Tables};
+use asmotion_assembly::{AsmFiles, CODES, Context, EmptyEnvironment, Tables};
+use asmotion_lang::codes::Code;
+use asmotion_lang::{Diagnostic, Files, Report, Severity};
 use std::collections::BTreeSet;
 
 const BUILD: Tables = Tables {
-    components: components::COMPONENTS,
-    messages: components::MESSAGES,
-    interfaces: components::INTERFACES,
+    components: asmotion_components::COMPONENTS,
+    messages: asmotion_components::MESSAGES,
+    interfaces: asmotion_components::INTERFACES,
     builtins: &[],
 };
 
@@ -61,7 +61,7 @@ fn found(code: &Code, info: &str) -> Option<Report> {
     if let Some(specification) = code.example("asm") {
         files.add("example.asm", specification);
     }
-    if let Some((report, _)) = assembly::open_types("example.toml", &files, &BUILD) {
+    if let Some((report, _)) = asmotion_assembly::open_types("example.toml", &files, &BUILD) {
         return Some(report);
     }
     let context = Context {
@@ -71,5 +71,5 @@ fn found(code: &Code, info: &str) -> Option<Report> {
         specifications: &AsmFiles::new(&files),
         settings: &[],
     };
-    Some(assembly::open("example.toml", &context).report)
+    Some(asmotion_assembly::open("example.toml", &context).report)
 }

@@ -9,9 +9,9 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use asmotion::mission::{Brokers, Clock, Ended, Mission, Outcome};
-use broker::{Broker, Vhost};
-use component::{Event, Time};
-use messages::Odometry;
+use asmotion_broker::{Broker, Vhost};
+use asmotion_component::{Event, Time};
+use asmotion_messages::Odometry;
 use serde_json::Value;
 
 use crate::processes::{
@@ -117,7 +117,7 @@ impl Record {
                 sample,
                 ..
             } => {
-                let event = sample.downcast_ref::<messages::Event>().unwrap();
+                let event = sample.downcast_ref::<asmotion_messages::Event>().unwrap();
                 self.events.push(event.code.clone());
             }
             _ => {}
@@ -155,7 +155,7 @@ impl Onboard {
         let composite = navigation().join("navigation.composite.toml");
         let mut mission = Mission::new(composite.display().to_string());
         mission.process = Some("onboard".to_owned());
-        let settings = amqp::Settings::parse(&vhost.url()).unwrap();
+        let settings = asmotion_amqp::Settings::parse(&vhost.url()).unwrap();
         mission.brokers = Brokers::One(Box::new(settings));
         mission.clock = Clock::Wall;
         let record = Arc::<Mutex<Record>>::default();
@@ -207,7 +207,7 @@ fn through(broker: &Broker, vhost: &Vhost<'_>, harm: impl FnOnce(&Broker)) -> Re
 
 #[test]
 fn the_rover_stops_while_the_broker_is_dead_and_arrives_when_it_is_back() {
-    let Some(broker) = broker::alone() else {
+    let Some(broker) = asmotion_broker::alone() else {
         return;
     };
     let vhost = broker.vhost().unwrap();
@@ -230,7 +230,7 @@ fn the_rover_stops_while_the_broker_is_dead_and_arrives_when_it_is_back() {
 
 #[test]
 fn the_mission_goes_on_when_an_operator_has_closed_the_connections() {
-    let Some(broker) = broker::alone() else {
+    let Some(broker) = asmotion_broker::alone() else {
         return;
     };
     let vhost = broker.vhost().unwrap();
@@ -249,7 +249,9 @@ fn signal(process: &Child, signal: &str) {
 #[test]
 fn a_provider_killed_in_a_call_is_unavailable_before_the_deadline_and_serves_again_when_it_is_back()
 {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let composite = three_processes(folder.path());
@@ -382,7 +384,9 @@ processes = [
 
 #[test]
 fn who_starts_late_gets_what_was_published_once() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let composite = late(folder.path());

@@ -95,7 +95,7 @@ fn without_a_broker_the_bus_is_up() {
 
 #[test]
 fn it_stops_when_the_broker_dies_and_goes_on_when_it_is_back() {
-    let Some(broker) = broker::alone() else {
+    let Some(broker) = asmotion_broker::alone() else {
         return;
     };
     let vhost = broker.vhost().unwrap();

@@ -6,7 +6,9 @@ use std::process::Command;
 
 #[test]
 fn ports_are_read_and_written_and_the_life_cycle_is_driven_from_outside() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let (user, address) = (broker.user(), broker.address());
     let url = format!("amqp://{user}@{address}/{}", vhost.name());
@@ -192,19 +194,23 @@ fn a_run_that_is_looked_at_wants_a_terminal() {
 /// The library on RabbitMQ: the same handle as on the bus inside a process.
 #[test]
 fn j7_j8_j16_a_robot_on_a_broker_is_at_hand() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let composite = navigation().join("navigation.composite.toml");
     let _onboard = Running::start(&mut over(&composite, &broker, &vhost, Some("onboard")));
     there(&vhost, "onboard");
-    let rover = remote::Remote::connect(&vhost.url(), Some("navigation")).unwrap();
+    let rover = asmotion_remote::Remote::connect(&vhost.url(), Some("navigation")).unwrap();
     assert_eq!(rover.components().len(), 5);
     let follower = rover.component("TrajectoryFollower").unwrap();
     follower.set("max_speed", 0.25).unwrap();
     assert_eq!(follower.get::<f64>("max_speed"), Ok(0.25));
     let laser = rover.component("LaserDriver").unwrap();
-    laser.transition(component::Transition::Stop).unwrap();
-    assert_eq!(laser.state(), Ok(component::State::Stopped));
+    laser
+        .transition(asmotion_component::Transition::Stop)
+        .unwrap();
+    assert_eq!(laser.state(), Ok(asmotion_component::State::Stopped));
     let driver = rover.component("navigation.RoverDriver").unwrap();
     let mut watch = driver.watch("odom").unwrap();
     for _ in 0..3 {
@@ -212,6 +218,6 @@ fn j7_j8_j16_a_robot_on_a_broker_is_at_hand() {
         let odom = odom.unwrap().unwrap();
         assert!(odom.get("pose.pose.position.x").is_some(), "{odom}");
     }
-    let other = remote::Remote::connect(&vhost.url(), Some("other")).unwrap();
+    let other = asmotion_remote::Remote::connect(&vhost.url(), Some("other")).unwrap();
     assert!(other.components().is_empty(), "it is another robot's");
 }

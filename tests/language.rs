@@ -12,7 +12,7 @@ mod replay;
 mod semantics;
 mod specifications;
 
-use asm_lang::{Failure, Files, Specification};
+use asmotion_lang::{Failure, Files, Specification};
 use std::path::{Path, PathBuf};
 
 /// The folder of this subject.
@@ -48,7 +48,7 @@ fn open(name: &str, text: &str) -> Result<Specification, Failure> {
         let (path, text) = part.split_once('\n').unwrap();
         files.add(path, text);
     }
-    asm_lang::open(&main, &files)
+    asmotion_lang::open(&main, &files)
 }
 
 /// Opens a text that has no errors.

@@ -2,7 +2,7 @@
 
 use asmotion::mission::{Ended, Mission, Outcome};
 use asmotion::trace::Trace;
-use datum::Datum;
+use asmotion_datum::Datum;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
@@ -22,7 +22,7 @@ fn mission(script: &[&str], obstacles: &str) -> Mission {
     mission
         .properties
         .push(("Operator".to_owned(), "script".to_owned(), script));
-    let obstacles: Datum = datum::json::decode(obstacles).unwrap();
+    let obstacles: Datum = asmotion_datum::json::decode(obstacles).unwrap();
     mission
         .properties
         .push(("World".to_owned(), "obstacles".to_owned(), obstacles));

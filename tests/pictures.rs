@@ -2,8 +2,8 @@
 //! must be drawn anew (`UPDATE_PICTURES=1 ./test pictures`) and looked at.
 
 use asmotion::mission::{Mission, Outcome};
-use component::Event;
-use messages::{OccupancyGrid, Odometry, Path as Route, Point, Scene};
+use asmotion_component::Event;
+use asmotion_messages::{OccupancyGrid, Odometry, Path as Route, Point, Scene};
 use std::fmt::Write;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -59,7 +59,7 @@ fn the_plan_is_what_the_demo_drove() {
             .display()
             .to_string(),
     );
-    let obstacles = datum::json::decode(asmotion::BLOCKED_CORRIDOR).unwrap();
+    let obstacles = asmotion_datum::json::decode(asmotion::BLOCKED_CORRIDOR).unwrap();
     mission
         .properties
         .push(("World".to_owned(), "obstacles".to_owned(), obstacles));

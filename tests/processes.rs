@@ -1,6 +1,6 @@
 //! Missions over a real broker, in one process and in several: the coordinator goes through the same control states.
 
-use broker::{Broker, Calm, Vhost};
+use asmotion_broker::{Broker, Calm, Vhost};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -162,7 +162,9 @@ pub(super) fn expected() -> (Vec<String>, Option<i32>) {
 
 #[test]
 fn in_one_process_with_everything_over_the_broker() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let composite = navigation().join("navigation.composite.toml");
     let output = over(&composite, &broker, &vhost, None).output().unwrap();
@@ -171,7 +173,9 @@ fn in_one_process_with_everything_over_the_broker() {
 
 #[test]
 fn in_two_processes_of_which_the_one_on_board_runs_until_it_is_told_to_end() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let composite = navigation().join("navigation.composite.toml");
     let onboard = Running::start(&mut over(&composite, &broker, &vhost, Some("onboard")));
@@ -225,7 +229,9 @@ fn with_broker_and(folder: &Path, url: &str, more: &str) -> Command {
 
 #[test]
 fn over_the_broker_that_the_composite_names_unless_the_bus_is_local() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let over = with_broker(folder.path(), &vhost.url()).output().unwrap();
@@ -242,32 +248,52 @@ fn over_the_broker_that_the_composite_names_unless_the_bus_is_local() {
 
 #[test]
 fn messages_go_by_the_codec_of_the_broker_or_of_their_topic() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let more = "codec = \"cdr\"\n[topics.event]\ncodec = \"json\"\n";
-    let spy = amqp::AmqpBus::connect(amqp::Settings::parse(&vhost.url()).unwrap(), LONG).unwrap();
+    let spy = asmotion_amqp::AmqpBus::connect(
+        asmotion_amqp::Settings::parse(&vhost.url()).unwrap(),
+        LONG,
+    )
+    .unwrap();
     let size = 100_000;
-    let queue = bus::Queue::All {
+    let queue = asmotion_bus::Queue::All {
         size,
-        overflow: bus::Overflow::DropNewest,
+        overflow: asmotion_bus::Overflow::DropNewest,
     };
-    let bell = std::sync::Arc::new(bus::Bell::new());
-    let seen = bus::Bus::subscribe(&spy, "spy", &bus::Pattern::new("navigation.#"), queue, bell);
+    let bell = std::sync::Arc::new(asmotion_bus::Bell::new());
+    let seen = asmotion_bus::Bus::subscribe(
+        &spy,
+        "spy",
+        &asmotion_bus::Pattern::new("navigation.#"),
+        queue,
+        bell,
+    );
     let seen = seen.unwrap();
     let mut over = with_broker_and(folder.path(), &vhost.url(), more);
     let output = over.output().unwrap();
     assert_eq!(modes(&output), expected(), "{output:?}");
     let mut codecs = std::collections::BTreeMap::new();
     while let Some(envelope) = seen.next_within(Duration::from_millis(500)) {
-        if let bus::Payload::Bytes { codec, .. } = envelope.payload {
+        if let asmotion_bus::Payload::Bytes { codec, .. } = envelope.payload {
             codecs.insert(envelope.topic.to_string(), codec);
         }
     }
     let codec = |topic: &str| codecs.get(&format!("navigation.{topic}")).copied();
-    assert_eq!(codec("event"), Some(datum::Codec::Json), "{codecs:?}");
+    assert_eq!(
+        codec("event"),
+        Some(asmotion_datum::Codec::Json),
+        "{codecs:?}"
+    );
     for topic in ["goal", "plan", "odom"] {
-        assert_eq!(codec(topic), Some(datum::Codec::Cdr), "{topic}: {codecs:?}");
+        assert_eq!(
+            codec(topic),
+            Some(asmotion_datum::Codec::Cdr),
+            "{topic}: {codecs:?}"
+        );
     }
 }
 
@@ -284,7 +310,9 @@ fn a_broker_that_is_not_there_is_named_with_a_way_out() {
 
 #[test]
 fn in_three_processes_with_a_service_in_another_one() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let composite = three_processes(folder.path());
@@ -301,7 +329,9 @@ fn in_three_processes_with_a_service_in_another_one() {
 
 #[test]
 fn c17_in_four_processes_the_coordinator_goes_through_the_same_states() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let composite = three_processes(folder.path());
@@ -325,7 +355,9 @@ fn c17_in_four_processes_the_coordinator_goes_through_the_same_states() {
 
 #[test]
 fn without_its_partner_a_process_goes_on_and_its_calls_fail() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let composite = three_processes(folder.path());
@@ -357,7 +389,9 @@ pub(super) fn tool(broker: &Calm, url: &str, arguments: &[&str]) -> (Option<i32>
 
 #[test]
 fn tools_see_who_is_there_and_take_part() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let (user, address) = (broker.user(), broker.address());
     let url = format!("amqp://{user}@{address}/{}", vhost.name());
@@ -440,7 +474,9 @@ fn tools_see_who_is_there_and_take_part() {
 
 #[test]
 fn the_doctor_says_what_is_wrong_and_how_to_mend_it() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let (user, address) = (broker.user(), broker.address());
     let at = |who: &str, vhost: &str| format!("amqp://{who}@{address}/{vhost}");
@@ -487,7 +523,7 @@ fn the_doctor_says_what_is_wrong_and_how_to_mend_it() {
 
 #[test]
 fn the_doctor_sees_an_alarm() {
-    let Some(broker) = broker::alone() else {
+    let Some(broker) = asmotion_broker::alone() else {
         return;
     };
     let vhost = broker.vhost().unwrap();
@@ -521,7 +557,9 @@ fn a_process_of_several_needs_a_broker_and_a_name_that_exists() {
 /// What one specification sends is a request to the other, wherever that runs.
 #[test]
 fn two_specifications_talk_over_a_broker() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let composite =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/courier/courier.composite.toml");

@@ -4,7 +4,9 @@ use crate::processes::{Running, over, there, three_processes, tool};
 
 #[test]
 fn c18_a_running_composite_becomes_its_next_version_or_stays_what_it_is() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let (user, address) = (broker.user(), broker.address());
     let url = format!("amqp://{user}@{address}/{}", vhost.name());

@@ -1,9 +1,9 @@
 //! Over which broker what goes: components on brokers of their own, wires that go out and come in again, doors of a
 //! service, and callbacks to several listeners.
 
-use amqp::{AmqpBus, Settings};
-use broker::{Calm, Vhost};
-use bus::{Bell, Bus, Pattern, Queue};
+use asmotion_amqp::{AmqpBus, Settings};
+use asmotion_broker::{Calm, Vhost};
+use asmotion_bus::{Bell, Bus, Pattern, Queue};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -110,14 +110,14 @@ bind.monitored.quiet = { topic = "quiet", receive = "last", none = "" }
 "#;
 
 /// The topics of the composite that are heard at a broker until a run has ended.
-struct Ear(bus::Subscription, AmqpBus);
+struct Ear(asmotion_bus::Subscription, AmqpBus);
 
 impl Ear {
     fn new(vhost: &Vhost<'_>) -> Self {
         let bus = AmqpBus::connect(Settings::parse(&vhost.url()).unwrap(), LONG).unwrap();
         let queue = Queue::All {
             size: 4096,
-            overflow: bus::Overflow::DropOldest,
+            overflow: asmotion_bus::Overflow::DropOldest,
         };
         let heard = bus.subscribe("ear", &Pattern::new("#"), queue, Arc::new(Bell::new()));
         Self(heard.unwrap(), bus)
@@ -133,7 +133,9 @@ impl Ear {
 
 #[test]
 fn t20_each_component_speaks_on_its_own_broker_and_one_without_stays_inside() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let (west, east) = (broker.vhost().unwrap(), broker.vhost().unwrap());
     let folder = tempfile::tempdir().unwrap();
     let files = [
@@ -218,7 +220,9 @@ fn call(broker: &Calm, vhost: &Vhost<'_>, operation: &str, argument: &str) -> St
 
 #[test]
 fn c4_a_service_is_called_through_three_doors() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let composite = three_doors(folder.path());
@@ -306,7 +310,9 @@ processes = [
 
 #[test]
 fn y10_a_callback_reaches_every_listener_inside_over_the_bus_and_in_another_process() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let files = [

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use broker::{Calm, Vhost};
+use asmotion_broker::{Calm, Vhost};
 
 use crate::person::person;
 use crate::processes::{Running, run_any, through};
@@ -38,7 +38,9 @@ fn talk(broker: &Calm, url: &str, lines: &str) -> (String, String) {
 
 #[test]
 fn o14_operations_properties_ports_and_the_life_cycle_from_the_shell() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let url = url(&broker, &vhost);
     let _arm = arm(&broker, &vhost);
@@ -110,7 +112,9 @@ fn o14_operations_properties_ports_and_the_life_cycle_from_the_shell() {
 /// In a real terminal: Tab completes what is there, and the arrow brings back a line.
 #[test]
 fn o14_the_shell_completes_and_remembers() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let url = url(&broker, &vhost);
     let _arm = arm(&broker, &vhost);

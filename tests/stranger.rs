@@ -1,7 +1,7 @@
 //! Who joins with a program of their own: a component in Python, which knows the wire and nothing else.
 
-use bus::{Bell, Bus, CallFailure, Origin, Payload, Request};
-use messages::{OccupancyGrid, Path as Way, PlanRequest, Pose};
+use asmotion_bus::{Bell, Bus, CallFailure, Origin, Payload, Request};
+use asmotion_messages::{OccupancyGrid, Path as Way, PlanRequest, Pose};
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -125,14 +125,14 @@ fn it_is_no_longer_than_a_page() {
 
 #[test]
 fn it_serves_what_we_call() {
-    let (Some(broker), Some(python)) = (broker::calm(), python()) else {
+    let (Some(broker), Some(python)) = (asmotion_broker::calm(), python()) else {
         return;
     };
     let vhost = broker.vhost().unwrap();
     let _stranger = Stranger::start(python, &vhost.url(), "rover1");
-    let mut settings = amqp::Settings::parse(&vhost.url()).unwrap();
+    let mut settings = asmotion_amqp::Settings::parse(&vhost.url()).unwrap();
     settings.robot = Some("rover1".to_owned());
-    let bus = amqp::AmqpBus::connect(settings, Duration::from_secs(10)).unwrap();
+    let bus = asmotion_amqp::AmqpBus::connect(settings, Duration::from_secs(10)).unwrap();
 
     let way = ask(&bus, request(true)).unwrap();
     let at = |index: usize| way.poses[index].pose.position;
@@ -155,7 +155,7 @@ fn it_serves_what_we_call() {
 
 #[test]
 fn a_mission_runs_with_it_in_place_of_our_planner() {
-    let (Some(broker), Some(python)) = (broker::calm(), python()) else {
+    let (Some(broker), Some(python)) = (asmotion_broker::calm(), python()) else {
         return;
     };
     let vhost = broker.vhost().unwrap();

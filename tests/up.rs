@@ -68,7 +68,9 @@ fn signal(signal: &str, id: &str) {
 
 #[test]
 fn what_is_killed_is_started_again_until_it_was_too_often() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let url = format!(
@@ -105,7 +107,9 @@ fn what_is_killed_is_started_again_until_it_was_too_often() {
 
 #[test]
 fn it_ends_its_processes_when_it_is_told_to_end() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let url = format!(

@@ -1,10 +1,10 @@
 //! Which rules, branches, updates and rounds of a specification ran.
 
 use crate::Specification;
-use hir::{RuleKind, RuleTerm};
-use ir::Part;
-use machine::Machine;
-use source::Span;
+use asmotion_hir::{RuleKind, RuleTerm};
+use asmotion_ir::Part;
+use asmotion_machine::Machine;
+use asmotion_source::Span;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -83,7 +83,7 @@ impl Coverage {
 
     fn rule(
         &mut self,
-        rule: &hir::Rule,
+        rule: &asmotion_hir::Rule,
         ran: &BTreeMap<(Span, Part), u64>,
         specification: &Specification,
     ) {
@@ -92,7 +92,7 @@ impl Coverage {
         let count = |span, part| ran.get(&(span, part)).copied().unwrap_or(0);
         let mut parts = BTreeMap::new();
         if let Some(body) = &rule.body {
-            ir::visit_rules(&body.root, &mut |rule| {
+            asmotion_ir::visit_rules(&body.root, &mut |rule| {
                 for part in parts_of(rule) {
                     let (line, count) = (line(rule.span), count(rule.span, part));
                     parts.insert((rule.span.start, part), CoveredPart { line, count });

@@ -4,14 +4,14 @@ mod outside;
 mod values;
 
 use crate::Specification;
-use machine::{Fault, FaultKind, InitialMisfit, Machine, Witness};
-use source::{Diagnostic, Report};
-use value::Value;
+use asmotion_machine::{Fault, FaultKind, InitialMisfit, Machine, Witness};
+use asmotion_source::{Diagnostic, Report};
+use asmotion_value::Value;
 
 impl Specification {
     /// What a fault says of a machine that could not be built: values are shown as far as they can be.
     pub fn explain(&self, fault: &Fault) -> Diagnostic {
-        let naming = machine::Naming {
+        let naming = asmotion_machine::Naming {
             program: &self.program,
             reserve: &[],
         };
@@ -27,7 +27,11 @@ impl Specification {
     pub fn explain_in(&self, fault: &Fault, machine: &Machine) -> Diagnostic {
         let naming = machine.naming();
         let show = |value: &Value| value.show(&naming).to_string();
-        let mut finding = self.diagnose(fault, &|slot| simulate::location(machine, slot), &show);
+        let mut finding = self.diagnose(
+            fault,
+            &|slot| asmotion_simulate::location(machine, slot),
+            &show,
+        );
         if let Some(witness) = machine.witness(fault) {
             finding = values::add(finding, fault, &witness, self, &show);
         }
@@ -44,7 +48,8 @@ impl Specification {
         let naming = machine.naming();
         let show = |value: &Value| value.show(&naming).to_string();
         let warn = |found: InitialMisfit| {
-            let location = simulate::applied(machine, found.misfit.function, &found.arguments);
+            let location =
+                asmotion_simulate::applied(machine, found.misfit.function, &found.arguments);
             let fact = self.no_element(&found.misfit, "in the initial state", &show);
             let finding = Diagnostic::warning("W030", fact).label(
                 self.span(found.origin),
@@ -63,7 +68,7 @@ impl Specification {
     fn diagnose(
         &self,
         fault: &Fault,
-        location: &dyn Fn(ir::Slot) -> String,
+        location: &dyn Fn(asmotion_ir::Slot) -> String,
         show: &dyn Fn(&Value) -> String,
     ) -> Diagnostic {
         let at = self.span(fault.origin);

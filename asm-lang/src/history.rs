@@ -1,12 +1,12 @@
 //! A session with a past: any number of events can be undone, and a location says who wrote it last.
 
 use crate::Session;
-use ir::{AddedTerm, FunctionId, FunctionKind, Origin, Slot};
-use machine::{Environment, Fault, Machine};
-use simulate::{Random, Seeded};
-use source::Report;
+use asmotion_ir::{AddedTerm, FunctionId, FunctionKind, Origin, Slot};
+use asmotion_machine::{Environment, Fault, Machine};
+use asmotion_simulate::{Random, Seeded};
+use asmotion_source::Report;
+use asmotion_value::Value;
 use std::collections::BTreeMap;
-use value::Value;
 
 /// A session, and everything that happened in it.
 pub struct History {

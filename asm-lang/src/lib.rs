@@ -1,7 +1,7 @@
 //! The language on one page: from a path to a machine that can step.
 //!
 //! ```
-//! let mut files = asm_lang::Files::new();
+//! let mut files = asmotion_lang::Files::new();
 //! files.add("counter.asm", "asm counter
 //! import StandardLibrary
 //! signature:
@@ -11,9 +11,9 @@
 //! default init s0:
 //!   function n = 0
 //! ");
-//! let specification = asm_lang::open("counter.asm", &files).map_err(|failure| failure.to_string())?;
+//! let specification = asmotion_lang::open("counter.asm", &files).map_err(|failure| failure.to_string())?;
 //! let mut machine = specification.machine().map_err(|fault| specification.explain(&fault).message)?;
-//! machine.step(&mut asm_lang::NoInputs, &mut asm_lang::First, 0).map_err(|fault| specification.explain(&fault).message)?;
+//! machine.step(&mut asmotion_lang::NoInputs, &mut asmotion_lang::First, 0).map_err(|fault| specification.explain(&fault).message)?;
 //! # Ok::<(), String>(())
 //! ```
 
@@ -26,17 +26,21 @@ mod render;
 pub mod scenario;
 mod session;
 
-pub use files::Files;
-pub use hir::{FunctionKind, Model, Options};
-pub use history::{Event, History, Written};
-pub use machine::{
+pub use asmotion_hir::{FunctionKind, Model, Options};
+pub use asmotion_machine::{
     BackEnd, Chooser, Environment, Fault, FaultKind, First, Machine, NoInputs, Step, Update,
 };
+pub use asmotion_source::{Diagnostic, Loader, Report, Severity, Sources, Span};
+pub use asmotion_value::Value;
+pub use files::Files;
+pub use history::{Event, History, Written};
 pub use render::{Style, concise, render, render_all};
 pub use session::Session;
-pub use source::{Diagnostic, Loader, Report, Severity, Sources, Span};
-pub use value::Value;
-pub use {hir, ir, machine, simulate, source, stdlib, syntax, value};
+pub use {
+    asmotion_hir as hir, asmotion_ir as ir, asmotion_machine as machine,
+    asmotion_simulate as simulate, asmotion_source as source, asmotion_stdlib as stdlib,
+    asmotion_syntax as syntax, asmotion_value as value,
+};
 
 use std::fmt;
 use std::sync::Arc;

@@ -2,7 +2,7 @@
 
 use annotate_snippets::renderer::DecorStyle;
 use annotate_snippets::{Annotation, AnnotationKind, Group, Level, Patch, Renderer, Snippet};
-use source::{Diagnostic, Edit, FileId, Fix, Label, Report, Severity, Sources};
+use asmotion_source::{Diagnostic, Edit, FileId, Fix, Label, Report, Severity, Sources};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 

@@ -2,12 +2,12 @@
 
 use crate::coverage::Coverage;
 use crate::{Failure, Specification, open_in};
-use machine::{Fault, Machine};
-use simulate::scenario::{self, Failed, Options, Outcome, Plan};
-use source::{Diagnostic, Loader, Report, Sources, Span};
+use asmotion_machine::{Fault, Machine};
+use asmotion_simulate::scenario::{self, Failed, Options, Outcome, Plan};
+use asmotion_source::{Diagnostic, Loader, Report, Sources, Span};
+use asmotion_syntax::ast::{Name, Scenario};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use syntax::ast::{Name, Scenario};
 
 /// A scenario that was run.
 #[derive(Debug)]
@@ -28,7 +28,7 @@ pub struct Tested {
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
     /// How the specification is read, and the scenario with it.
-    pub reading: hir::Options,
+    pub reading: asmotion_hir::Options,
     /// The limits and the seed.
     pub options: Options,
     /// Whether it is counted what runs.
@@ -53,7 +53,11 @@ pub fn test(path: &str, loader: &dyn Loader, settings: &Settings) -> Result<Test
 }
 
 /// What is wrong with the scenario at a path, as far as that can be seen before it runs.
-pub fn check(path: &str, loader: &dyn Loader, reading: &hir::Options) -> (Report, Sources) {
+pub fn check(
+    path: &str,
+    loader: &dyn Loader,
+    reading: &asmotion_hir::Options,
+) -> (Report, Sources) {
     let settings = Settings {
         reading: reading.clone(),
         ..Settings::default()
@@ -102,7 +106,7 @@ fn read(
     match loader.read(path) {
         Ok(text) => {
             let file = sources.add(path, text.clone());
-            Ok(syntax::parse_scenario(file, &text))
+            Ok(asmotion_syntax::parse_scenario(file, &text))
         }
         Err(error) => {
             let finding = Diagnostic::error("V023", error).help("check the path of the scenario");

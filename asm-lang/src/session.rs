@@ -4,7 +4,7 @@
 //! the main file, added to the program, and evaluated in the current state.
 //!
 //! ```
-//! # let mut files = asm_lang::Files::new();
+//! # let mut files = asmotion_lang::Files::new();
 //! # files.add("counter.asm", "asm counter
 //! # import StandardLibrary
 //! # signature:
@@ -14,8 +14,8 @@
 //! # default init s0:
 //! #   function n = 0
 //! # ");
-//! use asm_lang::{First, NoInputs, Session, Value};
-//! let specification = asm_lang::open("counter.asm", &files).map_err(|failure| failure.to_string())?;
+//! use asmotion_lang::{First, NoInputs, Session, Value};
+//! let specification = asmotion_lang::open("counter.asm", &files).map_err(|failure| failure.to_string())?;
 //! let mut session = Session::new(specification).map_err(|failure| failure.to_string())?;
 //! let next = session.watch("n + 1").map_err(|report| format!("{report:?}"))?;
 //! session.fire("n := 41", &mut NoInputs, &mut First, 0).map_err(|report| format!("{report:?}"))?;
@@ -25,10 +25,10 @@
 //! ```
 
 use crate::{Failure, Specification};
-use hir::AddedTerm;
-use machine::{Chooser, Environment, Fault, Machine, Step};
-use source::{FileId, Report};
-use value::Value;
+use asmotion_hir::AddedTerm;
+use asmotion_machine::{Chooser, Environment, Fault, Machine, Step};
+use asmotion_source::{FileId, Report};
+use asmotion_value::Value;
 
 /// A specification that runs, and answers meanwhile.
 pub struct Session {
@@ -69,7 +69,7 @@ impl Session {
     /// The text is no term, or does not fit the specification.
     pub fn watch(&mut self, text: &str) -> Result<AddedTerm, Report> {
         let file = self.text(text);
-        let term = syntax::parse_term(file, text)?;
+        let term = asmotion_syntax::parse_term(file, text)?;
         let added = self.specification.model.add_term(&term)?;
         self.adopt()?;
         Ok(added)
@@ -118,7 +118,7 @@ impl Session {
     ) -> Result<Step<'_>, Report> {
         self.once(|session| {
             let file = session.text(text);
-            let rule = syntax::parse_rule(file, text)?;
+            let rule = asmotion_syntax::parse_rule(file, text)?;
             let added = session.specification.model.add_rule(&rule)?;
             session.adopt()?;
             let fired = session.machine.fire(added, environment, chooser, now_ns);
@@ -141,10 +141,10 @@ impl Session {
         text: &str,
         environment: &mut dyn Environment,
         now_ns: i64,
-    ) -> Result<(ir::FunctionId, Vec<Value>, Value), Report> {
+    ) -> Result<(asmotion_ir::FunctionId, Vec<Value>, Value), Report> {
         self.once(|session| {
             let file = session.text(text);
-            let (target, value) = syntax::parse_assignment(file, text)?;
+            let (target, value) = asmotion_syntax::parse_assignment(file, text)?;
             let assignment = session
                 .specification
                 .model

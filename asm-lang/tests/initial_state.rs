@@ -1,6 +1,6 @@
 //! A specification may have several initial states: the default one counts unless another is asked for.
 
-use asm_lang::{Files, Options};
+use asmotion_lang::{Files, Options};
 
 const TEXT: &str = "asm several
 import StandardLibrary
@@ -23,7 +23,7 @@ fn begins_with(initial: Option<&str>) -> Result<String, String> {
         compatible: false,
         initial: initial.map(str::to_owned),
     };
-    let specification = asm_lang::open_with("several.asm", &files, &options)
+    let specification = asmotion_lang::open_with("several.asm", &files, &options)
         .map_err(|failure| failure.report.diagnostics[0].message.clone())?;
     let machine = specification
         .machine()

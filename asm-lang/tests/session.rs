@@ -6,7 +6,7 @@
     reason = "a test that cannot go on has failed"
 )]
 
-use asm_lang::{
+use asmotion_lang::{
     Environment, Files, First, NoInputs, Report, Session, Style, Value, ir, render_all,
 };
 
@@ -55,7 +55,7 @@ fn session() -> Session {
     files.add("car.asm", CAR);
     files.add("Gear.asm", GEAR);
     let specification =
-        asm_lang::open("car.asm", &files).unwrap_or_else(|failure| panic!("{failure}"));
+        asmotion_lang::open("car.asm", &files).unwrap_or_else(|failure| panic!("{failure}"));
     Session::new(specification).unwrap_or_else(|failure| panic!("{failure}"))
 }
 

@@ -1,6 +1,6 @@
 //! A large specification, generated: how long reading and checking it takes.
 
-use asm_lang::Files;
+use asmotion_lang::Files;
 use std::fmt::Write;
 use std::time::Instant;
 
@@ -107,13 +107,13 @@ pub fn print() {
     for _ in 0..TURNS {
         let started = Instant::now();
         let specification =
-            asm_lang::open("large.asm", &files).unwrap_or_else(|failure| panic!("{failure}"));
+            asmotion_lang::open("large.asm", &files).unwrap_or_else(|failure| panic!("{failure}"));
         opened.push(started.elapsed());
         drop(specification);
         let started = Instant::now();
-        let mut sources = asm_lang::Sources::new();
-        let loaded = asm_lang::hir::load("large.asm", &files, &mut sources);
-        let (model, found) = asm_lang::hir::analyse(&loaded, &sources);
+        let mut sources = asmotion_lang::Sources::new();
+        let loaded = asmotion_lang::hir::load("large.asm", &files, &mut sources);
+        let (model, found) = asmotion_lang::hir::analyse(&loaded, &sources);
         checked.push(started.elapsed());
         assert!(model.is_some() && !found.has_errors());
     }

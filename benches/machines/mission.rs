@@ -1,7 +1,7 @@
 //! The inputs of a mission that never ends, at next to no cost.
 
-use asm_lang::value::{Atom, Value};
-use asm_lang::{Environment, Machine, ir};
+use asmotion_lang::value::{Atom, Value};
+use asmotion_lang::{Environment, Machine, ir};
 use std::sync::Arc;
 
 /// One event after the other, now and then a goal, a cancellation or the red button.

@@ -2,23 +2,22 @@
 //! operations. A checker reads these tables; nothing here runs.
 //!
 //! ```
-//! # use robot_components as components;
-//! let make = components::component("nav::TrajectoryFollower").ok_or("no such component")?;
-//! let mut scratch = component::Interface::new();
+//! let make = asmotion_components::component("nav::TrajectoryFollower").ok_or("no such component")?;
+//! let mut scratch = asmotion_component::Interface::new();
 //! make(&mut scratch);
 //! assert!(scratch.declaration().input("path").is_some());
 //! # Ok::<(), &str>(())
 //! ```
 
-use component::declaration::OperationDeclaration;
-use component::{Component, Interface, Operation};
-use datum::{Message, Schema};
-use messages::{
+use asmotion_component::declaration::OperationDeclaration;
+use asmotion_component::{Component, Interface, Operation};
+use asmotion_datum::{Message, Schema};
+use asmotion_messages::{
     DriverSetPeriod, DriverState, GetJointsPositions, GetMap, MoveTo, Notify, Plan,
     SetJointsPositions, SetPeriod, Solve,
 };
 
-pub use messages::MESSAGES;
+pub use asmotion_messages::MESSAGES;
 
 /// Makes a component: declares it on the interface.
 pub type Make = fn(&mut Interface) -> Box<dyn Component>;
@@ -26,37 +25,37 @@ pub type Make = fn(&mut Interface) -> Box<dyn Component>;
 /// Every component by the name a composite gives it.
 pub const COMPONENTS: &[(&str, Make)] = &[
     ("nav::MapServer", |interface| {
-        Box::new(map::MapServer::new(interface))
+        Box::new(asmotion_map::MapServer::new(interface))
     }),
     ("nav::TrajectoryPlanner", |interface| {
-        Box::new(planner::TrajectoryPlanner::new(interface))
+        Box::new(asmotion_planner::TrajectoryPlanner::new(interface))
     }),
     ("nav::TrajectoryAdapter", |interface| {
-        Box::new(adapter::TrajectoryAdapter::new(interface))
+        Box::new(asmotion_adapter::TrajectoryAdapter::new(interface))
     }),
     ("nav::TrajectoryFollower", |interface| {
-        Box::new(follower::TrajectoryFollower::new(interface))
+        Box::new(asmotion_follower::TrajectoryFollower::new(interface))
     }),
     ("nav::Operator", |interface| {
-        Box::new(operator::Operator::new(interface))
+        Box::new(asmotion_operator::Operator::new(interface))
     }),
     ("nav::sim::RoverDriver", |interface| {
-        Box::new(rover::RoverDriver::new(interface))
+        Box::new(asmotion_rover::RoverDriver::new(interface))
     }),
     ("nav::sim::LaserDriver", |interface| {
-        Box::new(laser::LaserDriver::new(interface))
+        Box::new(asmotion_laser::LaserDriver::new(interface))
     }),
     ("nav::sim::World", |interface| {
-        Box::new(world::World::new(interface))
+        Box::new(asmotion_world::World::new(interface))
     }),
-    ("youbot::DummyDriver", |interface| {
-        Box::new(youbot::DummyDriver::new(interface))
+    ("asmotion_youbot::DummyDriver", |interface| {
+        Box::new(asmotion_youbot::DummyDriver::new(interface))
     }),
-    ("youbot::Kinematics", |interface| {
-        Box::new(youbot::Kinematics::new(interface))
+    ("asmotion_youbot::Kinematics", |interface| {
+        Box::new(asmotion_youbot::Kinematics::new(interface))
     }),
-    ("youbot::Operator", |interface| {
-        Box::new(youbot::Operator::new(interface))
+    ("asmotion_youbot::Operator", |interface| {
+        Box::new(asmotion_youbot::Operator::new(interface))
     }),
 ];
 
@@ -113,7 +112,7 @@ fn operation<O: Operation>() -> OperationDeclaration {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use component::declaration::PortDeclaration;
+    use asmotion_component::declaration::PortDeclaration;
 
     /// Inputs, outputs, services and references of a component, as text.
     fn shape(name: &str) -> String {

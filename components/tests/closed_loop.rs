@@ -8,11 +8,11 @@
 
 mod course;
 
-use component::{Run, Span, Time, Transition};
+use asmotion_component::{Run, Span, Time, Transition};
+use asmotion_geometry::Point;
+use asmotion_messages::Path;
+use asmotion_world::Obstacle;
 use course::{Course, GO, block, disc, nanos};
-use geometry::Point;
-use messages::Path;
-use world::Obstacle;
 
 /// m, of the robot.
 const RADIUS: f64 = 0.2;
@@ -150,7 +150,7 @@ fn a_new_path_after_a_block_is_followed() {
         ..Course::corridor()
     };
     let mut path = back.message();
-    path.header.stamp = messages::Time::from_nanos(nanos(10.0));
+    path.header.stamp = asmotion_messages::Time::from_nanos(nanos(10.0));
     running
         .run
         .inject(Time::from_nanos(nanos(10.0)), "Adapter.path", path)

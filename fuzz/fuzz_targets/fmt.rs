@@ -1,3 +1,3 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| asm_properties::fmt(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| asmotion_properties::fmt(bytes));

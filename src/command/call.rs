@@ -3,9 +3,9 @@
 use crate::broker::Broker;
 use crate::exit::Exit;
 use crate::terminal::Terminal;
+use asmotion_datum::Datum;
+use asmotion_remote::RemoteError;
 use clap::Args;
-use datum::Datum;
-use remote::RemoteError;
 use std::time::Duration;
 
 /// Calls an operation of a live component.
@@ -48,7 +48,7 @@ impl Call {
 
     /// What is answered; or why there is no answer; or why it is not even asked.
     fn call(&self) -> Result<Result<String, RemoteError>, String> {
-        let argument: Datum = datum::json::decode(&self.argument)
+        let argument: Datum = asmotion_datum::json::decode(&self.argument)
             .map_err(|error| format!("`{}` is no JSON: {error}", self.argument))?;
         let patience = Duration::try_from_secs_f64(self.timeout)
             .map_err(|error| format!("`--timeout {}`: {error}", self.timeout))?;
@@ -56,6 +56,6 @@ impl Call {
             .send(&self.operation, argument, patience)
             .map_err(|error| error.to_string())?;
         let answer = sent.collect();
-        Ok(answer.and_then(|answer| Ok(datum::json::encode_pretty(&answer)?)))
+        Ok(answer.and_then(|answer| Ok(asmotion_datum::json::encode_pretty(&answer)?)))
     }
 }

@@ -10,8 +10,8 @@ use super::tool::Tool;
 use crate::exit::Exit;
 use crate::files::Disk;
 use crate::terminal::{Terminal, count};
-use asm_lang::source::Applicability;
-use asm_lang::{Diagnostic, Options, Report, Sources};
+use asmotion_lang::source::Applicability;
+use asmotion_lang::{Diagnostic, Options, Report, Sources};
 use clap::{Args, ValueEnum};
 use findings::findings;
 use mend::Mended;
@@ -162,7 +162,7 @@ impl Check {
             Format::Full => terminal.report(report, sources),
             Format::Concise => {
                 for finding in &report.diagnostics {
-                    terminal.result(asm_lang::concise(finding, sources));
+                    terminal.result(asmotion_lang::concise(finding, sources));
                 }
             }
             Format::Json => seen.findings.extend(

@@ -8,10 +8,10 @@ use crate::broker::Broker;
 use crate::exit::Exit;
 use crate::table;
 use crate::terminal::{NAME, Terminal};
+use asmotion_component::Transition;
+use asmotion_datum::Datum;
+use asmotion_remote::{Present, Remote, Typed};
 use clap::{Args, Subcommand};
-use component::Transition;
-use datum::Datum;
-use remote::{Present, Remote, Typed};
 use std::error::Error;
 
 /// Shows the components that are there on a broker, starts and stops them.
@@ -103,7 +103,7 @@ impl What {
             }
             Self::Info { name, json: true } => {
                 let declared = Datum::of(&remote.component(&name)?.declaration()?)?;
-                terminal.result(datum::json::encode_pretty(&declared)?);
+                terminal.result(asmotion_datum::json::encode_pretty(&declared)?);
             }
             Self::Configure { name } => take(name, Transition::Configure)?,
             Self::Start { name } => take(name, Transition::Start)?,
@@ -127,7 +127,7 @@ fn setting(written: &str) -> Result<(String, Datum), String> {
     Ok((property.trim().to_owned(), property_value(value.trim())))
 }
 
-pub(super) fn list(found: &[remote::Component], terminal: &mut Terminal) {
+pub(super) fn list(found: &[asmotion_remote::Component], terminal: &mut Terminal) {
     let rows = found.iter().map(|found| {
         let component = found.present();
         vec![
@@ -154,7 +154,11 @@ pub(super) fn list(found: &[remote::Component], terminal: &mut Terminal) {
     }
 }
 
-pub(super) fn show(found: &remote::Component, component: &Present, terminal: &mut Terminal) {
+pub(super) fn show(
+    found: &asmotion_remote::Component,
+    component: &Present,
+    terminal: &mut Terminal,
+) {
     terminal.result(format_args!(
         "{NAME}{}{NAME:#}: {} in process {} of {}",
         component.name,

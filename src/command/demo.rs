@@ -1,7 +1,7 @@
 //! `asmotion demo`: a rover is coordinated to its goal, with nothing to install.
 
+use asmotion_datum::Datum;
 use clap::{Args, ValueEnum};
-use datum::Datum;
 use std::path::Path;
 
 use super::run::{Common, virtual_clock};
@@ -95,7 +95,8 @@ impl Demo {
                 return Exit::Usage;
             }
         };
-        let obstacles: Datum = datum::json::decode(self.world.obstacles()).unwrap_or_default();
+        let obstacles: Datum =
+            asmotion_datum::json::decode(self.world.obstacles()).unwrap_or_default();
         mission
             .properties
             .push(("World".to_owned(), "obstacles".to_owned(), obstacles));

@@ -1,8 +1,8 @@
 //! `asmotion describe`: what a composite is to the outside.
 
-use assembly::Plan;
-use assembly::model::Transport;
-use assembly::plan::{End, Promoted};
+use asmotion_assembly::Plan;
+use asmotion_assembly::model::Transport;
+use asmotion_assembly::plan::{End, Promoted};
 use clap::{Args, ValueEnum};
 
 use crate::build;

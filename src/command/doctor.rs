@@ -3,10 +3,10 @@
 use crate::broker::Broker;
 use crate::exit::Exit;
 use crate::terminal::{BAD, GOOD, Terminal};
-use amqp::{AmqpBus, Settings};
-use bus::{Bell, Bus, BusError, CallFailure, Link, Origin, Payload, Request, Sending};
+use asmotion_amqp::{AmqpBus, Settings};
+use asmotion_bus::{Bell, Bus, BusError, CallFailure, Link, Origin, Payload, Request, Sending};
+use asmotion_datum::{Datum, Message};
 use clap::Args;
-use datum::{Datum, Message};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::num::NonZeroUsize;
 use std::sync::Arc;
@@ -153,7 +153,7 @@ fn take(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
 
 /// Whether topics work.
 fn exchange(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
-    let read = remote::listen(bus, TRIED)
+    let read = asmotion_remote::listen(bus, TRIED)
         .map_err(|error| forbidden("a topic cannot be read", &error.to_string(), settings))?;
     let sending = Sending::events(NonZeroUsize::MIN);
     let origin = Origin::new("asmotion-doctor", 0);

@@ -39,7 +39,7 @@ impl Expand {
             ));
             return Exit::Usage;
         }
-        terminal.result(assembly::expand(&opened, plan).trim_end());
+        terminal.result(asmotion_assembly::expand(&opened, plan).trim_end());
         Exit::Ok
     }
 }

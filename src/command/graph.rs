@@ -54,9 +54,9 @@ impl Graph {
             return Exit::Usage;
         };
         let picture = match self.format {
-            Format::Dot => drawing::dot(plan),
-            Format::Mermaid => drawing::mermaid(plan),
-            Format::Svg => drawing::svg(plan),
+            Format::Dot => asmotion_drawing::dot(plan),
+            Format::Mermaid => asmotion_drawing::mermaid(plan),
+            Format::Svg => asmotion_drawing::svg(plan),
         };
         let Some(path) = self.output else {
             terminal.result(picture.trim_end());

@@ -3,9 +3,9 @@
 use crate::broker::Broker;
 use crate::exit::Exit;
 use crate::terminal::Terminal;
+use asmotion_datum::Datum;
+use asmotion_remote::RemoteError;
 use clap::{Args, Subcommand};
-use datum::Datum;
-use remote::RemoteError;
 
 /// Reads what left an output port last, and writes to an input port.
 #[derive(Args)]
@@ -54,7 +54,7 @@ impl Port {
         let (whole, message) = match self.what {
             What::Read { port } => (port, None),
             What::Write { port, message } => {
-                let datum: Datum = datum::json::decode(&message)
+                let datum: Datum = asmotion_datum::json::decode(&message)
                     .map_err(|error| format!("`{message}` is no JSON: {error}"))?;
                 (port, Some(datum))
             }
@@ -67,7 +67,7 @@ impl Port {
             Some(message) => component.write(port, message).map(|()| None),
             None => {
                 let read: Datum = component.read(port)?;
-                Ok(Some(datum::json::encode(&read)?))
+                Ok(Some(asmotion_datum::json::encode(&read)?))
             }
         });
         asked.map_err(|error: RemoteError| error.to_string())

@@ -6,10 +6,10 @@ use crate::exit::Exit;
 use crate::files::{Disk, Remembering};
 use crate::mission::{Version, reconfigure_address};
 use crate::terminal::Terminal;
-use assembly::beside;
+use asmotion_assembly::beside;
+use asmotion_datum::Datum;
+use asmotion_remote::{Remote, RemoteError, Word};
 use clap::Args;
-use datum::Datum;
-use remote::{Remote, RemoteError, Word};
 use std::time::Duration;
 
 /// Makes the running processes of a composite what its file says now, all of them or none, without a new start.

@@ -8,7 +8,7 @@ use crate::exit::Exit;
 use crate::files::Disk;
 use crate::prompt::{Line, Prompt};
 use crate::terminal::{Terminal, count};
-use asm_lang::{Failure, History, Session};
+use asmotion_lang::{Failure, History, Session};
 use clap::Args;
 use talk::Talk;
 use verb::VERBS;
@@ -31,7 +31,7 @@ pub struct Repl {
 impl Repl {
     /// Talks until the input ends.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
-        let session = asm_lang::open(&self.spec, &Disk).and_then(Session::new);
+        let session = asmotion_lang::open(&self.spec, &Disk).and_then(Session::new);
         let session = match session {
             Ok(session) => session,
             Err(Failure { report, sources }) => {

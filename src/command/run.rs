@@ -8,11 +8,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use assembly::{Value, plan};
-use bus::Local;
+use asmotion_assembly::{Value, plan};
+use asmotion_bus::Local;
+use asmotion_component::{Event, Time};
+use asmotion_datum::Datum;
 use clap::{Args, ValueEnum};
-use component::{Event, Time};
-use datum::Datum;
 use serde_json::json;
 
 use crate::books::{Books, Wanted};

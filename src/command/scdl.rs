@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use asm_lang::Loader;
+use asmotion_lang::Loader;
 use clap::{Args, Subcommand};
 
 use crate::build::{self, BUILD};
@@ -65,7 +65,7 @@ impl Import {
                 return Exit::Usage;
             }
         };
-        let imported = scdl::import(&files, &BUILD);
+        let imported = asmotion_scdl::import(&files, &BUILD);
         terminal.report(&imported.report, &imported.sources);
         match &self.output {
             None => {
@@ -136,7 +136,7 @@ impl Export {
         let Some(composite) = composite else {
             return Exit::refused(&self.composite);
         };
-        let exported = match scdl::export(&composite) {
+        let exported = match asmotion_scdl::export(&composite) {
             Ok(exported) => exported,
             Err(error) => {
                 terminal.error(format_args!("cannot write SCDL: {error}"));

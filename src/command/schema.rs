@@ -17,8 +17,8 @@ impl Schema {
     /// Shows it.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         let schema = match self.types {
-            true => assembly::schema::types(),
-            false => assembly::schema::composite(),
+            true => asmotion_assembly::schema::types(),
+            false => asmotion_assembly::schema::composite(),
         };
         terminal.result(format_args!("{schema:#}"));
         Exit::Ok

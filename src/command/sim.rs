@@ -7,8 +7,8 @@ use super::tool::Tool;
 use crate::exit::Exit;
 use crate::files::Disk;
 use crate::terminal::Terminal;
-use asm_lang::simulate::{Causes, Clock, Random, Recording, Script, Simulation};
-use asm_lang::{Diagnostic, Failure, Fault, Loader, Options, Report, Specification};
+use asmotion_lang::simulate::{Causes, Clock, Random, Recording, Script, Simulation};
+use asmotion_lang::{Diagnostic, Failure, Fault, Loader, Options, Report, Specification};
 use clap::Args;
 use std::path::Path;
 
@@ -157,7 +157,7 @@ impl Sim {
             compatible: self.compat.is_some(),
             initial: self.init.clone(),
         };
-        asm_lang::open_with(path, &Disk, &options)
+        asmotion_lang::open_with(path, &Disk, &options)
     }
 
     /// A specification with errors; an initial state that it does not have was named wrongly.

@@ -11,10 +11,10 @@ use super::tool::Tool;
 use crate::exit::Exit;
 use crate::files::Disk;
 use crate::terminal::Terminal;
-use asm_lang::coverage::Coverage;
-use asm_lang::scenario::{Settings, Tested};
-use asm_lang::simulate::scenario::{Options, Verdict};
-use asm_lang::{Failure, Report, Sources, hir};
+use asmotion_lang::coverage::Coverage;
+use asmotion_lang::scenario::{Settings, Tested};
+use asmotion_lang::simulate::scenario::{Options, Verdict};
+use asmotion_lang::{Failure, Report, Sources, hir};
 use clap::Args;
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -212,7 +212,8 @@ impl Test {
 
     fn scenario(&self, path: PathBuf) -> Ended {
         let begun = Instant::now();
-        let tested = asm_lang::scenario::test(&path.to_string_lossy(), &Disk, &self.settings());
+        let tested =
+            asmotion_lang::scenario::test(&path.to_string_lossy(), &Disk, &self.settings());
         let mut ended = Ended::unusable(path);
         match tested {
             Ok(Tested {

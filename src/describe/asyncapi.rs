@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use assembly::Plan;
-use assembly::plan::Broker;
-use datum::Schema;
-use datum::json_schema::{Definitions, key};
-use remote::{control_address, presence_topic};
+use asmotion_assembly::Plan;
+use asmotion_assembly::plan::Broker;
+use asmotion_datum::Schema;
+use asmotion_datum::json_schema::{Definitions, key};
+use asmotion_remote::{control_address, presence_topic};
 use serde_json::{Map, Value, json};
 
 use super::envelope::{headers, refusals};

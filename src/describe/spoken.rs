@@ -1,7 +1,7 @@
 //! What the operations of a specification carry, as the modules it imports declare them.
 
-use asm_lang::ir::{DomainId, Elements, Program, Shape};
-use datum::{Schema, Shape as Data};
+use asmotion_datum::{Schema, Shape as Data};
+use asmotion_lang::ir::{DomainId, Elements, Program, Shape};
 
 /// What an operation is asked with, what it answers, and whether it has no answer.
 pub(super) struct Spoken {

@@ -1,8 +1,8 @@
 //! Why a mission cannot begin.
 
-use asm_lang::simulate::Unawaited;
-use asm_lang::source::similar;
-use asm_lang::{Report, Sources};
+use asmotion_lang::simulate::Unawaited;
+use asmotion_lang::source::similar;
+use asmotion_lang::{Report, Sources};
 use std::fmt;
 
 /// Why a mission cannot begin.
@@ -55,14 +55,14 @@ pub enum MissionError {
         /// Where it is.
         place: String,
         /// Why.
-        reason: bus::BusError,
+        reason: asmotion_bus::BusError,
     },
     /// A gateway cannot open.
     Gateway {
         /// The gateway.
         name: String,
         /// Why.
-        reason: gateway::GatewayError,
+        reason: asmotion_gateway::GatewayError,
     },
     /// It cannot be put together.
     Launch(String),
@@ -73,10 +73,10 @@ impl fmt::Display for MissionError {
         match self {
             Self::Composite {
                 sources, report, ..
-            } => to.write_str(&asm_lang::render_all(
+            } => to.write_str(&asmotion_lang::render_all(
                 report,
                 sources,
-                asm_lang::Style::Plain,
+                asmotion_lang::Style::Plain,
             )),
             Self::Profile { known, .. } if known.is_empty() => {
                 to.write_str("the composite has no profiles: leave out `--profile`")

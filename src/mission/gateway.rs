@@ -5,10 +5,10 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
-use assembly::{Opened, Part, Plan, plan};
-use bus::Local;
-use component::System;
-use gateway::{Gateway, Operation, Service, Settings};
+use asmotion_assembly::{Opened, Part, Plan, plan};
+use asmotion_bus::Local;
+use asmotion_component::System;
+use asmotion_gateway::{Gateway, Operation, Service, Settings};
 
 use super::{Mission, MissionError};
 use crate::describe::{self, Served};
@@ -82,7 +82,8 @@ impl Mission {
         let served = gateways.iter().flat_map(|(_, promoted)| promoted);
         let served: Vec<(&str, &str)> = served.map(|it| (&*it.inside, &*it.name)).collect();
         let bus = Arc::new(Local::new());
-        let launch = |error: component::BuildError| MissionError::Launch(error.to_string());
+        let launch =
+            |error: asmotion_component::BuildError| MissionError::Launch(error.to_string());
         system.serve_on(bus.clone(), &served).map_err(launch)?;
         let operations = describe::describe(opened, plan).operations;
         let open = |(gateway, promoted): &(&plan::Gateway, Vec<&plan::Promoted>)| {

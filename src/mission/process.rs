@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use amqp::{AmqpBus, Settings};
-use assembly::plan::Broker;
-use assembly::{Opened, Part, Plan};
-use bus::{Bus, BusError, Local};
-use component::System;
-use remote::{Contact, Newest};
+use asmotion_amqp::{AmqpBus, Settings};
+use asmotion_assembly::plan::Broker;
+use asmotion_assembly::{Opened, Part, Plan};
+use asmotion_bus::{Bus, BusError, Local};
+use asmotion_component::System;
+use asmotion_remote::{Contact, Newest};
 
 use super::successor::Successor;
 use super::{Mission, MissionError};

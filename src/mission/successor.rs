@@ -3,12 +3,12 @@
 
 use std::sync::Arc;
 
-use asm_lang::{Style, render_all};
-use assembly::reconfigure::changes;
-use assembly::{Opened, Part, Plan};
-use bus::{Bell, Bus, BusError, Call, Payload, Refusal, Serving};
-use component::{Change, Run};
-use datum::{Datum, DatumError};
+use asmotion_assembly::reconfigure::changes;
+use asmotion_assembly::{Opened, Part, Plan};
+use asmotion_bus::{Bell, Bus, BusError, Call, Payload, Refusal, Serving};
+use asmotion_component::{Change, Run};
+use asmotion_datum::{Datum, DatumError};
+use asmotion_lang::{Style, render_all};
 use serde::{Deserialize, Serialize};
 
 use super::Mission;

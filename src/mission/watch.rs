@@ -2,12 +2,12 @@
 
 use super::{MissionError, Outcome};
 use crate::files::Disk;
-use asm_lang::machine::Machine;
-use asm_lang::simulate::Awaited;
-use assembly::Plan;
-use assembly::plan::Implementation;
-use component::{Event, Observer, Time};
-use coordinator::{STEP_REPORT, StepRecord};
+use asmotion_assembly::Plan;
+use asmotion_assembly::plan::Implementation;
+use asmotion_component::{Event, Observer, Time};
+use asmotion_coordinator::{STEP_REPORT, StepRecord};
+use asmotion_lang::machine::Machine;
+use asmotion_lang::simulate::Awaited;
 
 /// What a run waits for; without wishes, `mode` with the usual value.
 pub(super) fn awaited(
@@ -40,9 +40,9 @@ pub(super) fn awaited(
 
 /// The specifications of a plan; one that cannot begin is found out when it is started.
 fn machines(plan: &Plan) -> Vec<(String, Machine)> {
-    let of = |component: &assembly::plan::Component| match &component.implementation {
+    let of = |component: &asmotion_assembly::plan::Component| match &component.implementation {
         Implementation::Asm(asm) => {
-            let specification = asm_lang::open(&asm.path, &Disk).ok()?;
+            let specification = asmotion_lang::open(&asm.path, &Disk).ok()?;
             Some((asm.path.clone(), specification.machine().ok()?))
         }
         Implementation::Rust(_)

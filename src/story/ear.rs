@@ -1,9 +1,9 @@
 //! What the specifications of a composite hear: the messages that are worth telling.
 
-use assembly::Plan;
-use assembly::binding::{Receive, Source};
-use assembly::plan::{Component, End, Terminal};
-use datum::Sample;
+use asmotion_assembly::Plan;
+use asmotion_assembly::binding::{Receive, Source};
+use asmotion_assembly::plan::{Component, End, Terminal};
+use asmotion_datum::Sample;
 
 use super::message;
 

@@ -1,7 +1,7 @@
 //! A message in a few words, by what is in it.
 
-use datum::{Datum, Message, Sample};
-use messages::{OccupancyGrid, Path};
+use asmotion_datum::{Datum, Message, Sample};
+use asmotion_messages::{OccupancyGrid, Path};
 
 use crate::top::brief as number;
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use component::Time;
+use asmotion_component::Time;
 
 use super::Told;
 use crate::terminal::FAINT;

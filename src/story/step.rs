@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use coordinator::{StepRecord, UpdateRecord};
+use asmotion_coordinator::{StepRecord, UpdateRecord};
 
 use super::Told;
 use super::summary::control;

@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use component::Time;
-use coordinator::{StepRecord, UpdateRecord};
-use datum::Sample;
+use asmotion_component::Time;
+use asmotion_coordinator::{StepRecord, UpdateRecord};
+use asmotion_datum::Sample;
 
 use super::{Told, Way};
 

@@ -1,8 +1,8 @@
 //! The way of what moves, by odometry.
 
-use component::Time;
-use datum::Sample;
-use messages::{Odometry, Point, PoseStamped};
+use asmotion_component::Time;
+use asmotion_datum::Sample;
+use asmotion_messages::{Odometry, Point, PoseStamped};
 
 use super::Told;
 use crate::terminal::FAINT;
@@ -35,7 +35,7 @@ impl Way {
     /// Where something shall be, if a message says it.
     pub(super) fn goal(sample: &dyn Sample) -> Option<Point> {
         let goal = sample.to_shared().read::<PoseStamped>().ok()?;
-        let is_pose = sample.type_name() == <PoseStamped as datum::Message>::NAME;
+        let is_pose = sample.type_name() == <PoseStamped as asmotion_datum::Message>::NAME;
         is_pose.then_some(goal.pose.position)
     }
 

@@ -3,9 +3,9 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 
-use bus::{Envelope, Link};
-use datum::{Datum, DatumError};
-use remote::{Presence, Present, Word};
+use asmotion_bus::{Envelope, Link};
+use asmotion_datum::{Datum, DatumError};
+use asmotion_remote::{Presence, Present, Word};
 
 /// A process speaks once a second; one that has been silent for so long may be gone.
 const SILENT: Duration = Duration::from_millis(2500);

@@ -3,14 +3,14 @@
 
 use std::time::Duration;
 
-use bus::Link;
-use datum::Datum;
+use asmotion_bus::Link;
+use asmotion_datum::Datum;
+use asmotion_remote::Present;
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Paragraph, Row, Table, TableState};
-use remote::Present;
 
 use super::board::{Component, Topic};
 use super::joints::{brief, joints};

@@ -1,6 +1,6 @@
 //! Messages with several lists of one length: a column for each list, a row for each place. So joints are read.
 
-use datum::Datum;
+use asmotion_datum::Datum;
 
 /// Longer lists are maps and scans, not joints.
 const MOST: usize = 32;
@@ -81,7 +81,7 @@ pub fn brief(value: &Datum) -> String {
 #[cfg(test)]
 mod tests {
     use super::{brief, joints};
-    use datum::{Datum, Numbers};
+    use asmotion_datum::{Datum, Numbers};
 
     #[test]
     fn lists_of_one_length_are_columns() {

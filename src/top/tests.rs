@@ -3,11 +3,11 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use bus::{Envelope, Link, Payload};
-use datum::{Datum, Numbers};
+use asmotion_bus::{Envelope, Link, Payload};
+use asmotion_datum::{Datum, Numbers};
+use asmotion_remote::{PRESENCE, Presence, Present};
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
-use remote::{PRESENCE, Presence, Present};
 
 use super::{Board, Key, View, draw};
 

@@ -1,9 +1,9 @@
 //! Closures and native code do the same steps: same inputs in the same order, same choices, same
 //! updates with the same origins, same faults.
 
-use asm_lang::simulate::{Random, Seeded};
-use asm_lang::{BackEnd, Machine, Specification};
 use asmotion::Disk;
+use asmotion_lang::simulate::{Random, Seeded};
+use asmotion_lang::{BackEnd, Machine, Specification};
 use std::path::{Path, PathBuf};
 
 /// How many steps are compared.
@@ -37,7 +37,7 @@ fn agree_on_the_corpus() {
     let mut compared = 0;
     for file in files(&corpus) {
         let path = file.to_string_lossy();
-        if let Ok(specification) = asm_lang::open(&path, &Disk) {
+        if let Ok(specification) = asmotion_lang::open(&path, &Disk) {
             compared += usize::from(agree(&path, &specification));
         }
     }

@@ -1,10 +1,10 @@
 //! What every function of the libraries is: a table with a section for each signature, and rows of a
 //! term and its value, or the code with which it fails.
 
-use asm_lang::hir::{Meaning, TermKind};
-use asm_lang::source::FileId;
-use asm_lang::syntax::parse_term;
-use asm_lang::{Model, NoInputs, Session};
+use asmotion_lang::hir::{Meaning, TermKind};
+use asmotion_lang::source::FileId;
+use asmotion_lang::syntax::parse_term;
+use asmotion_lang::{Model, NoInputs, Session};
 use std::collections::BTreeSet;
 
 const TABLE: &str = include_str!("builtins.txt");
@@ -168,7 +168,7 @@ fn applied(model: &Model) -> String {
 }
 
 /// As in `plus: Prod(Integer,Integer) -> Integer`.
-fn signature(model: &Model, function: &asm_lang::hir::Function) -> String {
+fn signature(model: &Model, function: &asmotion_lang::hir::Function) -> String {
     let parameters: Vec<String> = function
         .parameters
         .iter()

@@ -2,11 +2,11 @@
 //! not, and some snapshot shows the finding as a reader sees it.
 
 use super::messages::said;
-use asm_lang::codes::{CODES, Code};
-use asm_lang::scenario::Settings;
-use asm_lang::simulate::Script;
-use asm_lang::simulate::scenario::Options;
-use asm_lang::{Failure, Files, Report, Sources, Style, render_all};
+use asmotion_lang::codes::{CODES, Code};
+use asmotion_lang::scenario::Settings;
+use asmotion_lang::simulate::Script;
+use asmotion_lang::simulate::scenario::Options;
+use asmotion_lang::{Failure, Files, Report, Sources, Style, render_all};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -102,7 +102,7 @@ fn of_scenario(specification: &str, scenario: &str) -> (BTreeSet<String>, String
         options,
         ..Settings::default()
     };
-    let tested = asm_lang::scenario::test("example.avalla", &files, &settings);
+    let tested = asmotion_lang::scenario::test("example.avalla", &files, &settings);
     match tested {
         Ok(tested) => shown(&tested.report, &tested.specification.sources),
         Err(failure) => shown(&failure.report, &failure.sources),
@@ -139,7 +139,7 @@ fn are_rendered_for_limits_and_missing_files() {
         assert!(found.contains(code), "{code}: {rendered}");
         snapshot(code, &rendered);
     }
-    let (found, rendered) = failed(asm_lang::open("nowhere.asm", &Files::new()));
+    let (found, rendered) = failed(asmotion_lang::open("nowhere.asm", &Files::new()));
     assert!(found.contains("A013"), "{rendered}");
     snapshot("A013", &rendered);
     let mut files = Files::new();
@@ -148,7 +148,7 @@ fn are_rendered_for_limits_and_missing_files() {
         let text = format!("module m{index}\nimport m{next}\nexport *\nsignature:\ndefinitions:\n");
         files.add(&format!("m{index}.asm"), text);
     }
-    let (found, rendered) = failed(asm_lang::open("m0.asm", &files));
+    let (found, rendered) = failed(asmotion_lang::open("m0.asm", &files));
     assert!(found.contains("A012"), "{rendered}");
     snapshot("A012", &rendered);
 }

@@ -6,8 +6,8 @@
 mod compare;
 mod reference;
 
-use asm_lang::Options;
 use asmotion::Disk;
+use asmotion_lang::Options;
 use compare::agree;
 use reference::ours;
 use std::collections::BTreeSet;
@@ -120,7 +120,7 @@ fn agrees_on_the_corpus() {
             continue;
         }
         let file = corpus.join(path);
-        accepted += usize::from(asm_lang::open(&file.to_string_lossy(), &Disk).is_ok());
+        accepted += usize::from(asmotion_lang::open(&file.to_string_lossy(), &Disk).is_ok());
         for ((run, _), count) in RUNS.iter().zip(&mut counts) {
             let trace = folder
                 .path()

@@ -1,7 +1,7 @@
 //! The page for people who come from ASMETA: its examples are run both ways, so that it cannot lie.
 
-use asm_lang::simulate::{Recording, Trace};
-use asm_lang::{Files, First, Options};
+use asmotion_lang::simulate::{Recording, Trace};
+use asmotion_lang::{Files, First, Options};
 use std::path::Path;
 
 #[test]
@@ -62,7 +62,7 @@ impl<'a> Example<'a> {
             compatible,
             initial: None,
         };
-        let specification = asm_lang::open_with("example.asm", &files, &options)
+        let specification = asmotion_lang::open_with("example.asm", &files, &options)
             .unwrap_or_else(|failure| panic!("{}:\n{failure}", self.title));
         let mut machine = specification.machine().unwrap();
         let answers = self.answers.into_iter().flat_map(|all| all.split(", "));

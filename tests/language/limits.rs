@@ -1,8 +1,8 @@
 //! Whatever the text: a report, no panic, no overflow of the stack, and in bounded time.
 
-use asm_lang::source::{FileId, LoadError};
-use asm_lang::value::Value;
-use asm_lang::{BackEnd, Failure, Files, First, Loader, NoInputs, Style, render_all};
+use asmotion_lang::source::{FileId, LoadError};
+use asmotion_lang::value::Value;
+use asmotion_lang::{BackEnd, Failure, Files, First, Loader, NoInputs, Style, render_all};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -133,7 +133,7 @@ fn runs_chains_of_any_length() {
         let text = main_rule(signature, &rule)
             + "default init s0:\n function b = true\n function y = 1\n function t = \"\"\n";
         let run = move || {
-            let formatted = asm_lang::syntax::format(FileId::default(), &text).unwrap();
+            let formatted = asmotion_lang::syntax::format(FileId::default(), &text).unwrap();
             for text in [&text, &formatted] {
                 let mut machine = super::opened("limits", text).machine().unwrap();
                 for back_end in [BackEnd::Closures, BackEnd::Native] {
@@ -317,7 +317,7 @@ fn refuses_a_long_chain_of_imports() {
             format!("module m{index}\n{next}export *\nsignature:\ndefinitions:\n"),
         );
     }
-    let failure = asm_lang::open("m0.asm", &files).unwrap_err();
+    let failure = asmotion_lang::open("m0.asm", &files).unwrap_err();
     insta::assert_snapshot!(first(&failure), @"
     error[A012]: imports nest deeper than 64 files
      --> m63.asm:2:8
@@ -352,7 +352,7 @@ impl Loader for Locked {
 
 #[test]
 fn says_which_file_cannot_be_read() {
-    let failure = asm_lang::open("robot.asm", &Locked).unwrap_err();
+    let failure = asmotion_lang::open("robot.asm", &Locked).unwrap_err();
     insta::assert_snapshot!(first(&failure), @"
     error[A013]: cannot read `secret.asm`: permission denied
      --> robot.asm:2:8
@@ -362,7 +362,7 @@ fn says_which_file_cannot_be_read() {
       |
     help: check the path
     ");
-    let failure = asm_lang::open("secret.asm", &Locked).unwrap_err();
+    let failure = asmotion_lang::open("secret.asm", &Locked).unwrap_err();
     assert_eq!(failure.report.diagnostics[0].code, "A013");
 }
 

@@ -4,9 +4,9 @@
 //!
 //! What opens is run with an environment that answers nothing, until it fails.
 
-use asm_lang::simulate::Script;
-use asm_lang::source::FileId;
-use asm_lang::{Diagnostic, First, Report, Sources, Specification, Style, render, render_all};
+use asmotion_lang::simulate::Script;
+use asmotion_lang::source::FileId;
+use asmotion_lang::{Diagnostic, First, Report, Sources, Specification, Style, render, render_all};
 use std::collections::BTreeSet;
 
 #[test]

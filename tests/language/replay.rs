@@ -1,7 +1,7 @@
 //! The same program, inputs and choices: the same run, byte for byte.
 
-use asm_lang::simulate::{Random, Recording, Seeded, Trace};
-use asm_lang::{Chooser, Environment, Fault, Machine, Specification};
+use asmotion_lang::simulate::{Random, Recording, Seeded, Trace};
+use asmotion_lang::{Chooser, Environment, Fault, Machine, Specification};
 
 /// The programs that begin.
 fn programs() -> impl Iterator<Item = (String, Specification)> {

@@ -10,8 +10,8 @@
 //! //= step 2: R001                 the step fails with this code
 //! ```
 
-use asm_lang::simulate::{Recording, Trace};
-use asm_lang::{BackEnd, Machine, Specification, ir};
+use asmotion_lang::simulate::{Recording, Trace};
+use asmotion_lang::{BackEnd, Machine, Specification, ir};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

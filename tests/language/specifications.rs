@@ -1,8 +1,8 @@
 //! The specifications of missions: no errors, and they run.
 
-use asm_lang::simulate::{Random, Seeded};
-use asm_lang::{FaultKind, Severity, Style, render_all};
 use asmotion::Disk;
+use asmotion_lang::simulate::{Random, Seeded};
+use asmotion_lang::{FaultKind, Severity, Style, render_all};
 use std::path::Path;
 
 #[test]
@@ -14,7 +14,7 @@ fn have_no_errors() {
     }
     for (name, _) in super::programs(&folder) {
         let path = folder.join(format!("{name}.asm"));
-        let specification = asm_lang::open(&path.to_string_lossy(), &Disk)
+        let specification = asmotion_lang::open(&path.to_string_lossy(), &Disk)
             .unwrap_or_else(|failure| panic!("{name}.asm:\n{failure}"));
         let report = &specification.report;
         let quiet = report

@@ -3,9 +3,9 @@
 //! The verdicts lie in `../shared/conformance`, the corpus (a checkout of asmeta/asmeta) where the
 //! environment variable `ASMETA_CORPUS` says. Where they are missing, the test says so and passes.
 
-use asm_lang::scenario::{Settings, test};
-use asm_lang::simulate::scenario::Verdict;
 use asmotion::Disk;
+use asmotion_lang::scenario::{Settings, test};
+use asmotion_lang::simulate::scenario::Verdict;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 

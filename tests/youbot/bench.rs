@@ -4,14 +4,16 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use asm_lang::Files;
-use assembly::model::Builtin;
-use assembly::{AsmFiles, Constructor, Context, EmptyEnvironment, Opened, Standard, Tables};
-use component::{
+use asmotion_assembly::model::Builtin;
+use asmotion_assembly::{
+    AsmFiles, Constructor, Context, EmptyEnvironment, Opened, Standard, Tables,
+};
+use asmotion_component::{
     Component, Cycle, Event, Fault, Interface, Property, Provided, Required, Run, Simulation, Time,
 };
-use datum::{Datum, Sample};
-use messages::{
+use asmotion_datum::{Datum, Sample};
+use asmotion_lang::Files;
+use asmotion_messages::{
     Empty, GetJointsPositions, JointPositions, JointStatus, Notify, Period, SetJointsPositions,
     SetPeriod,
 };
@@ -92,13 +94,13 @@ const fn made(name: &'static str, make: Constructor) -> (&'static str, Construct
 }
 
 fn of_build(name: &str, interface: &mut Interface) -> Box<dyn Component> {
-    components::component(name).unwrap()(interface)
+    asmotion_components::component(name).unwrap()(interface)
 }
 
 const BUILD: Tables = Tables {
     components: COMPONENTS,
-    messages: components::MESSAGES,
-    interfaces: components::INTERFACES,
+    messages: asmotion_components::MESSAGES,
+    interfaces: asmotion_components::INTERFACES,
     builtins: &[Builtin::PortProxy],
 };
 
@@ -271,7 +273,7 @@ fn open(files: &Files) -> Opened {
         specifications: &AsmFiles::new(files),
         settings: &[],
     };
-    assembly::open("bench.composite.toml", &context)
+    asmotion_assembly::open("bench.composite.toml", &context)
 }
 
 fn simulate(opened: &Opened, files: &Files) -> (Simulation, Arc<Mutex<Log>>) {
@@ -288,7 +290,7 @@ fn simulate(opened: &Opened, files: &Files) -> (Simulation, Arc<Mutex<Log>>) {
         seed: 1,
         builtins: &mut |_, _| None,
     };
-    let mut system = assembly::start(plan, &mut workshop).unwrap();
+    let mut system = asmotion_assembly::start(plan, &mut workshop).unwrap();
     let log = Arc::new(Mutex::new(Log::default()));
     let listener = log.clone();
     system.observe(move |at: Time, event: &Event<'_>| listener.lock().unwrap().note(at, event));

@@ -6,10 +6,10 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use amqp::{AmqpBus, Settings};
 use asmotion::top::{Board, Silence};
-use broker::Vhost;
-use bus::{Bell, Bus, Link, Overflow, Pattern, Queue, Subscription};
+use asmotion_amqp::{AmqpBus, Settings};
+use asmotion_broker::Vhost;
+use asmotion_bus::{Bell, Bus, Link, Overflow, Pattern, Queue, Subscription};
 use serde_json::Value;
 
 use crate::faults::{Heard, entered, enters};
@@ -78,7 +78,9 @@ fn placed(folder: &Path, processes: &[(&str, &[&str])]) -> PathBuf {
 
 #[test]
 fn c17_in_two_processes_the_locomotor_goes_through_the_same_states() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let robot: &[&str] = &["Driver/youBotDriver", "Driver/SCAyouBotDriver"];
@@ -93,7 +95,9 @@ fn c17_in_two_processes_the_locomotor_goes_through_the_same_states() {
 
 #[test]
 fn c17_in_four_processes_with_the_driver_and_its_proxy_apart() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let folder = tempfile::tempdir().unwrap();
     let others: [(&str, &[&str]); 3] = [
@@ -180,7 +184,7 @@ fn slow_robot(vhost: &Vhost<'_>) -> Running {
 
 #[test]
 fn y11_where_the_link_is_cut_nothing_old_is_shown_as_new_and_then_it_goes_on() {
-    let Some(broker) = broker::alone() else {
+    let Some(broker) = asmotion_broker::alone() else {
         return;
     };
     let vhost = broker.vhost().unwrap();
@@ -214,7 +218,9 @@ fn y11_where_the_link_is_cut_nothing_old_is_shown_as_new_and_then_it_goes_on() {
 
 #[test]
 fn y11_a_robot_that_is_out_of_reach_is_stale_to_all() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let robot = slow_robot(&vhost);
     let mut monitor = Monitor::start(&vhost);

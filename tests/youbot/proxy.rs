@@ -1,8 +1,8 @@
 //! The driver and its proxy.
 
 use super::bench::Bench;
-use component::{Run, Time};
-use datum::Datum;
+use asmotion_component::{Run, Time};
+use asmotion_datum::Datum;
 use std::time::Duration;
 
 const POSTURE: &str = "1 move 0.5 0.2 -0.3 0.4 0.1";
@@ -214,7 +214,7 @@ fn y11_a_driver_that_falls_silent_is_told_and_shown_as_stale() {
     }
     .simulate();
     simulation.run_for(Duration::from_secs(2));
-    let stop = component::Transition::Stop;
+    let stop = asmotion_component::Transition::Stop;
     simulation.transition("Driver/youBotDriver", stop).unwrap();
     simulation.run_for(Duration::from_secs(3));
     let log = log.lock().unwrap();
@@ -246,7 +246,7 @@ fn y6_the_same_seed_gives_the_same_stream_byte_for_byte() {
         .run(10);
         let statuses = log.statuses.iter().map(|(_, status)| status);
         statuses
-            .map(|status| datum::cbor::encode(status).unwrap())
+            .map(|status| asmotion_datum::cbor::encode(status).unwrap())
             .collect::<Vec<_>>()
     };
     assert_eq!(stream("seed = 3"), stream("seed = 3"));

@@ -6,8 +6,8 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 
 use asmotion::mission::Mission;
-use component::{Event, Time};
-use messages::JointStatus;
+use asmotion_component::{Event, Time};
+use asmotion_messages::JointStatus;
 
 const COMPOSITE: &str = "specs/youbot/youbot.composite.toml";
 

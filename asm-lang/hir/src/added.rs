@@ -11,9 +11,9 @@ use crate::model::{Body, Expression, FunctionId, Meaning, Model, RuleTerm, Term,
 use crate::resolver::Resolver;
 use crate::scope::Scope;
 use crate::types::{Type, TypeId};
-use source::{Report, Span};
+use asmotion_source::{Report, Span};
+use asmotion_syntax::ast;
 use std::collections::BTreeSet;
-use syntax::ast;
 
 /// A term that was added, by number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

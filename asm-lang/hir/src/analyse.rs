@@ -11,11 +11,11 @@ use crate::model::{
 use crate::options::Options;
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
-use source::{Report, Sources, Span, similar};
+use asmotion_source::{Report, Sources, Span, similar};
+use asmotion_syntax::ast;
+use asmotion_value::RuleId;
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use syntax::ast;
-use value::RuleId;
 
 /// Resolves and types everything that was loaded. Without a model, the report has errors.
 pub fn analyse(loaded: &Loaded, sources: &Sources) -> (Option<Model>, Report) {

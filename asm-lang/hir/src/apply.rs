@@ -4,10 +4,10 @@ use crate::error::{HirError, Respelt};
 use crate::model::{DomainKind, FunctionId, Meaning, Term, TermKind};
 use crate::resolver::Resolver;
 use crate::types::{Bindings, Type, TypeId};
-use source::Span;
+use asmotion_source::Span;
+use asmotion_syntax::ast::{self, Operator};
+use asmotion_value::{RuleId, Value, element_name};
 use std::sync::Arc;
-use syntax::ast::{self, Operator};
-use value::{RuleId, Value, element_name};
 
 impl Resolver<'_> {
     pub fn operator(
@@ -99,7 +99,7 @@ impl Resolver<'_> {
 
     /// Says which library declares a name that is not known, if one does; once for each library.
     fn not_imported(&mut self, name: &str, shown: Arc<str>, at: Span) -> bool {
-        let Some(library) = stdlib::library_declaring(name) else {
+        let Some(library) = asmotion_stdlib::library_declaring(name) else {
             return false;
         };
         if self.declared.missed.insert((self.unit, library.name)) {

@@ -4,8 +4,8 @@ use crate::error::HirError;
 use crate::model::{Binder, Term, TermKind};
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
-use source::Span;
-use syntax::ast;
+use asmotion_source::Span;
+use asmotion_syntax::ast;
 
 impl Resolver<'_> {
     /// Binders from left to right: a range may depend on the variables before it.

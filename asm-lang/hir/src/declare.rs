@@ -8,11 +8,11 @@ use crate::model::{
 };
 use crate::scope::Scope;
 use crate::types::{Type, TypeId, Types};
-use source::{Report, Span};
+use asmotion_source::{Report, Span};
+use asmotion_syntax::ast;
+use asmotion_value::{Atom, RuleId};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
-use syntax::ast;
-use value::{Atom, RuleId};
 
 /// What is known so far, of all files.
 pub(crate) struct Declared {
@@ -324,7 +324,7 @@ impl Declared {
     ) -> Meaning {
         match kind {
             FunctionKind::Static | FunctionKind::Derived => {
-                if library && stdlib::RESERVED.contains(&name) {
+                if library && asmotion_stdlib::RESERVED.contains(&name) {
                     return Meaning::Machine;
                 }
                 if defined {
@@ -340,12 +340,12 @@ impl Declared {
                     several => format!("Prod({})", several.join(",")),
                 };
                 let builtin = match self.compatible {
-                    true => stdlib::compatible(name, &domain),
-                    false => stdlib::builtin(name, &domain),
+                    true => asmotion_stdlib::compatible(name, &domain),
+                    false => asmotion_stdlib::builtin(name, &domain),
                 };
                 builtin.map_or(Meaning::Missing, Meaning::Builtin)
             }
-            FunctionKind::Controlled if library && stdlib::RESERVED.contains(&name) => {
+            FunctionKind::Controlled if library && asmotion_stdlib::RESERVED.contains(&name) => {
                 Meaning::Machine
             }
             FunctionKind::Monitored
@@ -445,7 +445,7 @@ impl Declared {
                 body: None,
                 span: name.span,
                 library: unit.library,
-                act: stdlib::Act::named(&name.text).filter(|_| unit.library),
+                act: asmotion_stdlib::Act::named(&name.text).filter(|_| unit.library),
             });
             self.scopes[index]
                 .rules

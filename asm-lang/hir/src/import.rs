@@ -5,10 +5,10 @@ use crate::error::HirError;
 use crate::load::Unit;
 use crate::model::Rule;
 use crate::scope::Scope;
-use source::Span;
+use asmotion_source::Span;
+use asmotion_syntax::ast;
+use asmotion_value::{Atom, RuleId};
 use std::collections::BTreeSet;
-use syntax::ast;
-use value::{Atom, RuleId};
 
 /// What a unit lets others see, decided by its `export` clause.
 enum Exports<'a> {

@@ -1,9 +1,9 @@
 //! A file and all that it imports, imported files first.
 
 use crate::error::HirError;
-use source::{FileId, Loader, Report, Sources, Span};
+use asmotion_source::{FileId, Loader, Report, Sources, Span};
+use asmotion_syntax::ast;
 use std::sync::Arc;
-use syntax::ast;
 
 /// Files may import each other this deep.
 const MAX_IMPORT_DEPTH: usize = 64;
@@ -68,7 +68,7 @@ struct Loading<'a> {
 impl Loading<'_> {
     fn unit(&mut self, path: &str, text: Arc<str>, library: bool) -> usize {
         let file = self.sources.add(path, text.clone());
-        let parsed = syntax::parse(file, &text);
+        let parsed = asmotion_syntax::parse(file, &text);
         self.loaded.report.extend(parsed.report);
         self.open.push((path.to_owned(), None));
         let mut imports = Vec::new();
@@ -88,7 +88,7 @@ impl Loading<'_> {
         self.loaded.units.len() - 1
     }
 
-    fn library(&mut self, library: &stdlib::Library) -> usize {
+    fn library(&mut self, library: &asmotion_stdlib::Library) -> usize {
         let path = format!("<{}>", library.name);
         self.known(&path)
             .unwrap_or_else(|| self.unit(&path, Arc::from(library.text), true))
@@ -105,11 +105,11 @@ impl Loading<'_> {
             .rsplit(['/', '\\'])
             .next()
             .unwrap_or(&import.path.text);
-        if let Some(library) = stdlib::library(last) {
+        if let Some(library) = asmotion_stdlib::library(last) {
             return Some(self.library(library));
         }
         let Some(path) = self.loader.resolve(from, &import.path.text) else {
-            if let Some(library) = stdlib::library_spelt_like(last) {
+            if let Some(library) = asmotion_stdlib::library_spelt_like(last) {
                 return Some(self.library(library));
             }
             let error = HirError::ImportNotFound {

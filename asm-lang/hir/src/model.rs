@@ -3,10 +3,10 @@
 use crate::added::Added;
 use crate::scope::Scope;
 use crate::types::{TypeId, Types};
-use source::Span;
+use asmotion_source::Span;
+use asmotion_syntax::ast;
+use asmotion_value::{Atom, RuleId, Value};
 use std::sync::Arc;
-use syntax::ast;
-use value::{Atom, RuleId, Value};
 
 pub use ast::{Collection, FunctionKind, Quantifier};
 
@@ -154,7 +154,7 @@ pub enum Meaning {
     /// A term: static and derived functions.
     Defined(Body<Term>),
     /// The standard library.
-    Builtin(&'static stdlib::Builtin),
+    Builtin(&'static asmotion_stdlib::Builtin),
     /// An element of an abstract domain.
     Constant(Atom),
     /// The machine (`self`, `program`).
@@ -206,7 +206,7 @@ pub struct Rule {
     /// Whether it is declared in a standard library.
     pub library: bool,
     /// What the machine does in its place.
-    pub act: Option<stdlib::Act>,
+    pub act: Option<asmotion_stdlib::Act>,
 }
 
 /// `agent D: r_x[…]`.

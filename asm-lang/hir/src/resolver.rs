@@ -4,10 +4,10 @@ use crate::declare::Declared;
 use crate::error::HirError;
 use crate::model::{Body, FunctionKind, Term, TermKind, VarId, Variable};
 use crate::types::{Type, TypeId};
-use source::{Span, similar};
+use asmotion_source::{Span, similar};
+use asmotion_syntax::ast;
+use asmotion_value::Value;
 use std::sync::Arc;
-use syntax::ast;
-use value::Value;
 
 /// Resolves one body: a rule, a definition, a condition.
 pub(crate) struct Resolver<'a> {

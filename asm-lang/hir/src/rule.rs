@@ -8,9 +8,9 @@ use crate::model::{
 };
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
-use source::Span;
-use syntax::ast;
-use value::RuleId;
+use asmotion_source::Span;
+use asmotion_syntax::ast;
+use asmotion_value::RuleId;
 
 impl Resolver<'_> {
     /// A rule, resolved.

@@ -1,10 +1,10 @@
 //! Which names a file sees.
 
 use crate::model::{DomainId, FunctionId};
-use source::similar;
+use asmotion_source::similar;
+use asmotion_value::{Atom, RuleId};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use value::{Atom, RuleId};
 
 /// The names one file sees: its own and those it imports.
 #[derive(Clone, Debug, Default)]

@@ -4,10 +4,10 @@ use crate::error::HirError;
 use crate::model::{Term, TermKind, VarId};
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
-use source::Span;
+use asmotion_source::Span;
+use asmotion_syntax::ast::{self, Link, Literal};
+use asmotion_value::Value;
 use std::sync::Arc;
-use syntax::ast::{self, Link, Literal};
-use value::Value;
 
 impl Resolver<'_> {
     /// A term, resolved and typed.
@@ -135,7 +135,10 @@ impl Resolver<'_> {
             Literal::Integer(None) | Literal::Natural(None) => return self.invalid(span),
             Literal::Real(number) => (Value::real(*number), Type::Real),
             Literal::Complex(re, im) => {
-                let number = (value::Real::new(*re), value::Real::new(*im));
+                let number = (
+                    asmotion_value::Real::new(*re),
+                    asmotion_value::Real::new(*im),
+                );
                 (Value::Complex(Arc::new(number)), Type::Complex)
             }
             Literal::Char(character) => (Value::Char(*character), Type::Char),

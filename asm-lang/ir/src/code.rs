@@ -2,10 +2,10 @@
 
 use crate::cover::Counter;
 use crate::program::{BodyId, DomainId, FunctionId, Local, Origin, RoutineId, Shape, Slot};
-use stdlib::Act;
-use value::Value;
+use asmotion_stdlib::Act;
+use asmotion_value::Value;
 
-pub use hir::{Collection, Quantifier};
+pub use asmotion_hir::{Collection, Quantifier};
 
 /// Code with a frame of its own.
 #[derive(Debug)]
@@ -66,7 +66,7 @@ pub enum Node {
     /// A closed static term, evaluated once.
     Cached(u32, Term),
     /// A library function applied.
-    Builtin(&'static stdlib::Builtin, Vec<Term>),
+    Builtin(&'static asmotion_stdlib::Builtin, Vec<Term>),
     /// A connective; strong Kleene.
     Logic(Logic, Term, Term),
     /// `not`

@@ -22,13 +22,13 @@ pub use facts::{visit as visit_terms, walk as visit_rules};
 
 pub use message::{MessageUse, Role, message_uses};
 
+use asmotion_hir::{Meaning, Model};
+use asmotion_source::{Diagnostic, Report, Span};
+use asmotion_value::RuleId;
 use facts::Facts;
 use frame::Frame;
-use hir::{Meaning, Model};
-use source::{Diagnostic, Report, Span};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use value::RuleId;
 
 /// Most locations of a function with more than this are never met.
 const MAX_DENSE: u32 = 1 << 16;
@@ -88,9 +88,9 @@ struct Lowering<'a> {
     origin_ids: BTreeMap<Span, Origin>,
     report: Report,
     /// The body of each defined function.
-    definitions: BTreeMap<hir::FunctionId, BodyId>,
+    definitions: BTreeMap<asmotion_hir::FunctionId, BodyId>,
     /// The cache of each static function without arguments.
-    caches: BTreeMap<hir::FunctionId, u32>,
+    caches: BTreeMap<asmotion_hir::FunctionId, u32>,
     /// The routine of each rule for each way its arguments are passed.
     routines: BTreeMap<call::Special, RoutineId>,
     /// How deep macros are being specialised within each other.
@@ -181,15 +181,16 @@ impl<'a> Lowering<'a> {
         for (index, function) in self.model.functions.iter().enumerate() {
             if let Meaning::Defined(body) = &function.meaning {
                 let id = self.reserve_body(body.root.span, body);
-                self.definitions.insert(hir::FunctionId(index as u32), id);
-                let function_id = hir::FunctionId(index as u32);
+                self.definitions
+                    .insert(asmotion_hir::FunctionId(index as u32), id);
+                let function_id = asmotion_hir::FunctionId(index as u32);
                 if function.parameters.is_empty() && self.facts.is_static(function_id) {
                     self.caches.insert(function_id, self.program.caches);
                     self.program.caches += 1;
                 }
             }
         }
-        let defined: Vec<(hir::FunctionId, BodyId)> = self
+        let defined: Vec<(asmotion_hir::FunctionId, BodyId)> = self
             .definitions
             .iter()
             .map(|(&function, &body)| (function, body))
@@ -244,12 +245,12 @@ impl<'a> Lowering<'a> {
 
     fn begins_with_input(&self, initial: Initial) -> bool {
         match initial {
-            Initial::Function(function) => {
-                self.facts.begins_with_input(hir::FunctionId(function.0))
-            }
+            Initial::Function(function) => self
+                .facts
+                .begins_with_input(asmotion_hir::FunctionId(function.0)),
             Initial::Domain(domain) => self
                 .model
-                .domain(hir::DomainId(domain.0))
+                .domain(asmotion_hir::DomainId(domain.0))
                 .definition
                 .as_ref()
                 .is_some_and(|definition| self.facts.reads_input(&definition.root)),
@@ -328,7 +329,11 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    fn reserve_body(&mut self, span: Span, body: &hir::Body<hir::Term>) -> BodyId {
+    fn reserve_body(
+        &mut self,
+        span: Span,
+        body: &asmotion_hir::Body<asmotion_hir::Term>,
+    ) -> BodyId {
         let origin = self.origin(span);
         let code = Term::undef(origin);
         let arguments = body.variables.iter().take(body.parameters);
@@ -346,7 +351,7 @@ impl<'a> Lowering<'a> {
         BodyId(self.program.bodies.len() as u32 - 1)
     }
 
-    fn fill_body(&mut self, id: BodyId, body: &hir::Body<hir::Term>) {
+    fn fill_body(&mut self, id: BodyId, body: &asmotion_hir::Body<asmotion_hir::Term>) {
         let mut frame = Frame::of(body.parameters, body.variables.len());
         let code = self.term(&body.root, &mut frame);
         let slot = &mut self.program.bodies[id.0 as usize];
@@ -354,13 +359,13 @@ impl<'a> Lowering<'a> {
         slot.locals = frame.locals;
     }
 
-    fn body(&mut self, span: Span, body: &hir::Body<hir::Term>) -> BodyId {
+    fn body(&mut self, span: Span, body: &asmotion_hir::Body<asmotion_hir::Term>) -> BodyId {
         let id = self.reserve_body(span, body);
         self.fill_body(id, body);
         id
     }
 
-    fn reserve_routine(&mut self, rule: &hir::Rule) -> RoutineId {
+    fn reserve_routine(&mut self, rule: &asmotion_hir::Rule) -> RoutineId {
         let open = rule.parameters.iter().any(|&ty| self.is_open(ty));
         self.reserve_routine_at(rule.span, open)
     }
@@ -383,12 +388,12 @@ impl<'a> Lowering<'a> {
 }
 
 /// The domains of a rule's parameters as text.
-fn rule_domains(model: &Model, rule: &hir::Rule) -> Arc<str> {
+fn rule_domains(model: &Model, rule: &asmotion_hir::Rule) -> Arc<str> {
     let domains = rule.parameters.iter().map(|&ty| model.show_type(ty));
     domains.collect::<Vec<_>>().join(",").into()
 }
 
 /// The number of a function is the same in the model and in the program.
-fn function_id(id: hir::FunctionId) -> FunctionId {
+fn function_id(id: asmotion_hir::FunctionId) -> FunctionId {
     FunctionId(id.0)
 }

@@ -2,11 +2,11 @@
 
 use crate::code::{Body, Rule, Term};
 use crate::cover::Counted;
+use asmotion_stdlib::Mail;
+use asmotion_value::{Atom, RuleId, Value};
 use std::sync::Arc;
-use stdlib::Mail;
-use value::{Atom, RuleId, Value};
 
-pub use hir::{AddedRule, AddedTerm, Assignment};
+pub use asmotion_hir::{AddedRule, AddedTerm, Assignment};
 
 /// The number of a location.
 pub type Slot = u32;
@@ -340,7 +340,7 @@ impl Program {
         let found = functions.find(|(known, function)| {
             function.own
                 && function.kind == FunctionKind::Out
-                && stdlib::operation(known) == name
+                && asmotion_stdlib::operation(known) == name
                 && matches!(function.parameters.first(), Some(Shape::Domain(_)))
         });
         let Some((_, function)) = found else {

@@ -1,7 +1,7 @@
 //! Who decides where a rule leaves a choice.
 
-use ir::Origin;
-use value::Value;
+use asmotion_ir::Origin;
+use asmotion_value::Value;
 
 /// Decides for `choose` and `chooseone`. The same decisions give the same run.
 pub trait Chooser {

@@ -21,10 +21,10 @@ pub(crate) use rule::MAX_ITERATIONS;
 use crate::native::Native;
 use crate::run::{Run, Stopped, Truth};
 use crate::witness::{watched_rule, watched_term};
-use ir::{Axis, DomainId, Local, Origin, Program, Rule, Term};
+use asmotion_ir::{Axis, DomainId, Local, Origin, Program, Rule, Term};
+use asmotion_value::Value;
 use std::borrow::Cow;
 use std::sync::OnceLock;
-use value::Value;
 
 /// Gives a value.
 pub(crate) type TermCode = Box<dyn Fn(&mut Run<'_>) -> Value + Send + Sync>;

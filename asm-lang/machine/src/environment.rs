@@ -1,7 +1,7 @@
 //! Who answers for what the environment owns.
 
-use ir::FunctionId;
-use value::Value;
+use asmotion_ir::FunctionId;
+use asmotion_value::Value;
 
 /// Gives monitored and shared functions their values. Within a step, every location is asked for at
 /// most once, when a rule first reads it; the answer holds for the whole step.

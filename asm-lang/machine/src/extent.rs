@@ -2,10 +2,10 @@
 
 use crate::fault::FaultKind;
 use crate::run::Run;
-use ir::{DomainId, Elements, Shape};
+use asmotion_ir::{DomainId, Elements, Shape};
+use asmotion_value::Value;
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use value::Value;
 
 /// More elements than this are not listed.
 pub(crate) const MAX_ELEMENTS: u64 = if cfg!(fuzzing) { 1 << 14 } else { 1 << 20 };

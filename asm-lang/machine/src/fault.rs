@@ -1,8 +1,8 @@
 //! Why a step has no next state.
 
 use crate::membership::Misfit;
-use ir::{Origin, Slot};
-use value::Value;
+use asmotion_ir::{Origin, Slot};
+use asmotion_value::Value;
 
 /// A step failed. The state is as it was before, but for a violated invariant.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,7 +57,7 @@ pub enum FaultKind {
     /// A guard is neither true nor false.
     UndefinedGuard,
     /// A function of the library has no value for these arguments.
-    Library(stdlib::Fault),
+    Library(asmotion_stdlib::Fault),
     /// A variable ranges over a domain without end.
     Infinite,
     /// A variable ranges over a value that is no collection.

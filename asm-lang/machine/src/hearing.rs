@@ -3,9 +3,9 @@
 use crate::machine::Input;
 use crate::post::{Done, Post};
 use crate::run::{Codomain, Run, Stopped};
-use ir::{Messages, Slot};
-use stdlib::{Act, Mail};
-use value::Value;
+use asmotion_ir::{Messages, Slot};
+use asmotion_stdlib::{Act, Mail};
+use asmotion_value::Value;
 
 impl Run<'_> {
     /// What is heard about messages; the arguments of the question are on the stack from `arguments` on.

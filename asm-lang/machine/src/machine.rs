@@ -12,10 +12,10 @@ use crate::run::{Record, Run, Stopped, Truth};
 use crate::state::{Naming, State};
 use crate::updates::{Update, Updates};
 use crate::witness::Notes;
-use ir::{DomainId, Elements, FunctionId, Initial, Origin, Program, Slot, Storage};
+use asmotion_ir::{DomainId, Elements, FunctionId, Initial, Origin, Program, Slot, Storage};
+use asmotion_value::{Atom, Value};
 use std::fmt;
 use std::sync::Arc;
-use value::{Atom, Value};
 
 /// What the environment said about a location in a step.
 #[derive(Clone, Debug, PartialEq)]
@@ -379,7 +379,7 @@ impl Machine {
         &self.scratch.record.picked
     }
 
-    /// How often what [`ir::Program::counted`] lists ran; steps that failed count, too.
+    /// How often what [`asmotion_ir::Program::counted`] lists ran; steps that failed count, too.
     pub fn counts(&self) -> Vec<u64> {
         let record = &self.scratch.record;
         let counters = 0..self.program.counted.len() as u32;

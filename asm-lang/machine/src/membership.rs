@@ -3,10 +3,10 @@
 use crate::fault::FaultKind;
 use crate::machine::Machine;
 use crate::run::{Run, Stopped};
-use ir::{DomainId, Elements, FunctionId, Initial, Origin, Program, Shape, Slot};
+use asmotion_ir::{DomainId, Elements, FunctionId, Initial, Origin, Program, Shape, Slot};
+use asmotion_value::{Atom, Value};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use value::{Atom, Value};
 
 /// A value that is none of its function's.
 #[derive(Clone, Debug, PartialEq)]

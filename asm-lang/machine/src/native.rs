@@ -21,13 +21,13 @@ mod truth;
 
 use crate::compile::{Compiler, RuleCode, TermCode, TruthCode};
 use crate::run::{Run, Stopped};
+use asmotion_ir::{Program, RoutineId};
 use cranelift_codegen::settings::{self, Configurable};
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{Linkage, Module, default_libcall_names};
 use emit::Emitter;
 use frame::{Entry, Frame};
-use ir::{Program, RoutineId};
 
 /// A main rule as native code.
 pub(crate) struct Native {

@@ -4,7 +4,7 @@
 //! and found by hashing; a window over small arguments remembers the slots of those that were met, so
 //! that they are found as fast as if the domain were known to be small.
 
-use ir::{Axis, AxisRange, Elements, Function, Program, Shape, Slot, Storage};
+use asmotion_ir::{Axis, AxisRange, Elements, Function, Program, Shape, Slot, Storage};
 
 /// How many locations the windows of one function hold at most.
 const MAX_SIZE: u32 = 1 << 16;

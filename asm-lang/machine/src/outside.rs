@@ -7,9 +7,11 @@ use crate::fault::{Fault, FaultKind};
 use crate::machine::{Machine, Step};
 use crate::post::{CallFault, MessageId};
 use crate::run::Codomain;
-use ir::{AddedRule, AddedTerm, Assignment, FunctionId, FunctionKind, Origin, Program, Slot};
+use asmotion_ir::{
+    AddedRule, AddedTerm, Assignment, FunctionId, FunctionKind, Origin, Program, Slot,
+};
+use asmotion_value::Value;
 use std::sync::Arc;
-use value::Value;
 
 /// A program has other locations than the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

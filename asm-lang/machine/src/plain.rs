@@ -6,7 +6,7 @@
 )]
 
 use crate::updates::Update;
-use value::Value;
+use asmotion_value::Value;
 
 /// Empties a list without dropping what is in it: for lists that own nothing.
 #[inline]
@@ -46,7 +46,7 @@ pub(crate) fn fire(updates: &[Update], slots: &mut [Value], before: &mut Vec<Val
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ir::Origin;
+    use asmotion_ir::Origin;
 
     fn update(slot: u32, value: Value) -> Update {
         Update {

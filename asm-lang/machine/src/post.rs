@@ -9,10 +9,10 @@ mod sent;
 
 pub use sent::{CallFault, MessageId, Sent, SentKind};
 
-use ir::{Messages, Origin};
+use asmotion_ir::{Messages, Origin};
+use asmotion_stdlib::{Act, Mail};
+use asmotion_value::Value;
 use std::collections::BTreeMap;
-use stdlib::{Act, Mail};
-use value::Value;
 
 /// More messages than this do not wait: the oldest is dropped and counted.
 const MAX_WAITING: usize = 1024;
@@ -115,7 +115,7 @@ impl<'a> Route<'a> {
 /// The name of an operation.
 fn name(operation: &Value) -> Option<&str> {
     match operation {
-        Value::Text(text) => Some(stdlib::operation(text)),
+        Value::Text(text) => Some(asmotion_stdlib::operation(text)),
         _ => None,
     }
 }
@@ -383,7 +383,7 @@ impl Post {
     }
 
     pub fn set_unsent(&mut self, from: Value, operation: &str) {
-        let operation = stdlib::operation(operation).to_owned();
+        let operation = asmotion_stdlib::operation(operation).to_owned();
         self.unsent.push((from, operation));
     }
 

@@ -11,8 +11,10 @@ use crate::post::{Done, Post, Sent};
 use crate::state::{State, dense};
 use crate::updates::{Layer, Updates, Written};
 use crate::witness::Notes;
-use ir::{BodyId, DomainId, FunctionId, FunctionKind, Local, Origin, Program, RoutineId, Slot};
-use value::Value;
+use asmotion_ir::{
+    BodyId, DomainId, FunctionId, FunctionKind, Local, Origin, Program, RoutineId, Slot,
+};
+use asmotion_value::Value;
 
 /// Calls may nest this deep.
 const MAX_DEPTH: u32 = 20_000;

@@ -1,14 +1,14 @@
 //! States: what every location holds.
 
 use crate::near::Near;
+use asmotion_ir::{DomainId, Elements, FunctionId, FunctionKind, Program, Slot, Storage};
+use asmotion_value::{Atom, Names, RuleId, Value, element_name};
 use hashbrown::HashTable;
-use ir::{DomainId, Elements, FunctionId, FunctionKind, Program, Slot, Storage};
 use rustc_hash::FxHasher;
 use std::collections::BTreeSet;
 use std::fmt;
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
-use value::{Atom, Names, RuleId, Value, element_name};
 
 /// A state of a machine. Locations that were never met hold their initial value implicitly.
 #[derive(Clone)]

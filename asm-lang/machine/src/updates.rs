@@ -6,9 +6,9 @@
 //! the sequence, applied to the state when the rule is done and taken back when the sequence is.
 
 use crate::fault::FaultKind;
-use ir::{DomainId, Origin, Slot};
+use asmotion_ir::{DomainId, Origin, Slot};
+use asmotion_value::{Atom, Value};
 use std::sync::Arc;
-use value::{Atom, Value};
 
 /// One update.
 #[derive(Clone, Debug, PartialEq)]

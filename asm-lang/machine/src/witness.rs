@@ -10,10 +10,10 @@ use crate::environment::Environment;
 use crate::fault::{Fault, FaultKind};
 use crate::machine::{Choice, Machine};
 use crate::updates::Update;
-use ir::{FunctionId, Node, Origin, Program, Rule, RuleNode, Slot, Term};
+use asmotion_ir::{FunctionId, Node, Origin, Program, Rule, RuleNode, Slot, Term};
+use asmotion_value::Value;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use value::Value;
 
 /// The way to a fault.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -4,9 +4,9 @@
 #[path = "../../syntax/tests/shared/faithful.rs"]
 mod faithful;
 
-use asm_lang::simulate::{Causes, Random, Simulation, Stopped};
-use asm_lang::source::FileId;
-use asm_lang::{Files, Report, Specification, Style, render_all, syntax};
+use asmotion_lang::simulate::{Causes, Random, Simulation, Stopped};
+use asmotion_lang::source::FileId;
+use asmotion_lang::{Files, Report, Specification, Style, render_all, syntax};
 
 /// So many steps are done with what opens.
 const STEPS: u64 = 3;
@@ -42,7 +42,7 @@ pub fn check(bytes: &[u8]) {
     let text = String::from_utf8_lossy(bytes);
     let mut files = Files::new();
     files.add("fuzz.asm", &*text);
-    match asm_lang::open("fuzz.asm", &files) {
+    match asmotion_lang::open("fuzz.asm", &files) {
         Ok(specification) => {
             render_all(&specification.report, &specification.sources, Style::Plain);
             assert_eq!(run(&specification), run(&specification), "two runs differ");

@@ -18,15 +18,15 @@
 
 use crate::literal::Literals;
 use crate::partner::Answer;
-use ir::{FunctionId, FunctionKind, Program, Shape};
-use machine::{CallFault, Environment};
-use source::{Diagnostic, FileId, Report, Span};
+use asmotion_ir::{FunctionId, FunctionKind, Program, Shape};
+use asmotion_machine::{CallFault, Environment};
+use asmotion_source::{Diagnostic, FileId, Report, Span};
+use asmotion_value::{Atom, Value};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
-use value::{Atom, Value};
 
 /// The inputs of a run, step by step.
 #[derive(Clone, Debug, Default)]
@@ -182,7 +182,7 @@ impl Reading<'_> {
             match self.answer(operation.get_ref(), answer.get_ref()) {
                 Some((outcome, after)) => answers.push(Answer {
                     partner: Value::Atom(Atom(atom.0)),
-                    operation: stdlib::operation(operation.get_ref()).to_owned(),
+                    operation: asmotion_stdlib::operation(operation.get_ref()).to_owned(),
                     outcome,
                     after,
                 }),
@@ -200,7 +200,10 @@ impl Reading<'_> {
         let DeValue::Table(answer) = answer else {
             return None;
         };
-        let shape = self.program.operation(stdlib::operation(operation)).gives;
+        let shape = self
+            .program
+            .operation(asmotion_stdlib::operation(operation))
+            .gives;
         let (mut outcome, mut after) = (None, 1);
         for (key, value) in answer {
             match (&**key.get_ref(), value.get_ref()) {
@@ -297,16 +300,19 @@ impl Reading<'_> {
             at,
             "not a monitored or shared function with so many arguments",
         );
-        self.report.push(match source::similar(name, names) {
-            Some(known) => finding.help(format!("did you mean `{known}`?")),
-            None => finding.help("only monitored and shared functions take values from outside"),
-        });
+        self.report
+            .push(match asmotion_source::similar(name, names) {
+                Some(known) => finding.help(format!("did you mean `{known}`?")),
+                None => {
+                    finding.help("only monitored and shared functions take values from outside")
+                }
+            });
     }
 
     fn misfit(&mut self, what: &str, text: &str, shape: &Shape, at: Span) {
         let wanted = self.describe(shape);
         let names = self.literals().names(shape).unwrap_or_default();
-        let help = match (source::similar(text, names), names) {
+        let help = match (asmotion_source::similar(text, names), names) {
             (Some(name), _) => format!("did you mean `{name}`?"),
             (None, []) => FORMS.to_owned(),
             (None, names) => {
@@ -403,7 +409,7 @@ fn fault_named(name: &str) -> Option<CallFault> {
 fn no_partner(name: &str, at: Span, atoms: &[Arc<str>]) -> Diagnostic {
     let finding = Diagnostic::error("S006", format!("the specification has no agent `{name}`"))
         .label(at, "no element of this name");
-    match source::similar(name, atoms) {
+    match asmotion_source::similar(name, atoms) {
         Some(known) => finding.help(format!("did you mean `{known}`?")),
         None => finding.help("declare it, as in `static planner: Planner`"),
     }

@@ -1,8 +1,8 @@
 //! Values read back from text: of scripts, of traces.
 
-use ir::{DomainId, Elements, FunctionId, FunctionKind, Program, Shape};
+use asmotion_ir::{DomainId, Elements, FunctionId, FunctionKind, Program, Shape};
+use asmotion_value::{Atom, RuleId, Value};
 use std::sync::Arc;
-use value::{Atom, RuleId, Value};
 
 /// Values may nest this deep.
 const MAX_DEPTH: usize = 64;

@@ -1,7 +1,7 @@
 //! Partners that a script plays: services that are not there, and what they answer.
 
-use machine::{CallFault, Machine, MessageId, SentKind};
-use value::Value;
+use asmotion_machine::{CallFault, Machine, MessageId, SentKind};
+use asmotion_value::Value;
 
 /// What a partner answers to an operation.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,7 +76,7 @@ impl Partners {
             let Value::Text(operation) = &sent.operation else {
                 continue;
             };
-            let operation = stdlib::operation(operation);
+            let operation = asmotion_stdlib::operation(operation);
             let mut answers = self.answers.iter();
             let answer = answers
                 .position(|answer| answer.partner == sent.to && answer.operation == operation);

@@ -1,11 +1,11 @@
 //! Chance with a seed: the same seed, the same run.
 
-use ir::{FunctionId, Shape};
-use machine::{Chooser, Environment, Machine};
+use asmotion_ir::{FunctionId, Shape};
+use asmotion_machine::{Chooser, Environment, Machine};
+use asmotion_value::Value;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::sync::Arc;
-use value::Value;
 
 /// Chooses every candidate with the same probability.
 #[derive(Clone, Debug)]
@@ -34,7 +34,7 @@ impl Chooser for Seeded {
 #[derive(Clone, Debug)]
 pub struct Random {
     random: ChaCha8Rng,
-    program: Arc<ir::Program>,
+    program: Arc<asmotion_ir::Program>,
     /// The elements of each domain in the machine's initial state.
     extents: Vec<Vec<Value>>,
 }
@@ -44,12 +44,12 @@ const WORDS: &[&str] = &["", "a", "b", "alpha", "beta"];
 
 impl Random {
     /// The stream of inputs of a seed, for this machine.
-    pub fn new(program: Arc<ir::Program>, machine: &Machine, seed: u64) -> Self {
+    pub fn new(program: Arc<asmotion_ir::Program>, machine: &Machine, seed: u64) -> Self {
         let extent = |index: usize| {
-            let domain = ir::DomainId(index as u32);
+            let domain = asmotion_ir::DomainId(index as u32);
             match program.domains[index].elements {
                 // intervals are drawn from without listing them
-                ir::Elements::Ints { .. } => Vec::new(),
+                asmotion_ir::Elements::Ints { .. } => Vec::new(),
                 _ => machine.state().extent(domain).to_vec(),
             }
         };
@@ -89,8 +89,10 @@ impl Random {
         }
     }
 
-    fn element(&mut self, domain: ir::DomainId) -> Value {
-        if let ir::Elements::Ints { low, high } = self.program.domains[domain.0 as usize].elements {
+    fn element(&mut self, domain: asmotion_ir::DomainId) -> Value {
+        if let asmotion_ir::Elements::Ints { low, high } =
+            self.program.domains[domain.0 as usize].elements
+        {
             return Value::Int(self.random.random_range(low..=high));
         }
         let elements = &self.extents[domain.0 as usize];

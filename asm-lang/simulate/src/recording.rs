@@ -1,11 +1,11 @@
 //! Runs again what a trace recorded: the same inputs, choices and times.
 
 use crate::literal::Literals;
-use ir::{FunctionId, FunctionKind, Program};
-use machine::{Chooser, Environment, Machine};
+use asmotion_ir::{FunctionId, FunctionKind, Program};
+use asmotion_machine::{Chooser, Environment, Machine};
+use asmotion_value::Value;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
-use value::Value;
 
 /// A trace that was read, to be run again.
 #[derive(Clone, Debug, Default)]

@@ -1,7 +1,7 @@
 //! Scenarios (Avalla) carried out on a machine, without a detour over another specification.
 //!
 //! ```text
-//! tree ─Plan→ actions, their terms added to the model ─ir::lower→ program ─run→ Outcome
+//! tree ─Plan→ actions, their terms added to the model ─asmotion_ir::lower→ program ─run→ Outcome
 //! ```
 //!
 //! What the commands mean:

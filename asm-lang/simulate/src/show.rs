@@ -1,8 +1,8 @@
 //! Locations and updates as text.
 
-use ir::Slot;
-use machine::{Machine, Sent, SentKind, Step};
-use value::Value;
+use asmotion_ir::Slot;
+use asmotion_machine::{Machine, Sent, SentKind, Step};
+use asmotion_value::Value;
 
 /// A location, as in `doing(ROB1, TASK2)`.
 pub fn location(machine: &Machine, slot: Slot) -> String {
@@ -13,7 +13,11 @@ pub fn location(machine: &Machine, slot: Slot) -> String {
 }
 
 /// A function applied to arguments.
-pub fn applied(machine: &Machine, function: ir::FunctionId, arguments: &[Value]) -> String {
+pub fn applied(
+    machine: &Machine,
+    function: asmotion_ir::FunctionId,
+    arguments: &[Value],
+) -> String {
     let name = &machine.program().symbols.functions[function.0 as usize];
     if arguments.is_empty() {
         return name.to_string();
@@ -54,7 +58,7 @@ pub fn sent(machine: &Machine, sent: &Sent) -> String {
         Value::Text(text) => text.as_str(),
         _ => "",
     };
-    let operation = stdlib::operation(operation);
+    let operation = asmotion_stdlib::operation(operation);
     match &sent.kind {
         SentKind::Message { data } => {
             format!("{from} -> {to}: {operation}({})", data.show(&naming))

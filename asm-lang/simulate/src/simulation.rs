@@ -3,7 +3,7 @@
 use crate::partner::Partners;
 use crate::recording::Ticks;
 use crate::{Clock, Random, Recording, Script, Seeded, Trace};
-use machine::{Chooser, Environment, Fault, Machine};
+use asmotion_machine::{Chooser, Environment, Fault, Machine};
 use std::fmt;
 
 /// What causes the steps of a run: inputs, choices, times.

@@ -25,11 +25,11 @@
 
 mod text;
 
-use ir::{DomainId, FunctionKind, Program, Slot};
-use machine::{Fault, FaultKind, Machine, Naming, Step};
+use asmotion_ir::{DomainId, FunctionKind, Program, Slot};
+use asmotion_machine::{Fault, FaultKind, Machine, Naming, Step};
+use asmotion_value::{Atom, Value};
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use value::{Atom, Value};
 
 /// A trace that is being written.
 #[derive(Debug, Default)]

@@ -2,7 +2,7 @@
 //!
 //! A [`Sources`] holds the texts; a [`Span`] is a place in one of them; a [`Diagnostic`] is what a
 //! stage has to say about such places, with a [`Fix`] where a machine can mend it, and [`similar`] finds
-//! what was meant. Nothing here prints: `asm_lang::render` turns a diagnostic into text for people.
+//! what was meant. Nothing here prints: `asmotion_lang::render` turns a diagnostic into text for people.
 
 mod diagnostic;
 mod fix;

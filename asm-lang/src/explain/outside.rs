@@ -1,9 +1,9 @@
 //! Values outside the domains of their functions.
 
 use crate::Specification;
-use machine::Misfit;
-use source::{Diagnostic, Span};
-use value::Value;
+use asmotion_machine::Misfit;
+use asmotion_source::{Diagnostic, Span};
+use asmotion_value::Value;
 
 impl Specification {
     /// That a value is none of its function's.

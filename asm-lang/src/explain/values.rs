@@ -1,9 +1,9 @@
 //! The values at hand where a step failed.
 
 use crate::Specification;
-use machine::{Fault, FaultKind, Machine, Passed, Witness};
-use source::{Diagnostic, Label, Span};
-use value::Value;
+use asmotion_machine::{Fault, FaultKind, Machine, Passed, Witness};
+use asmotion_source::{Diagnostic, Label, Span};
+use asmotion_value::Value;
 
 /// So many values are shown of each place, the nearest ones.
 const SHOWN: usize = 8;
@@ -56,14 +56,17 @@ pub(super) fn add_inputs(finding: Diagnostic, machine: &Machine) -> Diagnostic {
     let naming = machine.naming();
     let inputs = machine.last_step().inputs().iter().map(|input| {
         let value = cut(input.value.show(&naming).to_string());
-        format!("`{}` = {value}", simulate::location(machine, input.slot))
+        format!(
+            "`{}` = {value}",
+            asmotion_simulate::location(machine, input.slot)
+        )
     });
     listed(finding, "the inputs of the step", inputs.collect())
 }
 
 /// Adds what the step wrote that led to the state at fault.
 pub(super) fn add_updates(finding: Diagnostic, machine: &Machine) -> Diagnostic {
-    let updates = simulate::updates(machine, &machine.last_step());
+    let updates = asmotion_simulate::updates(machine, &machine.last_step());
     let updates = updates.into_iter().map(|(location, before, after)| {
         format!("`{location}` := {} (was {})", cut(after), cut(before))
     });

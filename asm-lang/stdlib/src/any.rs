@@ -3,7 +3,7 @@
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, Context, strict, total};
 use crate::{Body, Fault, real};
-use value::{Names, Value};
+use asmotion_value::{Names, Value};
 
 /// Whether the two are one element. Total: `undef` equals `undef`, a real equals itself by its
 /// bits (`NaN = NaN`, and `-0.0` is not `0.0`), collections compare by content.
@@ -131,7 +131,7 @@ mod tests {
     use super::same_number;
     use crate::builtin;
     use crate::testing::*;
-    use value::{Atom, RuleId, Value};
+    use asmotion_value::{Atom, RuleId, Value};
 
     /// Of every kind one value and a neighbour of it.
     fn pairs() -> Vec<(Value, Value)> {

@@ -2,9 +2,9 @@
 
 use crate::Fault;
 use crate::complex::Complex;
+use asmotion_value::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
-use value::Value;
 
 /// A type that a body can take.
 pub(crate) trait Argument<'a>: Sized {

@@ -5,8 +5,8 @@ use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, strict, total};
 use crate::set::{self, Set};
 use crate::{Fault, LIMIT, integer};
+use asmotion_value::Value;
 use std::collections::BTreeMap;
-use value::Value;
 
 /// A multiset.
 pub type Bag = BTreeMap<Value, usize>;

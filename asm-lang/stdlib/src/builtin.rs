@@ -4,10 +4,10 @@ use crate::{
     Fault, any, bag, boolean, character, complex, integer, map, natural, real, sequence, set, sum,
     text, time, tuple,
 };
+use asmotion_value::{Names, Value};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::LazyLock;
-use value::{Names, Value};
 
 /// What a body may use besides its arguments.
 pub struct Context<'a> {

@@ -47,7 +47,7 @@ pub(crate) const TABLE: &[Builtin] = &[
 #[cfg(test)]
 mod tests {
     use crate::testing::*;
-    use value::Value;
+    use asmotion_value::Value;
 
     #[test]
     fn comparison_is_by_code_point() {

@@ -3,8 +3,8 @@
 use crate::any::TO_STRING;
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, strict};
+use asmotion_value::{Real, Value};
 use std::sync::Arc;
-use value::{Real, Value};
 
 /// A complex number.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

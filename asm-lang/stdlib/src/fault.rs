@@ -1,7 +1,7 @@
 //! Why a function has no value for its arguments.
 
+use asmotion_value::Real;
 use std::sync::Arc;
-use value::Real;
 
 /// The most elements a function may put into one collection or text. A specification that doubles
 /// a sequence at every step meets this fault, not the end of the memory.

@@ -5,9 +5,8 @@
 //! module a topic, typed, so that compiled code can call them without the table:
 //!
 //! ```
-//! # use asm_stdlib as stdlib;
-//! assert_eq!(stdlib::integer::idiv(-7, 2), Ok(-3));
-//! assert!(stdlib::integer::idiv(1, 0).is_err());
+//! assert_eq!(asmotion_stdlib::integer::idiv(-7, 2), Ok(-3));
+//! assert!(asmotion_stdlib::integer::idiv(1, 0).is_err());
 //! ```
 
 mod argument;

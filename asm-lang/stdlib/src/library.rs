@@ -43,9 +43,8 @@ static LIBRARIES: [Library; 7] = [
 /// The library an `import` means, by the last component of its path, with or without `.asm`.
 ///
 /// ```
-/// # use asm_stdlib as stdlib;
-/// assert!(stdlib::library("StandardLibrary.asm").is_some());
-/// assert!(stdlib::library("Elevator").is_none());
+/// assert!(asmotion_stdlib::library("StandardLibrary.asm").is_some());
+/// assert!(asmotion_stdlib::library("Elevator").is_none());
 /// ```
 pub fn library(last_path_component: &str) -> Option<&'static Library> {
     let name = stem(last_path_component);
@@ -74,8 +73,7 @@ pub fn libraries() -> &'static [Library] {
 /// have one letter or two: whoever writes such a name means something else.
 ///
 /// ```
-/// # use asm_stdlib as stdlib;
-/// let name = |name| stdlib::library_declaring(name).map(|library| library.name);
+/// let name = |name| asmotion_stdlib::library_declaring(name).map(|library| library.name);
 /// assert_eq!(name("isDef"), Some("StandardLibrary"));
 /// assert_eq!(name("TimerUnit"), Some("TimeLibrary"));
 /// assert_eq!(name("r_fly"), None);

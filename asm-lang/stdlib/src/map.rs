@@ -2,8 +2,8 @@
 
 use crate::argument::{binary, ternary};
 use crate::builtin::{Builtin, strict, total};
+use asmotion_value::Value;
 use std::collections::BTreeMap;
-use value::Value;
 
 /// A finite map.
 pub type Map = BTreeMap<Value, Value>;

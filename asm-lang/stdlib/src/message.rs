@@ -86,9 +86,8 @@ impl Mail {
 /// mean `plan`.
 ///
 /// ```
-/// # use asm_stdlib as stdlib;
-/// assert_eq!(stdlib::operation("r_plan(Agent,Goal)"), "plan");
-/// assert_eq!(stdlib::operation("plan"), "plan");
+/// assert_eq!(asmotion_stdlib::operation("r_plan(Agent,Goal)"), "plan");
+/// assert_eq!(asmotion_stdlib::operation("plan"), "plan");
 /// ```
 pub fn operation(spelt: &str) -> &str {
     let name = spelt.split('(').next().unwrap_or(spelt).trim();

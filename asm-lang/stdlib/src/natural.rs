@@ -4,8 +4,8 @@ use crate::any::TO_STRING;
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, strict};
 use crate::{Fault, LIMIT};
+use asmotion_value::Value;
 use std::collections::BTreeSet;
-use value::Value;
 
 pub use crate::integer::{
     abs, div, ge, gt, idiv, le, lt, max, min, minus, modulo, mult, plus, to_real,

@@ -4,7 +4,7 @@ use crate::Fault;
 use crate::any::TO_STRING;
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, strict};
-use value::Real;
+use asmotion_value::Real;
 
 /// A number as the reference writes it: with an exponent below a thousandth and from ten million on.
 pub fn text(number: f64) -> String {

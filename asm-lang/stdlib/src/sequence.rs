@@ -6,7 +6,7 @@ use crate::bag::Bag;
 use crate::builtin::{Builtin, strict, total};
 use crate::set::Set;
 use crate::{Fault, LIMIT, integer};
-use value::Value;
+use asmotion_value::Value;
 
 /// How many elements.
 pub fn length(seq: &[Value]) -> i64 {

@@ -5,8 +5,8 @@ use crate::argument::{binary, unary};
 use crate::bag::Bag;
 use crate::builtin::{Builtin, strict, total};
 use crate::{bag, integer};
+use asmotion_value::Value;
 use std::collections::BTreeSet;
-use value::Value;
 
 /// A finite set.
 pub type Set = BTreeSet<Value>;

@@ -6,7 +6,7 @@ use crate::builtin::{Builtin, strict};
 use crate::complex::{self, Complex};
 use crate::set::Set;
 use crate::{Fault, integer, real};
-use value::Value;
+use asmotion_value::Value;
 
 /// Adds up numbers of one domain, each `times` often; `zero` of none, `undef` if one is.
 fn sum<'a>(zero: Value, numbers: impl Iterator<Item = (&'a Value, usize)>) -> Result<Value, Fault> {
@@ -91,7 +91,7 @@ pub(crate) const TABLE: &[Builtin] = &[
 mod tests {
     use crate::complex::Complex;
     use crate::testing::*;
-    use value::Value;
+    use asmotion_value::Value;
 
     #[test]
     fn sums() {

@@ -1,8 +1,8 @@
 //! What the tests of the topics share: short names for values, and a call as the machine makes it.
 
 use crate::{Builtin, Context, builtin, compatible};
+use asmotion_value::{Atom, Names, RuleId, Value};
 use std::fmt;
-use value::{Atom, Names, RuleId, Value};
 
 pub(crate) const UNDEF: Value = Value::Undef;
 pub(crate) const TRUE: Value = Value::Bool(true);

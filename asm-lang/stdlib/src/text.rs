@@ -4,7 +4,7 @@ use crate::argument::{binary, ternary, unary};
 use crate::builtin::{Builtin, strict};
 use crate::complex::Complex;
 use crate::{Fault, LIMIT, integer};
-use value::Value;
+use asmotion_value::Value;
 
 /// How many characters.
 pub fn size(text: &str) -> i64 {
@@ -217,8 +217,8 @@ pub(crate) const TABLE: &[Builtin] = &[
 mod tests {
     use super::*;
     use crate::testing::*;
+    use asmotion_value::Names;
     use proptest::prelude::*;
-    use value::Names;
 
     #[test]
     fn parts() {
@@ -360,10 +360,18 @@ mod tests {
 
     struct Nameless;
     impl Names for Nameless {
-        fn atom(&self, _: value::Atom, _: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        fn atom(
+            &self,
+            _: asmotion_value::Atom,
+            _: &mut std::fmt::Formatter<'_>,
+        ) -> std::fmt::Result {
             Ok(())
         }
-        fn rule(&self, _: value::RuleId, _: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        fn rule(
+            &self,
+            _: asmotion_value::RuleId,
+            _: &mut std::fmt::Formatter<'_>,
+        ) -> std::fmt::Result {
             Ok(())
         }
     }

@@ -1,7 +1,7 @@
 //! The time of the step.
 
 use crate::builtin::{Builtin, strict};
-use value::Value;
+use asmotion_value::Value;
 
 const NANOS_PER_MILLI: i64 = 1_000_000;
 const NANOS_PER_SEC: i64 = 1_000_000_000;

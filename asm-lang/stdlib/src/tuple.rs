@@ -6,7 +6,7 @@
 use crate::argument::{Tuple, binary};
 use crate::builtin::{Builtin, Context, total};
 use crate::{Body, Fault, sequence};
-use value::Value;
+use asmotion_value::Value;
 
 /// The component at the position, from 0.
 ///
@@ -118,7 +118,7 @@ pub(crate) const TABLE: &[Builtin] = &[
 #[cfg(test)]
 mod tests {
     use crate::testing::*;
-    use value::Value;
+    use asmotion_value::Value;
 
     const NAMES: [&str; 9] = [
         "first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth",

@@ -1,13 +1,12 @@
 //! The texts and the table agree: every signature without a definition has one body, every body one
 //! signature, and what a body returns lies in the codomain that its signature promises.
 
-use asm_stdlib as stdlib;
+use asmotion_stdlib::{Builtin, Context, Fault, builtin, builtins, libraries, library};
+use asmotion_value::{Atom, Names, RuleId, Value};
 use proptest::prelude::*;
 use proptest::test_runner::{TestCaseError, TestRunner};
 use std::collections::BTreeSet;
 use std::fmt;
-use stdlib::{Builtin, Context, Fault, builtin, builtins, libraries, library};
-use value::{Atom, Names, RuleId, Value};
 
 #[test]
 fn every_library_is_found_by_its_module_name() {
@@ -27,7 +26,8 @@ fn every_library_is_found_by_its_module_name() {
 
 #[test]
 fn every_standard_signature_has_one_body_and_the_reverse() -> Result<(), String> {
-    let reserved = |signature: &Signature| stdlib::RESERVED.contains(&signature.name.as_str());
+    let reserved =
+        |signature: &Signature| asmotion_stdlib::RESERVED.contains(&signature.name.as_str());
     let (machine, declared): (Vec<_>, Vec<_>) = undefined("StandardLibrary")?
         .into_iter()
         .partition(reserved);
@@ -47,7 +47,7 @@ fn every_standard_signature_has_one_body_and_the_reverse() -> Result<(), String>
     );
 
     let machine: BTreeSet<_> = machine.iter().map(|each| each.name.as_str()).collect();
-    for name in stdlib::RESERVED {
+    for name in asmotion_stdlib::RESERVED {
         let controlled = text("StandardLibrary")?.contains(&format!("controlled {name}:"));
         assert!(controlled || machine.contains(name), "{name} is declared");
     }
@@ -61,14 +61,17 @@ fn what_the_machine_does_with_messages_is_declared() -> Result<(), String> {
     let declared: Vec<String> = rules
         .filter_map(|rest| Some(format!("r_act{}", rest.split_once('(')?.0)))
         .collect();
-    let known: Vec<&str> = stdlib::Act::ALL.iter().map(|(name, _)| *name).collect();
+    let known: Vec<&str> = asmotion_stdlib::Act::ALL
+        .iter()
+        .map(|(name, _)| *name)
+        .collect();
     assert_eq!(declared, known);
-    for (name, mail) in stdlib::Mail::ALL {
+    for (name, mail) in asmotion_stdlib::Mail::ALL {
         assert!(text.contains(&format!("monitored {name}:")), "{name}");
-        assert_eq!(stdlib::Mail::named(name), Some(mail));
+        assert_eq!(asmotion_stdlib::Mail::named(name), Some(mail));
     }
-    for (name, act) in stdlib::Act::ALL {
-        assert_eq!(stdlib::Act::named(name), Some(act));
+    for (name, act) in asmotion_stdlib::Act::ALL {
+        assert_eq!(asmotion_stdlib::Act::named(name), Some(act));
     }
     Ok(())
 }
@@ -85,7 +88,7 @@ fn the_temporal_operators_are_listed() -> Result<(), String> {
     ] {
         declared.extend(undefined(module)?.into_iter().map(|each| each.name));
     }
-    let mut listed = stdlib::TEMPORAL.to_vec();
+    let mut listed = asmotion_stdlib::TEMPORAL.to_vec();
     declared.sort_unstable();
     listed.sort_unstable();
     assert_eq!(declared, listed);
@@ -112,7 +115,7 @@ fn every_definition_is_declared() -> Result<(), String> {
 #[test]
 fn lookup_finds_exactly_the_table() {
     for each in builtins() {
-        for table in [builtin, stdlib::compatible] {
+        for table in [builtin, asmotion_stdlib::compatible] {
             let found = table(each.name, each.domain).map(|found| (found.name, found.domain));
             assert_eq!(found, Some((each.name, each.domain)));
         }
@@ -128,7 +131,8 @@ fn lookup_finds_exactly_the_table() {
 /// or a fault that is about the values and not about their shape.
 #[test]
 fn bodies_keep_their_signatures() -> Result<(), String> {
-    let reserved = |signature: &Signature| stdlib::RESERVED.contains(&signature.name.as_str());
+    let reserved =
+        |signature: &Signature| asmotion_stdlib::RESERVED.contains(&signature.name.as_str());
     for signature in undefined("StandardLibrary")?
         .into_iter()
         .filter(|each| !reserved(each))
@@ -370,7 +374,7 @@ fn naturals() -> BoxedStrategy<Value> {
 fn complexes() -> BoxedStrategy<Value> {
     let parts = (any::<f64>(), any::<f64>());
     parts
-        .prop_map(|(re, im)| stdlib::complex::Complex::new(re, im).value())
+        .prop_map(|(re, im)| asmotion_stdlib::complex::Complex::new(re, im).value())
         .boxed()
 }
 

@@ -13,9 +13,9 @@ use crate::error::{Place, SyntaxError};
 use crate::findings::Findings;
 use crate::lexer::{Keyword, Lexer, Spanned, Token};
 use crate::nesting::{Nesting, Open, closer};
+use asmotion_source::Span;
 use expected::Expected;
 use lalrpop_util::ParseError;
-use source::Span;
 use std::convert::Infallible;
 
 /// An error as the parser found it.

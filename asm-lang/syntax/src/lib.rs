@@ -36,11 +36,11 @@ pub use fragment::{
 pub use print::{format, format_scenario};
 pub use scenario::{begins_scenario, parse_scenario};
 
+use asmotion_source::{FileId, Report};
 use explain::Explainer;
 use findings::Findings;
 use nesting::Tokens;
 use node::Nodes;
-use source::{FileId, Report};
 
 /// A file's tree, and what was wrong with its text.
 #[derive(Clone, Debug)]

@@ -15,9 +15,9 @@ mod term;
 mod trivia;
 
 use crate::{parse, parse_scenario};
+use asmotion_source::{FileId, Report};
 use layout::Layout;
 use pretty::Arena;
-use source::{FileId, Report};
 use std::borrow::Cow;
 use trivia::Tokens;
 

@@ -20,9 +20,9 @@ use crate::findings::Findings;
 use crate::lexer::Lexer;
 pub(crate) use error::UNENDED;
 
+use asmotion_source::{FileId, Report, Span};
 use error::ScenarioError;
 use reader::Reader;
-use source::{FileId, Report, Span};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -2,9 +2,9 @@
 
 #![allow(clippy::disallowed_methods, reason = "how long it takes is the matter")]
 
-use asm_syntax::{parse, parse_term};
+use asmotion_source::{FileId, Report};
+use asmotion_syntax::{parse, parse_term};
 use proptest::prelude::*;
-use source::{FileId, Report};
 use std::time::{Duration, Instant};
 
 /// Reads a file with this main rule; it takes a moment at most.

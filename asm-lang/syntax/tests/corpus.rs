@@ -4,8 +4,8 @@
 
 #![allow(clippy::disallowed_methods, reason = "the corpus is on the disk")]
 
-use asm_syntax::parse;
-use source::{FileId, Report, Severity, Sources};
+use asmotion_source::{FileId, Report, Severity, Sources};
+use asmotion_syntax::parse;
 use std::fs;
 use std::path::{Path, PathBuf};
 

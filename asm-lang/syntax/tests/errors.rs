@@ -5,8 +5,8 @@
 
 #![allow(clippy::disallowed_methods, reason = "the texts are on the disk")]
 
-use asm_syntax::parse;
-use source::{Applicability, Diagnostic, Edit, FileId, Severity, Sources};
+use asmotion_source::{Applicability, Diagnostic, Edit, FileId, Severity, Sources};
+use asmotion_syntax::parse;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;

@@ -4,9 +4,9 @@
 
 #![allow(clippy::disallowed_methods, reason = "the texts are on the disk")]
 
-use asm_syntax::ast::{Command, CommandKind};
-use asm_syntax::parse_scenario;
-use source::{FileId, Sources};
+use asmotion_source::{FileId, Sources};
+use asmotion_syntax::ast::{Command, CommandKind};
+use asmotion_syntax::parse_scenario;
 use std::fs;
 use std::path::Path;
 

@@ -1,13 +1,12 @@
 //! Laws of values: one total order, equality and hash agree with it, and the text reads back.
 
-use asm_value as value;
+use asmotion_value::{Atom, Names, Real, RuleId, Value};
 use proptest::prelude::*;
 use std::collections::hash_map::DefaultHasher;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
-use value::{Atom, Names, Real, RuleId, Value};
 
 #[test]
 fn a_value_is_two_words() {

@@ -1,8 +1,10 @@
 //! The component: path, scan and odometry in; the adapted path, events and obstacles out.
 
-use component::{Component, Cycle, Fault, Flow, In, Interface, Out, Property};
-use geometry::{Distances, Point, heading, message};
-use messages::{Bool, Disc, Event, LaserScan, Obstacles, OccupancyGrid, Odometry, Path, Time};
+use asmotion_component::{Component, Cycle, Fault, Flow, In, Interface, Out, Property};
+use asmotion_geometry::{Distances, Point, heading, message};
+use asmotion_messages::{
+    Bool, Disc, Event, LaserScan, Obstacles, OccupancyGrid, Odometry, Path, Time,
+};
 
 use crate::advice::{Advice, Adviser, Cause, Patience};
 use crate::bend::Limits;
@@ -213,8 +215,8 @@ fn shows(known: &Distances, point: Point, tolerance: f64) -> bool {
     distance.is_some_and(|distance| distance <= tolerance)
 }
 
-fn obstacles(now: i64, discs: &[geometry::Disc]) -> Obstacles {
-    let disc = |disc: &geometry::Disc| Disc {
+fn obstacles(now: i64, discs: &[asmotion_geometry::Disc]) -> Obstacles {
+    let disc = |disc: &asmotion_geometry::Disc| Disc {
         x: disc.centre.x,
         y: disc.centre.y,
         radius: disc.radius,

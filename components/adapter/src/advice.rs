@@ -1,7 +1,7 @@
 //! What to do about the obstacles: let the path be, bend it, hold, or give up.
 
-use geometry::{Distances, Point, Pose};
-use messages::Path;
+use asmotion_geometry::{Distances, Point, Pose};
+use asmotion_messages::Path;
 
 use crate::bend::{Barrier, Bender, Limits, Obstacles, Window};
 use crate::route::Route;
@@ -291,8 +291,8 @@ fn empty(path: &Path) -> Path {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use geometry::heading;
-    use messages::Pose as PoseMessage;
+    use asmotion_geometry::heading;
+    use asmotion_messages::Pose as PoseMessage;
 
     const LIMITS: Limits = Limits {
         clearance: 0.25,

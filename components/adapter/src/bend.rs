@@ -4,7 +4,7 @@
 //! 2010, *Optimal trajectory generation for dynamic street scenarios in a Frenét frame*; here without time). It is
 //! exact on its lattice: if it finds no way, there is none within these limits.
 
-use geometry::{Distances, Point};
+use asmotion_geometry::{Distances, Point};
 
 use crate::route::Route;
 
@@ -379,7 +379,7 @@ impl Lanes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use messages::{Path, Pose};
+    use asmotion_messages::{Path, Pose};
     use proptest::prelude::*;
 
     const LIMITS: Limits = Limits {
@@ -494,18 +494,18 @@ mod tests {
 
     #[test]
     fn it_keeps_away_from_what_the_map_knows_but_follows_the_planner() {
-        let layout = geometry::Layout::new(
+        let layout = asmotion_geometry::Layout::new(
             0.05,
             140,
             40,
-            geometry::heading(Point::new(-0.5, -1.0), 0.0),
+            asmotion_geometry::heading(Point::new(-0.5, -1.0), 0.0),
         )
         .unwrap();
-        let mut grid = geometry::Grid::new(layout, geometry::FREE);
+        let mut grid = asmotion_geometry::Grid::new(layout, asmotion_geometry::FREE);
         grid.stroke(
             &[Point::new(-0.4, -0.2), Point::new(6.4, -0.2)],
             0.0,
-            geometry::OCCUPIED,
+            asmotion_geometry::OCCUPIED,
         );
         let map = Distances::to_occupied(&grid);
         let route = road();

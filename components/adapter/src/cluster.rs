@@ -1,6 +1,6 @@
 //! Points to discs: what belongs together is covered by as few discs as its shape allows.
 
-use geometry::{Disc, Point, Vector};
+use asmotion_geometry::{Disc, Point, Vector};
 
 /// m, points closer than this belong to one thing.
 const GAP: f64 = 0.15;

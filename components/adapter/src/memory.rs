@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use geometry::{Point, Pose};
-use messages::LaserScan;
+use asmotion_geometry::{Point, Pose};
+use asmotion_messages::LaserScan;
 
 /// m, side of the squares of which each keeps one point.
 const SIDE: f64 = 0.05;

@@ -1,6 +1,6 @@
 //! What a planner should know: the things that the map does not show.
 
-use geometry::{Disc, Point};
+use asmotion_geometry::{Disc, Point};
 
 use crate::bend::Limits;
 use crate::cluster::{clusters, cover};
@@ -68,7 +68,7 @@ impl Blockers {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use messages::{Path, Pose};
+    use asmotion_messages::{Path, Pose};
 
     const LIMITS: Limits = Limits {
         clearance: 0.25,

@@ -1,7 +1,7 @@
 //! The planned path as a road: stations along it, and at each station how far the robot shall keep to the left.
 
-use geometry::{Nearest, Point, Polyline, Pose, Vector, heading, message};
-use messages::{Path, PoseStamped};
+use asmotion_geometry::{Nearest, Point, Polyline, Pose, Vector, heading, message};
+use asmotion_messages::{Path, PoseStamped};
 
 use crate::bend::Limits;
 
@@ -204,12 +204,12 @@ impl Station {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use geometry::yaw;
+    use asmotion_geometry::yaw;
 
     fn path(points: &[(f64, f64)]) -> Path {
         let poses = points
             .iter()
-            .map(|(x, y)| messages::Pose::planar(*x, *y, 0.5));
+            .map(|(x, y)| asmotion_messages::Pose::planar(*x, *y, 0.5));
         Path::through(7, "map", poses)
     }
 

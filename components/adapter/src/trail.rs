@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use geometry::{Pose, heading, turn, yaw};
+use asmotion_geometry::{Pose, heading, turn, yaw};
 
 /// The last poses with their instants.
 #[derive(Debug, Clone, Default)]
@@ -65,7 +65,7 @@ fn is_somewhere(pose: &Pose) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use geometry::Point;
+    use asmotion_geometry::Point;
 
     fn pose(x: f64, yaw: f64) -> Pose {
         heading(Point::new(x, 0.0), yaw)

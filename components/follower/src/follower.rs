@@ -1,8 +1,8 @@
 //! The component: path and odometry in, twist and events out.
 
-use component::{Component, Cycle, Fault, Flow, In, Interface, Out, Property};
-use geometry::message;
-use messages::{Bool, Event, Odometry, Path, Twist};
+use asmotion_component::{Component, Cycle, Fault, Flow, In, Interface, Out, Property};
+use asmotion_geometry::message;
+use asmotion_messages::{Bool, Event, Odometry, Path, Twist};
 
 use crate::pursuit::Settings;
 use crate::task::{Motion, News, Task, Tolerance};

@@ -6,8 +6,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use geometry::{Point, Polyline, Pose, Vector};
-use messages::Twist;
+use asmotion_geometry::{Point, Polyline, Pose, Vector};
+use asmotion_messages::Twist;
 
 /// How to drive; the numbers of the paper under the names of Nav2's controller where it has them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -132,7 +132,7 @@ fn place(line: &Polyline, along: f64) -> Option<Point> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use geometry::heading;
+    use asmotion_geometry::heading;
     use proptest::prelude::*;
 
     pub const SETTINGS: Settings = Settings {
@@ -259,7 +259,7 @@ pub(crate) mod tests {
                 let twist = SETTINGS.drive(carrot.coords, 20.0 - along, &mut rotating);
                 speed = twist.linear.x;
                 let moved = pose * Point::new(speed * 0.05, 0.0);
-                pose = heading(moved, geometry::yaw(&pose) + twist.angular.z * 0.05);
+                pose = heading(moved, asmotion_geometry::yaw(&pose) + twist.angular.z * 0.05);
             }
             prop_assert!(pose.translation.y.abs() < 0.02, "{pose}");
         }

@@ -1,7 +1,7 @@
 //! What the follower is doing: following a path to its end, or coming to a stand; and what it has to say about it.
 
-use geometry::{Nearest, Point, Polyline, Pose, message, turn, yaw};
-use messages::{Path, Time, Twist};
+use asmotion_geometry::{Nearest, Point, Polyline, Pose, message, turn, yaw};
+use asmotion_messages::{Path, Time, Twist};
 
 use crate::pursuit::Settings;
 
@@ -66,7 +66,7 @@ pub enum Task {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Identity {
     stamp: Time,
-    goal: messages::Pose,
+    goal: asmotion_messages::Pose,
 }
 
 /// A path on the way.
@@ -220,7 +220,7 @@ impl Route {
 mod tests {
     use super::*;
     use crate::pursuit::tests::SETTINGS;
-    use geometry::heading;
+    use asmotion_geometry::heading;
 
     const TOLERANCE: Tolerance = Tolerance {
         position: 0.05,
@@ -234,8 +234,8 @@ mod tests {
             nanos,
             "map",
             [
-                messages::Pose::planar(0.0, 0.0, 0.0),
-                messages::Pose::planar(2.0, 0.0, goal_yaw),
+                asmotion_messages::Pose::planar(0.0, 0.0, 0.0),
+                asmotion_messages::Pose::planar(2.0, 0.0, goal_yaw),
             ],
         )
     }
@@ -321,8 +321,8 @@ mod tests {
         let mut bent = path(1, 0.0);
         bent.poses.insert(
             1,
-            messages::PoseStamped {
-                pose: messages::Pose::planar(1.0, 0.3, 0.0),
+            asmotion_messages::PoseStamped {
+                pose: asmotion_messages::Pose::planar(1.0, 0.3, 0.0),
                 ..Default::default()
             },
         );
@@ -356,7 +356,7 @@ mod tests {
     fn it_does_not_jump_to_another_lap() {
         // out and back, ten centimetres beside: the way back is nearer than the way out for a while
         let points = [(0.0, 0.0), (4.0, 0.0), (4.0, 0.1), (0.0, 0.1)];
-        let poses = points.map(|(x, y)| messages::Pose::planar(x, y, 0.0));
+        let poses = points.map(|(x, y)| asmotion_messages::Pose::planar(x, y, 0.0));
         let mut task = Task::default();
         task.order(&Path::through(1, "map", poses));
         let mut drifting = motion(0.5, 0.0, 0.5);
@@ -374,7 +374,7 @@ mod tests {
             task.order(&Path::through(
                 1,
                 "map",
-                [messages::Pose::planar(goal, 0.0, 0.0)],
+                [asmotion_messages::Pose::planar(goal, 0.0, 0.0)],
             ));
             assert_eq!(step(&mut task, motion(0.0, 0.0, 0.0)).2, Some(News::Halted));
         }

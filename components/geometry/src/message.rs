@@ -1,6 +1,6 @@
 //! Between the messages and the types to compute with. Heights and tilts are dropped: this robot lives in the plane.
 
-use messages::{Header, MapMetaData, OccupancyGrid, PoseStamped, Time};
+use asmotion_messages::{Header, MapMetaData, OccupancyGrid, PoseStamped, Time};
 
 use crate::{Disc, Grid, Layout, LayoutError, Point, Pose, Scene, heading, yaw};
 
@@ -34,22 +34,22 @@ pub fn occupancy_grid(grid: &Grid, nanos: i64, frame_id: &str) -> OccupancyGrid 
 }
 
 /// Where and how turned, in the plane.
-pub fn pose(message: &messages::Pose) -> Pose {
+pub fn pose(message: &asmotion_messages::Pose) -> Pose {
     heading(point(&message.position), message.orientation.yaw())
 }
 
 /// The message of a pose in the plane.
-pub fn pose_message(pose: &Pose) -> messages::Pose {
-    messages::Pose::planar(pose.translation.x, pose.translation.y, yaw(pose))
+pub fn pose_message(pose: &Pose) -> asmotion_messages::Pose {
+    asmotion_messages::Pose::planar(pose.translation.x, pose.translation.y, yaw(pose))
 }
 
 /// Where, in the plane.
-pub fn point(message: &messages::Point) -> Point {
+pub fn point(message: &asmotion_messages::Point) -> Point {
     Point::new(message.x, message.y)
 }
 
 /// The poses of a path, in the frame of its header.
-pub fn poses(path: &messages::Path) -> Vec<Pose> {
+pub fn poses(path: &asmotion_messages::Path) -> Vec<Pose> {
     path.poses
         .iter()
         .map(|stamped| pose(&stamped.pose))
@@ -61,8 +61,8 @@ pub fn path<'a>(
     poses: impl IntoIterator<Item = &'a Pose>,
     nanos: i64,
     frame_id: &str,
-) -> messages::Path {
-    messages::Path::through(nanos, frame_id, poses.into_iter().map(pose_message))
+) -> asmotion_messages::Path {
+    asmotion_messages::Path::through(nanos, frame_id, poses.into_iter().map(pose_message))
 }
 
 /// The message of a pose in the plane with its time (nanoseconds) and frame.
@@ -74,7 +74,7 @@ pub fn pose_stamped(pose: &Pose, nanos: i64, frame_id: &str) -> PoseStamped {
 }
 
 /// The scene of a message, ready for questions.
-pub fn scene(message: &messages::Scene) -> Scene {
+pub fn scene(message: &asmotion_messages::Scene) -> Scene {
     let segments = message.segments.iter();
     let polygons = message.polygons.iter();
     Scene::new(
@@ -89,13 +89,13 @@ pub fn scene(message: &messages::Scene) -> Scene {
 }
 
 /// The message of a scene.
-pub fn scene_message(scene: &Scene, revision: u64) -> messages::Scene {
-    messages::Scene {
+pub fn scene_message(scene: &Scene, revision: u64) -> asmotion_messages::Scene {
+    asmotion_messages::Scene {
         revision,
         segments: scene
             .segments()
             .iter()
-            .map(|[a, b]| messages::Segment {
+            .map(|[a, b]| asmotion_messages::Segment {
                 a: vertex_message(a),
                 b: vertex_message(b),
             })
@@ -103,7 +103,7 @@ pub fn scene_message(scene: &Scene, revision: u64) -> messages::Scene {
         discs: scene
             .discs()
             .iter()
-            .map(|disc| messages::Disc {
+            .map(|disc| asmotion_messages::Disc {
                 x: disc.centre.x,
                 y: disc.centre.y,
                 radius: disc.radius,
@@ -112,7 +112,7 @@ pub fn scene_message(scene: &Scene, revision: u64) -> messages::Scene {
         polygons: scene
             .polygons()
             .iter()
-            .map(|polygon| messages::Polygon {
+            .map(|polygon| asmotion_messages::Polygon {
                 vertices: polygon.iter().map(vertex_message).collect(),
             })
             .collect(),
@@ -120,19 +120,19 @@ pub fn scene_message(scene: &Scene, revision: u64) -> messages::Scene {
 }
 
 /// A round obstacle.
-pub fn disc(message: &messages::Disc) -> Disc {
+pub fn disc(message: &asmotion_messages::Disc) -> Disc {
     Disc {
         centre: Point::new(message.x, message.y),
         radius: message.radius,
     }
 }
 
-fn vertex(message: &messages::Vertex) -> Point {
+fn vertex(message: &asmotion_messages::Vertex) -> Point {
     Point::new(message.x, message.y)
 }
 
-fn vertex_message(point: &Point) -> messages::Vertex {
-    messages::Vertex {
+fn vertex_message(point: &Point) -> asmotion_messages::Vertex {
+    asmotion_messages::Vertex {
         x: point.x,
         y: point.y,
     }

@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use component::{Component, Cycle, Fault, Flow, In, Interface, Out, Property, Setup};
-use geometry::{Point, Pose, Scene, heading, message};
-use messages::{Header, LaserScan, PoseStamped};
+use asmotion_component::{Component, Cycle, Fault, Flow, In, Interface, Out, Property, Setup};
+use asmotion_geometry::{Point, Pose, Scene, heading, message};
+use asmotion_messages::{Header, LaserScan, PoseStamped};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -12,7 +12,7 @@ use crate::sweep::Optics;
 
 /// `nav::sim::LaserDriver`: a sweep each cycle, as soon as the scene and a new true pose are known.
 pub struct LaserDriver {
-    scene: In<messages::Scene>,
+    scene: In<asmotion_messages::Scene>,
     truth: In<PoseStamped>,
     scan: Out<LaserScan>,
     settings: Settings,

@@ -1,6 +1,6 @@
 //! One sweep of the laser: beams through the scene, noise on the ranges, REP-117 for what is no range.
 
-use geometry::{Point, Pose, Scene, Vector};
+use asmotion_geometry::{Point, Pose, Scene, Vector};
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 
@@ -70,7 +70,7 @@ impl Optics {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use geometry::{Disc, heading};
+    use asmotion_geometry::{Disc, heading};
     use proptest::prelude::*;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;

@@ -1,9 +1,9 @@
-//! Saves a map in ROS' format, as map_saver would: `cargo run -p robot-map --example export -- plan.geojson folder`.
+//! Saves a map in ROS' format, as map_saver would: `cargo run -p asmotion-map --example export -- plan.geojson folder`.
 
 use std::error::Error;
 use std::path::Path;
 
-use robot_map::{Disk, Settings, load, ros};
+use asmotion_map::{Disk, Settings, load, ros};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -1,15 +1,15 @@
 //! Draws a map, its named points, and if wanted a path, as a PNG to look at.
 //!
-//! `cargo run -p robot-map --example render -- map.geojson out.png [x,y x,y | name name]…`
+//! `cargo run -p asmotion-map --example render -- map.geojson out.png [x,y x,y | name name]…`
 
 #![allow(clippy::print_stdout, reason = "an example tells what it drew")]
 
 use std::error::Error;
 
-use geometry::{Grid, Occupancy, Point, Pose, heading};
+use asmotion_geometry::{Grid, Occupancy, Point, Pose, heading};
+use asmotion_map::{Disk, Map, Settings, load};
+use asmotion_planner::{AStar, Planner, Settings as Needs};
 use image::{Rgb, RgbImage};
-use planner::{AStar, Planner, Settings as Needs};
-use robot_map::{Disk, Map, Settings, load};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

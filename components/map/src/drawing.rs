@@ -1,6 +1,6 @@
 //! What vector formats have in common: shapes in metres, drawn layer by layer on a grid.
 
-use geometry::{Grid, Layout, Occupancy, Point, Pose, Vector, heading};
+use asmotion_geometry::{Grid, Layout, Occupancy, Point, Pose, Vector, heading};
 
 use crate::{Fault, Rule, Settings};
 
@@ -136,7 +136,7 @@ impl Frame {
     fn layout(&self, max_cells: u64) -> Result<Layout, Fault> {
         let resolution = self.resolution;
         if !(resolution.is_finite() && resolution > 0.0) {
-            return Err(Fault::Layout(geometry::LayoutError::Resolution {
+            return Err(Fault::Layout(asmotion_geometry::LayoutError::Resolution {
                 resolution,
             }));
         }

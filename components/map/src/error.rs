@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use geometry::LayoutError;
+use asmotion_geometry::LayoutError;
 
 /// A map that could not be loaded.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

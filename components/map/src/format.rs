@@ -1,6 +1,6 @@
 //! The seam: a map format is bytes in, a map out; the table of formats; what all of them are told.
 
-use geometry::Occupancy;
+use asmotion_geometry::Occupancy;
 
 use crate::files::{FileFault, Files, read_at_most};
 use crate::geo_json::GeoJson;

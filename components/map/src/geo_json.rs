@@ -3,8 +3,8 @@
 //! Coordinates are WGS 84 degrees, unless the collection has the foreign member
 //! `"map": {"units": "metres"}`; the same member may hold `resolution_m`, `margin_m` and `ground`.
 
+use asmotion_geometry::{Occupancy, Point, heading};
 use geojson::{Feature, GeoJson as Document, GeometryValue, JsonObject, JsonValue, Position};
-use geometry::{Occupancy, Point, heading};
 
 use crate::drawing::{Drawing, Frame};
 use crate::format::{Format, Settings, Source};
@@ -356,7 +356,7 @@ fn tags(properties: Option<&JsonObject>) -> Tags {
 mod tests {
     use super::*;
     use crate::{Memory, load};
-    use geometry::{Cell, yaw};
+    use asmotion_geometry::{Cell, yaw};
 
     fn read(text: &str) -> Result<Map, MapError> {
         load(

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use geometry::message::occupancy_grid;
-use messages::OccupancyGrid;
+use asmotion_geometry::message::occupancy_grid;
+use asmotion_messages::OccupancyGrid;
 use serde::Deserialize;
 
 use crate::format::{FORMATS, Source, load, stem};

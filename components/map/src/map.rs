@@ -1,6 +1,6 @@
 //! What a loaded map is.
 
-use geometry::{Grid, Pose, Scene};
+use asmotion_geometry::{Grid, Pose, Scene};
 
 /// A map: the grid, and what its file says besides.
 #[derive(Clone, Debug)]

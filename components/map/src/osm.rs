@@ -6,7 +6,7 @@ mod pbf;
 mod rings;
 mod xml;
 
-use geometry::{Occupancy, Point};
+use asmotion_geometry::{Occupancy, Point};
 
 use crate::drawing::{Drawing, Frame};
 use crate::format::{Format, Settings, Source};
@@ -169,7 +169,7 @@ impl City<'_> {
             if let Some(name) = tags.get("name") {
                 self.points.push(NamedPoint {
                     name: name.clone(),
-                    pose: geometry::heading(at, 0.0),
+                    pose: asmotion_geometry::heading(at, 0.0),
                 });
             }
         }

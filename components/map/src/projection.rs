@@ -2,7 +2,7 @@
 //!
 //! Within 10 km of the centre it agrees with the local tangent plane (ENU, REP-105's `map`) to a few centimetres.
 
-use geometry::Point;
+use asmotion_geometry::Point;
 use proj4rs::Proj;
 
 use crate::{Fault, LonLat};

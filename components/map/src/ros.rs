@@ -4,7 +4,7 @@
 
 use std::io::Cursor;
 
-use geometry::{Grid, Layout, LayoutError, Occupancy, Point, heading};
+use asmotion_geometry::{Grid, Layout, LayoutError, Occupancy, Point, heading};
 use image::{DynamicImage, GenericImageView, ImageFormat, ImageReader, Limits};
 use serde::Deserialize;
 
@@ -199,11 +199,13 @@ impl About {
         };
         match self.mode {
             Mode::Trinary => certain.unwrap_or(Occupancy::Unknown).value(),
-            Mode::Scale if pixel.alpha.is_some_and(|alpha| alpha < 255) => geometry::UNKNOWN,
+            Mode::Scale if pixel.alpha.is_some_and(|alpha| alpha < 255) => {
+                asmotion_geometry::UNKNOWN
+            }
             Mode::Scale => certain.map_or_else(|| self.between(occupied), Occupancy::value),
             Mode::Raw => match (shade * 255.0).round() as i64 {
                 raw @ 0..=100 => raw as i8,
-                _ => geometry::UNKNOWN,
+                _ => asmotion_geometry::UNKNOWN,
             },
         }
     }
@@ -263,7 +265,7 @@ pub fn save(grid: &Grid, image: &str) -> Result<(String, Vec<u8>), Fault> {
         layout.resolution(),
         origin.translation.x,
         origin.translation.y,
-        geometry::yaw(origin),
+        asmotion_geometry::yaw(origin),
     );
     let width = layout.width().max(1) as usize;
     let rows = grid.cells().chunks(width).rev().flatten();

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use geometry::Occupancy;
+use asmotion_geometry::Occupancy;
 
 /// The tags of a feature.
 pub type Tags = BTreeMap<String, String>;

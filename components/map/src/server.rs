@@ -1,7 +1,9 @@
 //! The component: maps by name for everybody who asks.
 
-use component::{Component, Cycle, Fault, Interface, Out, Property, Provided, ServiceFault, Setup};
-use messages::{GetMap, OccupancyGrid, Place};
+use asmotion_component::{
+    Component, Cycle, Fault, Interface, Out, Property, Provided, ServiceFault, Setup,
+};
+use asmotion_messages::{GetMap, OccupancyGrid, Place};
 
 use crate::library::Served;
 use crate::{Disk, Files, Library, Rules, Settings};
@@ -167,7 +169,7 @@ impl Properties {
                 .declare(),
             max_cells: interface
                 .setting("max_cells", Settings::default().max_cells, max_cells)
-                .range(1..=geometry::Layout::MAX_CELLS)
+                .range(1..=asmotion_geometry::Layout::MAX_CELLS)
                 .declare(),
             max_bytes: interface
                 .setting("max_bytes", Settings::default().max_bytes, max_bytes)

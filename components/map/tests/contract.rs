@@ -9,10 +9,10 @@
 
 mod fixture;
 
+use asmotion_geometry::{Occupancy, Point};
+use asmotion_map::{FORMATS, Fault, Map, MapError, Memory, Settings, load};
 use fixture::Fixture;
-use geometry::{Occupancy, Point};
 use proptest::prelude::*;
-use robot_map::{FORMATS, Fault, Map, MapError, Memory, Settings, load};
 
 fn read(fixture: &Fixture, settings: &Settings) -> Result<Map, MapError> {
     load(

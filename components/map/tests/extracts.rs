@@ -12,9 +12,9 @@
 
 use std::time::Instant;
 
-use geometry::{Occupancy, Point, heading};
-use planner::{AStar, Planner, Settings as Needs};
-use robot_map::{Disk, Map, Settings, load};
+use asmotion_geometry::{Occupancy, Point, heading};
+use asmotion_map::{Disk, Map, Settings, load};
+use asmotion_planner::{AStar, Planner, Settings as Needs};
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/osm");
 

@@ -7,9 +7,9 @@
     reason = "tests"
 )]
 
-use geometry::{Grid, OCCUPIED, Point};
-use planner::{AStar, Planner, Settings as Needs};
-use robot_map::{Disk, Map, Settings, load};
+use asmotion_geometry::{Grid, OCCUPIED, Point};
+use asmotion_map::{Disk, Map, Settings, load};
+use asmotion_planner::{AStar, Planner, Settings as Needs};
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../specs/navigation/maps");
 
@@ -118,6 +118,6 @@ fn its_ros_map_is_the_same_map() {
     .unwrap();
     assert!(
         ros.grid == office().grid,
-        "run `cargo run -p robot-map --example export -- {FOLDER}/office.geojson {FOLDER}`"
+        "run `cargo run -p asmotion-map --example export -- {FOLDER}/office.geojson {FOLDER}`"
     );
 }

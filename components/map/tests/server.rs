@@ -9,12 +9,12 @@
 
 use std::sync::{Arc, Mutex};
 
-use component::{
+use asmotion_component::{
     Activity, CallError, Component, Cycle, Fault, Interface, Log, Required, Run, Span, State,
     System, Wire,
 };
-use messages::{GetMap, OccupancyGrid, Place};
-use robot_map::{MapServer, Memory};
+use asmotion_map::{MapServer, Memory};
+use asmotion_messages::{GetMap, OccupancyGrid, Place};
 
 const WALL: &str = r#"{"type":"FeatureCollection","map":{"units":"metres"},"features":[{"type":"Feature","properties":{"indoor":"wall"},"geometry":{"type":"LineString","coordinates":[[0,0],[4,3]]}}]}"#;
 

@@ -1,6 +1,6 @@
 //! `builtin_interfaces`: time.
 
-datum::message! {
+asmotion_datum::message! {
     /// An instant: seconds and nanoseconds since the zero of the clock in use.
     #[derive(Copy)]
     pub struct Time = "builtin_interfaces/Time" {

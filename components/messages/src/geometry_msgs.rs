@@ -2,7 +2,7 @@
 
 use crate::Header;
 
-datum::message! {
+asmotion_datum::message! {
     /// A free vector; the unit is the user's.
     #[derive(Copy)]
     pub struct Vector3 = "geometry_msgs/Vector3" {
@@ -15,7 +15,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// A position, metres.
     #[derive(Copy)]
     pub struct Point = "geometry_msgs/Point" {
@@ -28,7 +28,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// An orientation as a unit quaternion.
     #[derive(Copy)]
     pub struct Quaternion = "geometry_msgs/Quaternion" {
@@ -43,7 +43,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// Where and how turned.
     #[derive(Copy)]
     pub struct Pose = "geometry_msgs/Pose" {
@@ -54,7 +54,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// A pose with its time and frame.
     pub struct PoseStamped = "geometry_msgs/PoseStamped" {
         /// When, and in which frame.
@@ -64,7 +64,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// A pose with its uncertainty.
     pub struct PoseWithCovariance = "geometry_msgs/PoseWithCovariance" {
         /// The estimate.
@@ -74,7 +74,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// A velocity, in the body's own frame where it stands in a command or an odometry.
     #[derive(Copy)]
     pub struct Twist = "geometry_msgs/Twist" {
@@ -85,7 +85,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// A velocity with its time and frame.
     pub struct TwistStamped = "geometry_msgs/TwistStamped" {
         /// When, and in which frame.
@@ -95,7 +95,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// A velocity with its uncertainty.
     pub struct TwistWithCovariance = "geometry_msgs/TwistWithCovariance" {
         /// The estimate.
@@ -105,7 +105,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// From one frame to another.
     #[derive(Copy)]
     pub struct Transform = "geometry_msgs/Transform" {
@@ -116,7 +116,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// Where the frame `child_frame_id` lies in the frame of the header.
     pub struct TransformStamped = "geometry_msgs/TransformStamped" {
         /// When, and the parent frame.

@@ -2,7 +2,7 @@
 
 use crate::{Disc, OccupancyGrid, PoseStamped, Time};
 
-datum::message! {
+asmotion_datum::message! {
     /// Something happened that a coordinator may care about.
     pub struct Event = "nav/Event" {
         /// When.
@@ -14,7 +14,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// A place that has a map.
     pub struct Place = "nav/Place" {
         /// Its name, as the map server knows it.
@@ -22,7 +22,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// From where to where, on which map.
     pub struct PlanRequest = "nav/PlanRequest" {
         /// The map to plan on.
@@ -34,7 +34,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// Things that a robot saw and that may be missing on the map, in the map frame.
     pub struct Obstacles = "nav/Obstacles" {
         /// When the newest of them was seen.

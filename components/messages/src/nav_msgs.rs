@@ -2,7 +2,7 @@
 
 use crate::{Header, Pose, PoseStamped, PoseWithCovariance, Time, TwistWithCovariance};
 
-datum::message! {
+asmotion_datum::message! {
     /// A way to go: poses in order. Without poses it means: stop.
     pub struct Path = "nav_msgs/Path" {
         /// When it was planned, and in which frame.
@@ -12,7 +12,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// Where the robot believes to be, and how fast it goes.
     pub struct Odometry = "nav_msgs/Odometry" {
         /// When, and the frame of the pose (`odom`, or `map` where both are one).
@@ -26,7 +26,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// How a grid lies in the world.
     pub struct MapMetaData = "nav_msgs/MapMetaData" {
         /// When the map was loaded.
@@ -42,7 +42,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// A grid map; cell (x, y) is `data[y * width + x]`.
     pub struct OccupancyGrid = "nav_msgs/OccupancyGrid" {
         /// When, and in which frame.

@@ -1,6 +1,6 @@
 //! The operations of the navigation services, and the faults they may answer with.
 
-use component::Operation;
+use asmotion_component::Operation;
 
 use crate::{OccupancyGrid, Path, Place, PlanRequest};
 

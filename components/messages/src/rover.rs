@@ -2,7 +2,7 @@
 
 use crate::Time;
 
-datum::message! {
+asmotion_datum::message! {
     /// How fast each wheel shall turn, or turns; forward positive.
     #[derive(Copy)]
     pub struct WheelSpeeds = "rover/WheelSpeeds" {
@@ -13,7 +13,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// How far each wheel has turned since the encoders' zero; forward positive, never wrapped.
     #[derive(Copy)]
     pub struct Encoders = "rover/Encoders" {

@@ -2,7 +2,7 @@
 
 use crate::Header;
 
-datum::message! {
+asmotion_datum::message! {
     /// One sweep of a planar laser. A range is `-Inf` where something is nearer than `range_min`, `+Inf` where nothing
     /// is within `range_max`, NaN where the measurement failed (REP-117).
     pub struct LaserScan = "sensor_msgs/LaserScan" {

@@ -2,7 +2,7 @@
 
 use crate::Time;
 
-datum::message! {
+asmotion_datum::message! {
     /// A truth value (`std_msgs/Bool`).
     #[derive(Copy)]
     pub struct Bool = "std_msgs/Bool" {
@@ -11,7 +11,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// A text (`std_msgs/String`; named `Text` so as not to hide Rust's own).
     pub struct Text = "std_msgs/String" {
         /// The value.
@@ -19,7 +19,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// A number (`std_msgs/Float64`).
     #[derive(Copy)]
     pub struct Float64 = "std_msgs/Float64" {
@@ -28,13 +28,13 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// Nothing but the fact that it came (`std_msgs/Empty`).
     #[derive(Copy)]
     pub struct Empty = "std_msgs/Empty" {}
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// When something was measured, and in which frame its coordinates are (`std_msgs/Header`).
     pub struct Header = "std_msgs/Header" {
         /// The instant of measurement, not of sending.

@@ -1,6 +1,6 @@
 //! Every message by its name, for those who learn a type at run time.
 
-use datum::{Message, Schema};
+use asmotion_datum::{Message, Schema};
 
 use crate::*;
 
@@ -57,7 +57,7 @@ const fn row<T: Message>() -> (&'static str, Describe) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use datum::{Datum, Shape, cbor, json};
+    use asmotion_datum::{Datum, Shape, cbor, json};
     use std::fmt::Debug;
 
     fn survives<T: Message + Debug>(message: T) {

@@ -1,6 +1,6 @@
 //! `world`: what stands in the simulated world, in the ground plane of the map frame, metres.
 
-datum::message! {
+asmotion_datum::message! {
     /// A point of the ground plane.
     #[derive(Copy)]
     pub struct Vertex = "world/Vertex" {
@@ -11,7 +11,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// A thin wall.
     #[derive(Copy)]
     pub struct Segment = "world/Segment" {
@@ -22,7 +22,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// A round thing.
     #[derive(Copy)]
     pub struct Disc = "world/Disc" {
@@ -35,7 +35,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// A solid thing with straight sides.
     pub struct Polygon = "world/Polygon" {
         /// The corners in order, either way round; the last joins the first.
@@ -43,7 +43,7 @@ datum::message! {
     }
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// Everything a beam or a body can hit at one time.
     pub struct Scene = "world/Scene" {
         /// Grows whenever the rest changes.

@@ -1,10 +1,10 @@
 //! `youbot`: an arm of some joints, first joint first; and the services around it (the interfaces of the JOrocos paper).
 
-use component::Operation;
+use asmotion_component::Operation;
 
 use crate::{Bool, Empty, Pose, Text, Time};
 
-datum::message! {
+asmotion_datum::message! {
     /// What the driver measures (`youbot/JointStatus`).
     pub struct JointStatus = "youbot/JointStatus" {
         /// When.

@@ -1,8 +1,8 @@
 //! The component.
 
-use component::{Component, Cycle, Fault, Interface, Out, Property, Setup};
-use geometry::{Point, heading, message};
-use messages::{Bool, Empty, PoseStamped};
+use asmotion_component::{Component, Cycle, Fault, Interface, Out, Property, Setup};
+use asmotion_geometry::{Point, heading, message};
+use asmotion_messages::{Bool, Empty, PoseStamped};
 
 use crate::script::{Command, Deed};
 

@@ -9,9 +9,9 @@
 
 use std::hint::black_box;
 
+use asmotion_geometry::{Cell, FREE, Grid, Layout, OCCUPIED, Point, Pose, heading};
+use asmotion_planner::{PLANNERS, Settings};
 use criterion::{Criterion, criterion_group, criterion_main};
-use geometry::{Cell, FREE, Grid, Layout, OCCUPIED, Point, Pose, heading};
-use robot_planner::{PLANNERS, Settings};
 
 const SIZE: u32 = 400;
 const RESOLUTION: f64 = 0.05;

@@ -1,6 +1,6 @@
 //! The grid planner: costs, search, shortcuts.
 
-use geometry::{Cell, Grid, Occupancy, Point, Polyline, Pose, heading, yaw};
+use asmotion_geometry::{Cell, Grid, Occupancy, Point, Polyline, Pose, heading, yaw};
 
 use crate::costs::{Costs, TIGHT, WALL};
 use crate::search::Search;

@@ -1,11 +1,13 @@
 //! The component: requests in, paths out.
 
-use ::component::{
+use ::asmotion_component::{
     CallId, Component, Cycle, Fault, In, Interface, Out, Property, Provided, RequestId, Required,
     ServiceFault,
 };
-use geometry::{Disc, Grid, OCCUPIED, Point, message};
-use messages::{GetMap, Obstacles, OccupancyGrid, Path, Place, Plan as PlanOperation, PlanRequest};
+use asmotion_geometry::{Disc, Grid, OCCUPIED, Point, message};
+use asmotion_messages::{
+    GetMap, Obstacles, OccupancyGrid, Path, Place, Plan as PlanOperation, PlanRequest,
+};
 
 use crate::{NoPath, PLANNERS, Planner, Settings, planner};
 
@@ -122,7 +124,7 @@ impl TrajectoryPlanner {
             }
         }
         let bad_map =
-            |error: geometry::LayoutError| ServiceFault::new("BAD_MAP", error.to_string());
+            |error: asmotion_geometry::LayoutError| ServiceFault::new("BAD_MAP", error.to_string());
         let mut grid = message::grid(map).map_err(bad_map)?;
         let (start, goal) = (
             message::pose(&request.start.pose),

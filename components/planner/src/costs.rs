@@ -1,6 +1,6 @@
 //! What it costs to enter each cell: more near obstacles, and nothing one could pay for a wall.
 
-use geometry::{Cell, Distances, Grid, Layout, Occupancy};
+use asmotion_geometry::{Cell, Distances, Grid, Layout, Occupancy};
 
 use crate::Settings;
 

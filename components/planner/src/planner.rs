@@ -1,6 +1,6 @@
 //! The seam: what a planner is asked and what it answers, and the table of planners.
 
-use geometry::{Grid, Point, Pose};
+use asmotion_geometry::{Grid, Point, Pose};
 
 use crate::AStar;
 

@@ -1,7 +1,7 @@
 //! From a staircase of cells to straight lines: a shortcut is taken where it is free and costs no more than the way
 //! it replaces.
 
-use geometry::{Layout, Point};
+use asmotion_geometry::{Layout, Point};
 
 use crate::costs::{BASE, Costs, TIGHT, WALL};
 

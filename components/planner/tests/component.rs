@@ -9,13 +9,13 @@
 
 use std::sync::{Arc, Mutex};
 
-use component::{
+use asmotion_component::{
     Activity, CallError, Component, Cycle, Fault, Interface, Log, Provided, Required, Run, Span,
     System, Time, Wire,
 };
-use geometry::{FREE, Grid, Layout, OCCUPIED, Point, Pose, heading, message};
-use messages::{Disc, GetMap, Obstacles, OccupancyGrid, Path, Plan, PlanRequest};
-use robot_planner::TrajectoryPlanner;
+use asmotion_geometry::{FREE, Grid, Layout, OCCUPIED, Point, Pose, heading, message};
+use asmotion_messages::{Disc, GetMap, Obstacles, OccupancyGrid, Path, Plan, PlanRequest};
+use asmotion_planner::TrajectoryPlanner;
 
 /// 6 m × 4 m with a wall in the middle that has an opening at either end.
 fn hall() -> OccupancyGrid {

@@ -9,10 +9,12 @@
 
 mod reference;
 
-use geometry::{Cell, FREE, Grid, Layout, OCCUPIED, Point, Pose, UNKNOWN, Vector, heading, yaw};
+use asmotion_geometry::{
+    Cell, FREE, Grid, Layout, OCCUPIED, Point, Pose, UNKNOWN, Vector, heading, yaw,
+};
+use asmotion_planner::{NoPath, PLANNERS, Plan, Planner, Settings};
 use proptest::prelude::*;
 use reference::Reference;
-use robot_planner::{NoPath, PLANNERS, Plan, Planner, Settings};
 
 const RESOLUTION: f64 = 0.1;
 

@@ -1,6 +1,6 @@
 //! The differential drive: body velocity to wheel speeds and back, and what the motors can do.
 
-use messages::WheelSpeeds;
+use asmotion_messages::WheelSpeeds;
 
 /// The two driven wheels of a rover.
 #[derive(Debug, Clone, Copy, PartialEq)]

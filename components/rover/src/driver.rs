@@ -1,8 +1,8 @@
 //! The component: twist in, wheel speeds out; encoders in, odometry out.
 
-use component::{Component, Cycle, Fault, Flow, In, Interface, Out, Property, Setup};
-use geometry::{Point, Pose, heading, message};
-use messages::{Encoders, Header, Odometry, Twist, WheelSpeeds};
+use asmotion_component::{Component, Cycle, Fault, Flow, In, Interface, Out, Property, Setup};
+use asmotion_geometry::{Point, Pose, heading, message};
+use asmotion_messages::{Encoders, Header, Odometry, Twist, WheelSpeeds};
 
 use crate::drive::{Drive, Limits, Velocity};
 use crate::odometry::Odometer;

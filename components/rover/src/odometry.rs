@@ -1,7 +1,7 @@
 //! Dead reckoning: wheel angles to a pose, along exact arcs.
 
-use geometry::{Pose, Vector, heading, wrap, yaw};
-use messages::Encoders;
+use asmotion_geometry::{Pose, Vector, heading, wrap, yaw};
+use asmotion_messages::Encoders;
 
 use crate::drive::{Drive, Velocity};
 
@@ -12,7 +12,7 @@ use crate::drive::{Drive, Velocity};
 pub fn roll(pose: &Pose, distance: f64, turn: f64) -> Pose {
     let half = turn / 2.0;
     let chord = distance * sinc(half);
-    let moved = pose * geometry::Point::from(Vector::new(half.cos(), half.sin()) * chord);
+    let moved = pose * asmotion_geometry::Point::from(Vector::new(half.cos(), half.sin()) * chord);
     heading(moved, wrap(yaw(pose) + turn))
 }
 
@@ -73,8 +73,8 @@ fn sinc(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use geometry::{Point, turn};
-    use messages::Time;
+    use asmotion_geometry::{Point, turn};
+    use asmotion_messages::Time;
     use proptest::prelude::*;
     use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -1,7 +1,7 @@
 //! A coordinator of twenty lines, in place of the ASM: a goal, a plan, and another plan when the way is blocked.
 
-use component::{Component, Cycle, Fault, Flow, In, Interface, Out, Required};
-use messages::{Event, OccupancyGrid, Odometry, Path, Plan, PlanRequest, PoseStamped};
+use asmotion_component::{Component, Cycle, Fault, Flow, In, Interface, Out, Required};
+use asmotion_messages::{Event, OccupancyGrid, Odometry, Path, Plan, PlanRequest, PoseStamped};
 
 /// Asks for a path to the goal, hands it on, and asks again on `BLOCKED`.
 pub struct Mission {

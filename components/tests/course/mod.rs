@@ -4,17 +4,17 @@ pub mod mission;
 
 use std::sync::{Arc, Mutex};
 
-use adapter::TrajectoryAdapter;
-use component::{
+use asmotion_adapter::TrajectoryAdapter;
+use asmotion_component::{
     Activity, Component, Event, Interface, Policy, Run, Simulation, Span, System, Time, Wire,
 };
-use datum::{Datum, Message, Sample};
-use follower::TrajectoryFollower;
-use geometry::{Grid, Layout, Point, Polyline, Pose, Scene, message};
-use laser::LaserDriver;
-use messages::{OccupancyGrid, Path, PoseStamped, Twist, WheelSpeeds};
-use rover::RoverDriver;
-use world::{Obstacle, World};
+use asmotion_datum::{Datum, Message, Sample};
+use asmotion_follower::TrajectoryFollower;
+use asmotion_geometry::{Grid, Layout, Point, Polyline, Pose, Scene, message};
+use asmotion_laser::LaserDriver;
+use asmotion_messages::{OccupancyGrid, Path, PoseStamped, Twist, WheelSpeeds};
+use asmotion_rover::RoverDriver;
+use asmotion_world::{Obstacle, World};
 
 /// Where the robot drives.
 #[derive(Clone, Default)]
@@ -51,7 +51,7 @@ pub struct Drive {
     /// s and command.
     pub wheels: Vec<(f64, WheelSpeeds)>,
     /// What the adapter told last about obstacles.
-    pub obstacles: Vec<messages::Disc>,
+    pub obstacles: Vec<asmotion_messages::Disc>,
     /// m, the smallest distance between the robot's middle and anything.
     pub nearest: f64,
     /// Faults of components.
@@ -94,7 +94,12 @@ impl Course {
             env!("CARGO_MANIFEST_DIR"),
             "/../specs/navigation/maps/office.geojson"
         );
-        let plan = map::load(&map::Disk, file, &map::Settings::default()).unwrap();
+        let plan = asmotion_map::load(
+            &asmotion_map::Disk,
+            file,
+            &asmotion_map::Settings::default(),
+        )
+        .unwrap();
         Self {
             floor_plan: file.to_owned(),
             start: [1.4, 4.7, 0.0],
@@ -138,11 +143,16 @@ impl Course {
         let (mut system, drive) = self.system();
         let map = self.map.clone().unwrap();
         let goal = message::pose_stamped(
-            &geometry::heading(Point::new(goal.0, goal.1), 0.0),
+            &asmotion_geometry::heading(Point::new(goal.0, goal.1), 0.0),
             0,
             "map",
         );
-        add(&mut system, "Planner", 100, planner::TrajectoryPlanner::new);
+        add(
+            &mut system,
+            "Planner",
+            100,
+            asmotion_planner::TrajectoryPlanner::new,
+        );
         let make = |interface: &mut Interface| {
             Box::new(mission::Mission::new(interface, map.clone(), goal)) as Box<dyn Component>
         };
@@ -221,16 +231,16 @@ impl Course {
             0.05,
             280,
             180,
-            geometry::heading(Point::new(-1.5, -2.0), 0.0),
+            asmotion_geometry::heading(Point::new(-1.5, -2.0), 0.0),
         )
         .unwrap();
-        let mut grid = Grid::new(layout, geometry::FREE);
+        let mut grid = Grid::new(layout, asmotion_geometry::FREE);
         let (walls, _) = self.walls.as_chunks::<4>();
         for [x1, y1, x2, y2] in walls {
             grid.stroke(
                 &[Point::new(*x1, *y1), Point::new(*x2, *y2)],
                 0.0,
-                geometry::OCCUPIED,
+                asmotion_geometry::OCCUPIED,
             );
         }
         self.map = Some(message::occupancy_grid(&grid, 0, "map"));
@@ -247,7 +257,7 @@ impl Course {
                 port: "event",
                 sample,
                 ..
-            } => of::<messages::Event>(*sample).code == messages::Event::REACHED,
+            } => of::<asmotion_messages::Event>(*sample).code == asmotion_messages::Event::REACHED,
             _ => false,
         };
         if running.run.run_until_event(end, &mut { reached }) {
@@ -284,11 +294,13 @@ impl Drive {
             }
             ("World", "scene") => self.scene = message::scene(&of(sample)),
             ("Adapter", "adapted") => self.paths.push((at, of(sample))),
-            ("Adapter", "obstacles") => self.obstacles = of::<messages::Obstacles>(sample).discs,
+            ("Adapter", "obstacles") => {
+                self.obstacles = of::<asmotion_messages::Obstacles>(sample).discs
+            }
             ("Follower", "twist") => self.twists.push((at, of(sample))),
             ("Rover", "wheels") => self.wheels.push((at, of(sample))),
             (_, "event") => {
-                let event: messages::Event = of(sample);
+                let event: asmotion_messages::Event = of(sample);
                 self.events.push((at, event.code, event.detail));
             }
             _ => {}

@@ -1,8 +1,8 @@
 //! The robot's body in the world: wheels that turn, a disc that moves, and what it bumps into.
 
-use geometry::{Point, Pose, Scene};
-use messages::WheelSpeeds;
-use rover::{Drive, roll};
+use asmotion_geometry::{Point, Pose, Scene};
+use asmotion_messages::WheelSpeeds;
+use asmotion_rover::{Drive, roll};
 
 /// A round robot on two driven wheels.
 #[derive(Debug, Clone)]
@@ -89,7 +89,7 @@ fn place(pose: &Pose) -> Point {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use geometry::{Disc, heading, yaw};
+    use asmotion_geometry::{Disc, heading, yaw};
     use proptest::prelude::*;
 
     fn robot() -> Body {

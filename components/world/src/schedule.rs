@@ -1,8 +1,8 @@
 //! Obstacles that no map shows, and when they are there.
 
-use geometry::{Disc, Point, Pose, Scene, heading};
+use asmotion_geometry::{Disc, Point, Pose, Scene, heading};
 
-datum::message! {
+asmotion_datum::message! {
     /// One obstacle, as the property `obstacles` lists it: `{ at_s = 8.0, until_s = 60.0, disc = [4.0, 0.0, 0.3] }`.
     pub struct Obstacle = "world/Obstacle" {
         /// s after the world's first cycle: it appears.

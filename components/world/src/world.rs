@@ -1,13 +1,13 @@
 //! The component: wheel speeds in; encoders, the true pose and the scene out.
 
-use component::{Component, Cycle, Fault, Flow, In, Interface, Out, Property, Setup};
-use geometry::{Point, Pose, Scene, heading, message};
-use map::Disk;
-use messages::{Encoders, Event, PoseStamped, Time, WheelSpeeds};
+use asmotion_component::{Component, Cycle, Fault, Flow, In, Interface, Out, Property, Setup};
+use asmotion_geometry::{Point, Pose, Scene, heading, message};
+use asmotion_map::Disk;
+use asmotion_messages::{Encoders, Event, PoseStamped, Time, WheelSpeeds};
+use asmotion_rover::Drive;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use rover::Drive;
 
 use crate::body::{Body, Slip};
 use crate::schedule::{Obstacle, Schedule, Solid};
@@ -17,7 +17,7 @@ pub struct World {
     wheels: In<WheelSpeeds>,
     encoders: Out<Encoders>,
     truth: Out<PoseStamped>,
-    scene: Out<messages::Scene>,
+    scene: Out<asmotion_messages::Scene>,
     event: Out<Event>,
     settings: Settings,
 
@@ -280,7 +280,7 @@ impl Settings {
         let file = setup.property(self.floor_plan);
         let plan = match file.strip_prefix("file:").unwrap_or(&file) {
             "" => Scene::default(),
-            name => map::load(&Disk, name, &map::Settings::default())?.scene(),
+            name => asmotion_map::load(&Disk, name, &asmotion_map::Settings::default())?.scene(),
         };
         let numbers = setup.property(self.walls);
         let (more, rest) = numbers.as_chunks::<4>();

@@ -2,9 +2,11 @@
 
 use std::time::Duration;
 
-use component::{Component, Cycle, Fault, Flow, In, Interface, Out, Property, Provided, Setup};
-use messages::{Bool, DriverSetPeriod, DriverState, Float64, JointCommand, JointStatus};
-use messages::{Text, Time};
+use asmotion_component::{
+    Component, Cycle, Fault, Flow, In, Interface, Out, Property, Provided, Setup,
+};
+use asmotion_messages::{Bool, DriverSetPeriod, DriverState, Float64, JointCommand, JointStatus};
+use asmotion_messages::{Text, Time};
 
 use crate::joints::{Joints, Manner};
 

@@ -1,6 +1,6 @@
 //! Joints that are not there: they turn towards their goals, or are somewhere by chance.
 
-use messages::{JointStatus, Time};
+use asmotion_messages::{JointStatus, Time};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

@@ -1,7 +1,7 @@
 //! The service: a pose of the hand in, positions of the joints out.
 
-use component::{Component, Cycle, Fault, Interface, Provided, ServiceFault};
-use messages::{Goal, JointPositions, Solve};
+use asmotion_component::{Component, Cycle, Fault, Interface, Provided, ServiceFault};
+use asmotion_messages::{Goal, JointPositions, Solve};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
 use crate::{Arm, Joints, Unreachable};

@@ -2,10 +2,10 @@
 
 use std::time::Duration;
 
-use component::{
+use asmotion_component::{
     CallError, Component, Cycle, Fault, Interface, Property, Provided, Required, Time,
 };
-use messages::{MoveTo, Notify, Point, Pose, Quaternion};
+use asmotion_messages::{MoveTo, Notify, Point, Pose, Quaternion};
 use nalgebra::{UnitQuaternion, Vector3};
 
 /// After so much silence an arrival may have been missed.

@@ -1,9 +1,9 @@
 //! What this build has: components, messages, operations. The robot's crates fill it; this crate
 //! only asks.
 
-use component::declaration::{Declaration, OperationDeclaration};
-use component::{Component, Interface};
-use datum::Schema;
+use asmotion_component::declaration::{Declaration, OperationDeclaration};
+use asmotion_component::{Component, Interface};
+use asmotion_datum::Schema;
 
 use crate::model::Builtin;
 

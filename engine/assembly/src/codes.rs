@@ -3,7 +3,7 @@
 //! The pages stand in the folder `codes`. Their examples are tried with the components of the build, in
 //! the root's tests.
 
-use asm_lang::codes::Code;
+use asmotion_lang::codes::Code;
 
 macro_rules! codes {
     ($($name:ident)*) => {

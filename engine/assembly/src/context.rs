@@ -1,6 +1,6 @@
 //! Everything a composite needs from outside its files.
 
-use source::Loader;
+use asmotion_source::Loader;
 
 use crate::catalogue::{Catalogue, Tables};
 use crate::environment::{EmptyEnvironment, Environment};

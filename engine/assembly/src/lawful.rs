@@ -1,8 +1,8 @@
 //! Whether a property can have a value: its type, its range, its choices.
 
-use component::declaration::PropertyDeclaration;
-use datum::{Datum, Schema, Shape};
-use source::{Diagnostic, Span};
+use asmotion_component::declaration::PropertyDeclaration;
+use asmotion_datum::{Datum, Schema, Shape};
+use asmotion_source::{Diagnostic, Span};
 
 use crate::finding::{Finding, Findings};
 use crate::scope::{Notes, Range, SettingError, within};

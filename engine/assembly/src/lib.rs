@@ -29,10 +29,10 @@ pub mod tree;
 mod types;
 mod value;
 
+pub use asmotion_component::declaration;
 pub use at::At;
 pub use catalogue::{Catalogue, Constructor, Tables};
 pub use codes::CODES;
-pub use component::declaration;
 pub use context::Context;
 pub use environment::{EmptyEnvironment, Environment};
 pub use expand::{beside, expand};

@@ -1,9 +1,9 @@
 //! The map of a port-proxy: how arguments become messages, messages results, and events arguments. The checker asks
 //! whether they do, the plan how.
 
-use bridge::{Conversion, Use, inside};
-use component::declaration::OperationDeclaration;
-use datum::{Datum, Field, Schema, Shape};
+use asmotion_bridge::{Conversion, Use, inside};
+use asmotion_component::declaration::OperationDeclaration;
+use asmotion_datum::{Datum, Field, Schema, Shape};
 
 use crate::model::{ProxyEntry, ProxyMode};
 

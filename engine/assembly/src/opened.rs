@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use datum::Schema;
-use source::{Diagnostic, Report, Severity, Sources, Span};
+use asmotion_datum::Schema;
+use asmotion_source::{Diagnostic, Report, Severity, Sources, Span};
 
 use crate::check;
 use crate::context::Context;

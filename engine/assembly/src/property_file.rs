@@ -5,9 +5,9 @@
 //! speed_mps = 0.6
 //! ```
 
-use component::declaration::{Declaration, PropertyDeclaration};
-use datum::Datum;
-use source::{Diagnostic, Report, Sources, Span};
+use asmotion_component::declaration::{Declaration, PropertyDeclaration};
+use asmotion_datum::Datum;
+use asmotion_source::{Diagnostic, Report, Sources, Span};
 use toml_edit::DocumentMut;
 
 use crate::expand::toml;

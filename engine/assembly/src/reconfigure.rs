@@ -1,7 +1,7 @@
 //! From one plan to another while the system runs: what changes, and what cannot without a new start.
 
-use component::{Change, Run};
-use datum::Datum;
+use asmotion_component::{Change, Run};
+use asmotion_datum::Datum;
 
 use crate::plan::{self, Component, Connection, End, Plan, Settings, Terminal, Wire};
 use crate::start::{self, Part};
@@ -229,7 +229,7 @@ impl Difference<'_> {
 struct Joint<'p> {
     reference: &'p End,
     service: &'p End,
-    how: component::Wire,
+    how: asmotion_component::Wire,
     /// Whether it does without a bus.
     stays_here: bool,
 }

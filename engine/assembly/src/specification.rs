@@ -1,11 +1,11 @@
 //! Signatures of `.asm` files, as the language crates read them.
 
-use asm_lang::hir::{self, DomainKind, Model, Type, TypeId};
-use asm_lang::ir::{Role, message_uses};
-use asm_lang::stdlib;
-use asm_lang::syntax::ast::File;
-use asm_lang::value::{Atom, Value};
-use source::{Loader, Report, Sources, Span};
+use asmotion_lang::hir::{self, DomainKind, Model, Type, TypeId};
+use asmotion_lang::ir::{Role, message_uses};
+use asmotion_lang::stdlib;
+use asmotion_lang::syntax::ast::File;
+use asmotion_lang::value::{Atom, Value};
+use asmotion_source::{Loader, Report, Sources, Span};
 
 use crate::signature::{
     Annotated, Annotations, Codomain, FunctionInfo, FunctionKind, Signature, Specifications,

@@ -1,6 +1,6 @@
 //! TOML text as a tree in which every key and every value knows its place.
 
-use source::{FileId, Span};
+use asmotion_source::{FileId, Span};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 

@@ -2,10 +2,10 @@
 
 use std::fmt;
 
-use datum::Datum;
+use asmotion_datum::Datum;
+use asmotion_source::FileId;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
-use source::FileId;
 
 use crate::tree::{self, Branch, Entry};
 
@@ -72,7 +72,7 @@ impl Value {
             }
             Datum::Record(entries) => {
                 let fields = entries.iter();
-                let field = |(name, value): &(datum::Name, Datum)| {
+                let field = |(name, value): &(asmotion_datum::Name, Datum)| {
                     Some((name.to_string(), Self::of_datum(value)?))
                 };
                 Self::Record(fields.filter_map(field).collect())

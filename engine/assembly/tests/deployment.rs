@@ -3,10 +3,10 @@
 
 mod support;
 
-use asm_lang::Files;
-use assembly::{Context, Opened, Standard, Tables, property_file};
-use component::{Component, Cycle, Fault, Interface, Log, Property, Run, Span, System};
-use datum::Datum;
+use asmotion_assembly::{Context, Opened, Standard, Tables, property_file};
+use asmotion_component::{Component, Cycle, Fault, Interface, Log, Property, Run, Span, System};
+use asmotion_datum::Datum;
+use asmotion_lang::Files;
 
 const BUILD: Tables = Tables {
     components: &[
@@ -23,7 +23,7 @@ fn open(files: &Files, path: &str) -> Opened {
         catalogue: &BUILD,
         ..Context::files(files)
     };
-    assembly::open(path, &context)
+    asmotion_assembly::open(path, &context)
 }
 
 fn start(files: &Files, opened: &Opened) -> System {
@@ -34,7 +34,7 @@ fn start(files: &Files, opened: &Opened) -> System {
         seed: 0,
         builtins: &mut |_, _| None,
     };
-    assembly::start(plan, &mut workshop).expect("a system")
+    asmotion_assembly::start(plan, &mut workshop).expect("a system")
 }
 
 fn said(opened: &Opened) -> String {
@@ -259,7 +259,7 @@ fn o13_components_stop_in_reverse_order_of_their_start() {
 }
 
 /// What a new `Pid` declares.
-fn declaration() -> assembly::declaration::Declaration {
+fn declaration() -> asmotion_assembly::declaration::Declaration {
     let mut interface = Interface::new();
     Pid::new(&mut interface);
     interface.declaration().clone()

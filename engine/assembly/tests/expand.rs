@@ -5,8 +5,8 @@ mod support;
 
 use std::sync::Arc;
 
-use assembly::{AsmFiles, Context, Opened, Tables, expand};
-use source::{LoadError, Loader};
+use asmotion_assembly::{AsmFiles, Context, Opened, Tables, expand};
+use asmotion_source::{LoadError, Loader};
 use support::{Files, Variables};
 
 /// The files of a folder, and one more.
@@ -40,7 +40,7 @@ fn open(loader: &dyn Loader, file: &str) -> Opened {
         specifications: &AsmFiles::new(loader),
         settings: &[],
     };
-    assembly::open(file, &context)
+    asmotion_assembly::open(file, &context)
 }
 
 /// The expansions of a composite, by profile; each was expanded once more, to the same.

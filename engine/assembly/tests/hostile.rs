@@ -3,8 +3,8 @@
 
 mod support;
 
-use asm_lang::Files;
-use assembly::{AsmFiles, Context, Opened, Tables};
+use asmotion_assembly::{AsmFiles, Context, Opened, Tables};
+use asmotion_lang::Files;
 use proptest::prelude::*;
 use support::Variables;
 
@@ -19,7 +19,7 @@ fn open(files: &Files) -> Opened {
         specifications: &specifications,
         settings: &[],
     };
-    assembly::open("main.toml", &context)
+    asmotion_assembly::open("main.toml", &context)
 }
 
 fn opened(text: &str) -> Opened {

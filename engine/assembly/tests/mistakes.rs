@@ -22,7 +22,7 @@ fn expected(text: &str) -> BTreeSet<(usize, String)> {
     expected
 }
 
-fn found(file: &str, opened: &assembly::Opened) -> BTreeSet<(usize, String)> {
+fn found(file: &str, opened: &asmotion_assembly::Opened) -> BTreeSet<(usize, String)> {
     let findings = opened.report.diagnostics.iter().map(|finding| {
         let place = finding.primary.as_ref().map(|label| label.span);
         let here = place.filter(|span| opened.sources.path(span.file) == file);
@@ -76,14 +76,16 @@ fn it_has_a_planted_mistake_for_every_code() {
     }
     // no small file shows these: see `tests/hostile.rs`
     let elsewhere = ["C081", "C082", "C116"];
-    let codes = assembly::CODES.iter().map(|code| code.name);
+    let codes = asmotion_assembly::CODES.iter().map(|code| code.name);
     let missing: Vec<&str> = codes
         .filter(|code| !planted.contains(*code) && !elsewhere.contains(code))
         .collect();
     assert!(missing.is_empty(), "no composite shows {missing:?}");
     for code in planted {
         assert!(
-            assembly::CODES.iter().any(|known| known.name == code),
+            asmotion_assembly::CODES
+                .iter()
+                .any(|known| known.name == code),
             "{code} is not listed"
         );
     }

@@ -3,13 +3,13 @@
 
 mod support;
 
-use asm_lang::Files;
-use assembly::reconfigure::changes;
-use assembly::{Context, Opened, Part, Plan, Standard, Tables};
-use component::{Component, Cycle, Fault, In, Interface, Log, Out, Property, Run, Span};
-use datum::{Message, Schema};
+use asmotion_assembly::reconfigure::changes;
+use asmotion_assembly::{Context, Opened, Part, Plan, Standard, Tables};
+use asmotion_component::{Component, Cycle, Fault, In, Interface, Log, Out, Property, Run, Span};
+use asmotion_datum::{Message, Schema};
+use asmotion_lang::Files;
 
-datum::message! {
+asmotion_datum::message! {
     /// A number.
     #[derive(Copy)]
     pub struct Number = "test/Number" {
@@ -115,7 +115,7 @@ fn open(text: &str) -> (Files, Opened) {
         catalogue: &BUILD,
         ..Context::files(&files)
     };
-    let opened = assembly::open("main.toml", &context);
+    let opened = asmotion_assembly::open("main.toml", &context);
     (files, opened)
 }
 
@@ -135,7 +135,7 @@ fn version(replaced: &[(&str, &str)]) -> Plan {
 }
 
 /// A running composite, its plan, and what happens in it.
-fn running() -> (Plan, component::System, Log) {
+fn running() -> (Plan, asmotion_component::System, Log) {
     let (files, opened) = open(COMPOSITE);
     let plan = opened.plan(None).expect("a plan").clone();
     let mut workshop = Standard {
@@ -144,7 +144,7 @@ fn running() -> (Plan, component::System, Log) {
         seed: 0,
         builtins: &mut |_, _| None,
     };
-    let mut system = assembly::start(&plan, &mut workshop).expect("a system");
+    let mut system = asmotion_assembly::start(&plan, &mut workshop).expect("a system");
     let log = Log::new();
     system.observe(log.clone());
     (plan, system, log)

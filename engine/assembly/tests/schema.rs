@@ -26,8 +26,8 @@ fn document(path: &Path) -> Option<(Json, Json)> {
     let text = std::fs::read_to_string(path).expect("a file");
     let json: Json = toml::from_str(&text).ok()?;
     let schema = match json.get("schema")?.as_str()? {
-        "composite/1" => assembly::schema::composite(),
-        "composite-types/1" => assembly::schema::types(),
+        "composite/1" => asmotion_assembly::schema::composite(),
+        "composite-types/1" => asmotion_assembly::schema::types(),
         _ => return None,
     };
     Some((json, schema))
@@ -43,7 +43,10 @@ fn complaints(json: &Json, schema: &Json) -> Vec<String> {
 
 #[test]
 fn it_is_what_a_person_has_read() {
-    let schemas = [assembly::schema::composite(), assembly::schema::types()];
+    let schemas = [
+        asmotion_assembly::schema::composite(),
+        asmotion_assembly::schema::types(),
+    ];
     for (name, schema) in ["composite", "types"].into_iter().zip(schemas) {
         let shown = serde_json::to_string_pretty(&schema).expect("JSON");
         insta::assert_snapshot!(name, shown);
@@ -86,7 +89,7 @@ fn it_finds_the_mistakes_that_the_reader_finds() {
         let path = format!("tests/composites/{file}.toml");
         let text = std::fs::read_to_string(&path).expect("a file");
         let json: Json = toml::from_str(&text).expect("TOML");
-        let found = complaints(&json, &assembly::schema::composite());
+        let found = complaints(&json, &asmotion_assembly::schema::composite());
         let planted = text.matches("#~").count();
         assert!(!found.is_empty(), "{file}");
         if file == "c003_unknown_keys_everywhere" {

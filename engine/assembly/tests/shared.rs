@@ -7,8 +7,8 @@ mod support;
 use std::path::Path;
 use std::sync::Arc;
 
-use assembly::{AsmFiles, Context, Opened, Tables};
-use source::{LoadError, Loader, Severity};
+use asmotion_assembly::{AsmFiles, Context, Opened, Tables};
+use asmotion_source::{LoadError, Loader, Severity};
 use support::{Files, Variables};
 
 const FOLDER: &str = "../../../shared/specs";
@@ -53,7 +53,7 @@ fn open(loader: &dyn Loader, file: &str) -> Opened {
         specifications: &specifications,
         settings: &[],
     };
-    assembly::open(file, &context)
+    asmotion_assembly::open(file, &context)
 }
 
 fn errors(opened: &Opened) -> Vec<String> {

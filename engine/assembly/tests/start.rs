@@ -3,19 +3,19 @@
 
 mod support;
 
-use asm_lang::Files;
-use assembly::{
+use asmotion_assembly::{
     AsmFiles, Constructor, Context, Opened, Standard, StartError, Tables, binding, plan,
 };
-use component::declaration::OperationDeclaration;
-use component::{
+use asmotion_component::declaration::OperationDeclaration;
+use asmotion_component::{
     Component, Cycle, Fault, In, Interface, Log, Operation, Out, Property, Provided, Run, Span,
     System,
 };
-use datum::{Message, Schema};
+use asmotion_datum::{Message, Schema};
+use asmotion_lang::Files;
 use support::Variables;
 
-datum::message! {
+asmotion_datum::message! {
     /// Something happened.
     pub struct Event = "test/Event" {
         /// What.
@@ -232,7 +232,7 @@ fn open(files: &Files, settings: &[(String, String)]) -> Opened {
         specifications: &specifications,
         settings,
     };
-    let opened = assembly::open("main.toml", &context);
+    let opened = asmotion_assembly::open("main.toml", &context);
     assert!(
         !opened.report.has_errors(),
         "{}",
@@ -248,7 +248,7 @@ fn start(files: &Files, plan: &plan::Plan) -> Result<System, StartError> {
         seed: 1,
         builtins: &mut |_, _| None,
     };
-    assembly::start(plan, &mut workshop)
+    asmotion_assembly::start(plan, &mut workshop)
 }
 
 /// What the innermost component says in the end.
@@ -340,7 +340,7 @@ fn it_puts_the_binding_into_the_plan_without_places_and_substitutions() {
     let binding::Action::Call(call) = &cases[0].actions[0] else {
         panic!("a call");
     };
-    let n = binding::Argument::Value(assembly::Value::Integer(21));
+    let n = binding::Argument::Value(asmotion_assembly::Value::Integer(21));
     assert_eq!(
         call.with,
         binding::Argument::Record(vec![("n".to_owned(), n)])
@@ -391,7 +391,7 @@ fn it_takes_paths_from_the_folder_of_the_file_they_are_written_in() {
         let mut files = Files::new();
         files.add("here/main.toml", outer(set));
         files.add("here/deep/inner.toml", inner);
-        let opened = assembly::open("here/main.toml", &Context::files(&files));
+        let opened = asmotion_assembly::open("here/main.toml", &Context::files(&files));
         let plan = opened.plan(None).expect("a plan");
         let map = plan.components[0].properties.get("map").expect("a map");
         map.to_string()
@@ -498,7 +498,7 @@ fn y10_a_specification_that_waits_for_an_answer_has_one_service() {
         specifications: &AsmFiles::new(&files),
         settings: &[],
     };
-    let opened = assembly::open("main.toml", &context);
+    let opened = asmotion_assembly::open("main.toml", &context);
     let said = support::render::report(&opened.sources, &opened.report);
     assert!(
         said.contains("C034") && said.contains("waits for the answer to `hear`"),
@@ -552,7 +552,7 @@ fn o17_ports_join_over_a_message_queue() {
     run.run_until_event(until, &mut |_, event| {
         matches!(
             event,
-            component::Event::Published {
+            asmotion_component::Event::Published {
                 component: "Reader",
                 sequence: 3,
                 ..

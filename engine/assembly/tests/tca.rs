@@ -7,15 +7,15 @@ mod support;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use asm_lang::Files;
-use assembly::{AsmFiles, Constructor, Context, Opened, Plan, Standard, Tables, plan};
-use component::{
+use asmotion_assembly::{AsmFiles, Constructor, Context, Opened, Plan, Standard, Tables, plan};
+use asmotion_component::{
     Component, Cycle, Event, Fault, Interface, Run, Simulation, State, Time, Transition,
 };
-use coordinator::StepRecord;
+use asmotion_coordinator::StepRecord;
+use asmotion_lang::Files;
 use support::Variables;
 
-datum::message! {
+asmotion_datum::message! {
     /// A number.
     #[derive(Copy)]
     pub struct Number = "test/Number" {
@@ -40,7 +40,7 @@ const COMPONENTS: &[(&str, Constructor)] = &[("test::Task", |interface: &mut Int
 
 const BUILD: Tables = Tables {
     components: COMPONENTS,
-    messages: &[("test/Number", <Number as datum::Message>::schema)],
+    messages: &[("test/Number", <Number as asmotion_datum::Message>::schema)],
     interfaces: &[],
     builtins: &[],
 };
@@ -63,7 +63,7 @@ fn open(text: &str) -> Opened {
         specifications: &AsmFiles::new(&files),
         settings: &[],
     };
-    assembly::open("tca.toml", &context)
+    asmotion_assembly::open("tca.toml", &context)
 }
 
 /// What is found in it: the codes and the texts.
@@ -97,7 +97,7 @@ fn simulated(keys: &str) -> Simulation {
         seed: 1,
         builtins: &mut |_, _| None,
     };
-    let system = assembly::start(&plan, &mut workshop).expect("a system");
+    let system = asmotion_assembly::start(&plan, &mut workshop).expect("a system");
     system.simulate()
 }
 
@@ -189,7 +189,7 @@ fn t19_a_step_that_is_cancelled_has_happened_or_has_not() {
         specifications: &AsmFiles::new(&files),
         settings: &[],
     };
-    let opened = assembly::open("tca.toml", &context);
+    let opened = asmotion_assembly::open("tca.toml", &context);
     let mut workshop = Standard {
         catalogue: &BUILD,
         loader: &files,
@@ -197,7 +197,7 @@ fn t19_a_step_that_is_cancelled_has_happened_or_has_not() {
         builtins: &mut |_, _| None,
     };
     let plan = opened.plan(None).expect("a plan");
-    let mut system = assembly::start(plan, &mut workshop).expect("a system");
+    let mut system = asmotion_assembly::start(plan, &mut workshop).expect("a system");
     let steps: Arc<Mutex<Vec<StepRecord>>> = Arc::default();
     let seen = Arc::clone(&steps);
     system.observe(move |_: Time, event: &Event<'_>| {

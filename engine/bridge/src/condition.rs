@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use datum::{Datum, Schema, Shape};
+use asmotion_datum::{Datum, Schema, Shape};
 
 /// Something that holds of a message that came through a port, or does not.
 #[derive(Clone, Debug, PartialEq)]

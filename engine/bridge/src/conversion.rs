@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use datum::{Datum, Field, Schema, Shape};
+use asmotion_datum::{Datum, Field, Schema, Shape};
 
 /// How data of one shape becomes data of another; decided once, from the shapes.
 #[derive(Clone, Debug, PartialEq)]

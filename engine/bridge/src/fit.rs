@@ -1,6 +1,6 @@
 //! Whether data is of a shape, and where it is not.
 
-use datum::{Datum, Schema, Shape};
+use asmotion_datum::{Datum, Schema, Shape};
 
 /// The first place where data is not of its shape.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -88,7 +88,7 @@ pub(crate) fn wrong_count(wanted: usize, found: usize) -> Misfit {
     }
 }
 
-fn record(data: &Datum, fields: &[datum::Field], schema: &Schema) -> Result<(), Misfit> {
+fn record(data: &Datum, fields: &[asmotion_datum::Field], schema: &Schema) -> Result<(), Misfit> {
     let Datum::Record(entries) = data else {
         return Err(misfit(schema, data));
     };
@@ -131,7 +131,7 @@ impl Misfit {
 #[allow(clippy::unwrap_used, reason = "tests")]
 mod tests {
     use super::*;
-    use datum::Field;
+    use asmotion_datum::Field;
 
     fn said(data: &Datum, schema: &Schema) -> String {
         fit(data, schema).unwrap_err().to_string()

@@ -11,8 +11,8 @@ mod settings;
 
 use std::sync::Arc;
 
-use component::{Component, Cycle, Fault, In, Interface, Out, ServiceFault, Time};
-use datum::{Datum, Schema};
+use asmotion_component::{Component, Cycle, Fault, In, Interface, Out, ServiceFault, Time};
+use asmotion_datum::{Datum, Schema};
 
 use events::Events;
 use motion::Motion;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use datum::Schema;
+use asmotion_datum::Schema;
 
 use crate::{
     Bell, Health, Pattern, Payload, Pending, Queue, Request, Sending, Sent, Serving, Subscription,

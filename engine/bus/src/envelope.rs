@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use datum::{Codec, Datum, DatumError, Message, Problem, Sample, Schema};
+use asmotion_datum::{Codec, Datum, DatumError, Message, Problem, Sample, Schema};
 
 use crate::Trace;
 

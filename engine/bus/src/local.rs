@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
 
-use datum::Schema;
+use asmotion_datum::Schema;
 
 use crate::request::Desk;
 use crate::{

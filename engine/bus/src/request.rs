@@ -190,7 +190,8 @@ pub struct Delivered(Arc<Slot>);
 impl Delivered {
     /// The server's queue has it, or will never have it.
     pub fn end(self, end: Result<(), CallFailure>) {
-        self.0.put(end.map(|()| Payload::of(datum::Datum::Null)));
+        self.0
+            .put(end.map(|()| Payload::of(asmotion_datum::Datum::Null)));
     }
 
     /// Whether the sender still wants to know.

@@ -2,7 +2,7 @@
 
 use std::num::NonZeroUsize;
 
-use datum::Codec;
+use asmotion_datum::Codec;
 
 /// How the messages of a topic are sent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

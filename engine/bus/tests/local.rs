@@ -4,11 +4,11 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use bus::{
+use asmotion_bus::{
     Bell, Bus, BusError, Health, Local, Origin, Overflow, Pattern, Payload, Pending, Publisher,
     Queue, Request, Sending, Sent, Serving, Subscription, contract,
 };
-use datum::{Datum, Message};
+use asmotion_datum::{Datum, Message};
 
 #[test]
 fn t29_the_local_bus_keeps_the_contract() {
@@ -25,7 +25,7 @@ impl Publisher for ForgetfulPublisher {
         &mut self,
         stamp: i64,
         payload: Payload,
-        _: Option<bus::Trace>,
+        _: Option<asmotion_bus::Trace>,
     ) -> Result<(), BusError> {
         self.1 += 1;
         match self.1 % 3 {
@@ -48,7 +48,7 @@ impl Bus for Forgetful {
         &self,
         topic: &str,
         origin: &Origin,
-        schema: &datum::Schema,
+        schema: &asmotion_datum::Schema,
         sending: Sending,
     ) -> Result<Box<dyn Publisher>, BusError> {
         let inner = self.0.publisher(topic, origin, schema, sending)?;
@@ -155,7 +155,7 @@ fn payloads_are_shared_not_copied() {
             Arc::new(Bell::new()),
         )
         .unwrap();
-    let sample: Arc<dyn datum::Sample> = Arc::new(Datum::text("a big map"));
+    let sample: Arc<dyn asmotion_datum::Sample> = Arc::new(Datum::text("a big map"));
     let mut publisher = bus
         .publisher(
             "map",

@@ -1,13 +1,13 @@
 //! Two components that greet: each with ports, a property, an operation of a service, and the other as its peer.
 //!
-//! `cargo run -p engine-component --example hello`
+//! `cargo run -p asmotion-component --example hello`
 
-use component::{
+use asmotion_component::{
     Activity, BuildError, Component, Cycle, Fault, In, Interface, Log, Operation, Out, Property,
     Provided, Required, Run, Span, System, Wire,
 };
 
-datum::message! {
+asmotion_datum::message! {
     /// Words.
     pub struct Words = "hello/Words" {
         /// The words.
@@ -75,7 +75,11 @@ pub fn system() -> Result<System, BuildError> {
     let mut system = System::new();
     let ann = system.add("Ann", Activity::event(), Hello::declare)?;
     system.add("Ben", Activity::event(), Hello::declare)?;
-    system.set_property(ann, "salutation", &datum::Datum::text("Good morning"))?;
+    system.set_property(
+        ann,
+        "salutation",
+        &asmotion_datum::Datum::text("Good morning"),
+    )?;
     system.wire("Ann.peer", "Ben.greeting", Wire::default())?;
     system.wire("Ben.peer", "Ann.greeting", Wire::default())?;
     system.publish("Ann.greeting", "greetings")?;

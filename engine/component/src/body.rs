@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use datum::{Datum, Sample};
+use asmotion_datum::{Datum, Sample};
 
 use crate::cause::Cause;
 use crate::declaration::Declaration;

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use bus::Trace;
+use asmotion_bus::Trace;
 use crossbeam_queue::ArrayQueue;
 
 /// What a component's cycle follows from. Never locks.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use datum::{Datum, Message, Sample};
+use asmotion_datum::{Datum, Message, Sample};
 
 use crate::body::{Action, Body};
 use crate::face::Status;

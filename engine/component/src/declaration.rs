@@ -1,6 +1,6 @@
 //! What a component declares, as plain data: for the checker, for introspection, for people.
 
-use datum::{Datum, Schema};
+use asmotion_datum::{Datum, Schema};
 use serde::{Deserialize, Serialize};
 
 /// Everything a component declares in its constructor.

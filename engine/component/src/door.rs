@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use connection::Delivery;
-use datum::{DatumError, Sample};
+use asmotion_connection::Delivery;
+use asmotion_datum::{DatumError, Sample};
 
 use crate::outside::Outside;
 use crate::port::AnySender;

@@ -7,7 +7,7 @@ pub(crate) use owned::Owned;
 
 use std::time::Duration;
 
-use datum::{Datum, DatumError, Sample};
+use asmotion_datum::{Datum, DatumError, Sample};
 
 use crate::{CallError, CallId, Denied, Fault, State, Time};
 

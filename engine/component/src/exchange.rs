@@ -14,7 +14,7 @@ mod topics;
 use std::sync::Arc;
 use std::time::Duration;
 
-use bus::{Bell, Bus, BusError};
+use asmotion_bus::{Bell, Bus, BusError};
 
 use self::line::Line;
 use self::offered::Offers;

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use bus::{Health, Link};
-use datum::Sample;
+use asmotion_bus::{Health, Link};
+use asmotion_datum::Sample;
 
 use crate::Time;
 use crate::door::{Doors, Place};
@@ -14,7 +14,7 @@ use crate::system::Topic;
 /// every change. It stays inside.
 pub const HEALTH_TOPIC: &str = "bus";
 
-datum::message! {
+asmotion_datum::message! {
     /// How the bus of a system is.
     pub struct BusHealth = "bus/Health" {
         /// `UP`; `BLOCKED`: the broker takes nothing; `DOWN`: nothing goes out or comes in

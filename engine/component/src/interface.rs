@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use datum::{Datum, Message, Sample, Schema};
+use asmotion_datum::{Datum, Message, Sample, Schema};
 
 use crate::declaration::{
     Declaration, DeclarationError, OperationDeclaration, PortDeclaration, ReferenceDeclaration,

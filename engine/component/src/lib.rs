@@ -34,7 +34,7 @@ mod system;
 mod time;
 mod unit;
 
-pub use ::connection::{Delivery, Kind};
+pub use ::asmotion_connection::{Delivery, Kind};
 pub use activity::{Activity, Deadline, Denied, Drive, OnException, OnLate, Overrun, Scheduler};
 pub use component::Component;
 pub use cycle::Cycle;

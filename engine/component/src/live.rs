@@ -14,7 +14,7 @@ use std::sync::{Arc, mpsc};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use datum::Sample;
+use asmotion_datum::Sample;
 
 use self::courier::Courier;
 use self::events::Events;

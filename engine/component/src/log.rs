@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use datum::{Message, Sample};
+use asmotion_datum::{Message, Sample};
 
 use crate::{Event, Observer, Time};
 

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use ::connection::Kind;
+use ::asmotion_connection::Kind;
 use serde::{Deserialize, Serialize};
 
 /// How samples travel from an output port to an input port.

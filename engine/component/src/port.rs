@@ -8,9 +8,9 @@ mod output;
 
 use std::sync::Arc;
 
-use datum::{DatumError, Message, Sample};
+use asmotion_datum::{DatumError, Message, Sample};
 
-use connection::{Delivery, Sender};
+use asmotion_connection::{Delivery, Sender};
 
 pub(crate) use self::channel::{Incoming, Inlet, OpenError, Queue, Stamped};
 pub(crate) use self::input::{AnyInput, Input};

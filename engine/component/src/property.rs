@@ -4,7 +4,7 @@ use std::any::Any;
 use std::fmt::Debug;
 use std::ops::RangeInclusive;
 
-use datum::{Datum, DatumError, Described};
+use asmotion_datum::{Datum, DatumError, Described};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 

@@ -16,7 +16,7 @@ pub use self::writer::{WriteError, Writer};
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
-use datum::{Datum, DatumError, Message, Sample};
+use asmotion_datum::{Datum, DatumError, Message, Sample};
 use serde::{Deserialize, Serialize};
 
 use crate::declaration::Declaration;

@@ -5,8 +5,8 @@ mod post;
 mod provider;
 mod reference;
 
-use bus::CallFailure;
-use datum::{Datum, DatumError, Message};
+use asmotion_bus::CallFailure;
+use asmotion_datum::{Datum, DatumError, Message};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Duration;

@@ -11,7 +11,7 @@ mod world;
 use std::sync::Arc;
 use std::time::Duration;
 
-use datum::Sample;
+use asmotion_datum::Sample;
 
 pub use self::pacer::Pace;
 use self::pacer::Pacer;

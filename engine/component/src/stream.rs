@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use connection::Delivery;
-use datum::{DatumError, Sample};
+use asmotion_connection::Delivery;
+use asmotion_datum::{DatumError, Sample};
 
 use crate::Time;
 use crate::door::Door;

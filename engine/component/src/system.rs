@@ -9,8 +9,8 @@ mod joints;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use bus::{Bus, BusError, Sending};
-use datum::Datum;
+use asmotion_bus::{Bus, BusError, Sending};
+use asmotion_datum::Datum;
 
 pub use abroad::port_topic;
 pub(crate) use abroad::{Abroad, Offered, address, is_on};
@@ -31,9 +31,9 @@ use crate::{Activity, Component, Interface, Live, Observer, Policy, Simulation, 
 /// A system in the making.
 ///
 /// ```
-/// use component::{Activity, Component, Cycle, Fault, Out, Run, Span, System};
+/// use asmotion_component::{Activity, Component, Cycle, Fault, Out, Run, Span, System};
 ///
-/// datum::message! {
+/// asmotion_datum::message! {
 ///     /// A count.
 ///     pub struct Count = "example/Count" {
 ///         /// ticks

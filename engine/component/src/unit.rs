@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use datum::Datum;
+use asmotion_datum::Datum;
 
 use crate::body::Body;
 use crate::face::{Face, Status};

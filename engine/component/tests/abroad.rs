@@ -6,13 +6,13 @@ mod common;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use bus::{Bell, Bus, CallFailure, Local, Origin, Pattern, Payload, Queue, Sending};
-use common::{Double, Number, behaviour, counter, doubler, number};
-use component::{
+use asmotion_bus::{Bell, Bus, CallFailure, Local, Origin, Pattern, Payload, Queue, Sending};
+use asmotion_component::{
     Activity, CallError, Component, Event, Interface, Log, Policy, Reply, Run, ServiceFault, Span,
     System, Time, Wire, port_topic,
 };
-use datum::Datum;
+use asmotion_datum::Datum;
+use common::{Double, Number, behaviour, counter, doubler, number};
 
 type Replies = Arc<Mutex<Vec<Result<i64, CallError>>>>;
 
@@ -155,7 +155,8 @@ fn a_provider_learns_that_nobody_waits() {
     let bus = Local::new();
     let (system, log) = offering(&bus, provider(|_| None));
     let mut run = system.simulate();
-    let request = bus::Request::new(Origin::new("Tool", 9), Payload::of(number(1)), 20.s());
+    let request =
+        asmotion_bus::Request::new(Origin::new("Tool", 9), Payload::of(number(1)), 20.s());
     let pending = bus
         .call("Provider.sums.double", request, Arc::new(Bell::new()))
         .unwrap();
@@ -294,7 +295,7 @@ fn topics_abroad_reach_those_inside_by_the_bus_and_only_once() {
     let tool = bus
         .subscribe(
             "Tester",
-            &bus::Pattern::new("numbers"),
+            &asmotion_bus::Pattern::new("numbers"),
             Queue::Latest,
             Arc::new(Bell::new()),
         )
@@ -320,7 +321,8 @@ fn topics_abroad_reach_those_inside_by_the_bus_and_only_once() {
 
 /// The result of `double` at an address.
 fn doubled(bus: &Local, address: &str, n: i64) -> Result<Payload, CallFailure> {
-    let request = bus::Request::new(Origin::new("Tool", 9), Payload::of(number(n)), 20.s());
+    let request =
+        asmotion_bus::Request::new(Origin::new("Tool", 9), Payload::of(number(n)), 20.s());
     bus.call(address, request, Arc::new(Bell::new()))
         .unwrap()
         .wait()

@@ -10,8 +10,8 @@ mod common;
 use std::alloc::{GlobalAlloc, Layout, System as Heap};
 use std::cell::Cell;
 
+use asmotion_component::{Activity, OnStale, Policy, Run, Span, System};
 use common::{Number, behaviour, counter, number};
-use component::{Activity, OnStale, Policy, Run, Span, System};
 
 /// Counts what is taken, each thread for itself: the test harness has threads, too.
 struct Counting;

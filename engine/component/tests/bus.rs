@@ -6,12 +6,14 @@ mod common;
 use std::sync::Arc;
 use std::time::Duration;
 
-use bus::{Bell, Bus, Local, Origin, Overflow, Pattern, Payload, Queue, Sending, Subscription};
-use common::{Number, Words, behaviour, counter, number};
-use component::{
+use asmotion_bus::{
+    Bell, Bus, Local, Origin, Overflow, Pattern, Payload, Queue, Sending, Subscription,
+};
+use asmotion_component::{
     Activity, Component, Event, Interface, Log, OnStale, Policy, Run, Span, System, Time,
 };
-use datum::{Codec, Datum, Message};
+use asmotion_datum::{Codec, Datum, Message};
+use common::{Number, Words, behaviour, counter, number};
 
 fn all(bus: &Local, pattern: &str) -> Subscription {
     let queue = Queue::All {
@@ -92,7 +94,7 @@ fn what_others_publish_comes_in_typed_or_encoded_and_what_does_not_fit_is_counte
     let bus = Local::new();
     let (system, log) = attached(7, &bus);
     let mut run = system.simulate();
-    run.transition("Counter", component::Transition::Stop)
+    run.transition("Counter", asmotion_component::Transition::Stop)
         .unwrap();
     let mut elsewhere = bus
         .publisher(
@@ -139,7 +141,7 @@ fn what_is_lost_on_its_way_in_is_seen() {
     let bus = Local::new();
     let (system, log) = attached(7, &bus);
     let mut run = system.simulate();
-    run.transition("Counter", component::Transition::Stop)
+    run.transition("Counter", asmotion_component::Transition::Stop)
         .unwrap();
     let mut elsewhere = bus
         .publisher(
@@ -238,13 +240,13 @@ fn what_follows_from_a_message_is_in_its_trace() {
         .unwrap();
     let mut spans = Vec::new();
     for cause in 1..=2 {
-        let cause = bus::Trace { id: cause, span: 9 };
+        let cause = asmotion_bus::Trace { id: cause, span: 9 };
         (elsewhere.publish_within(0, Payload::of(number(1)), Some(cause))).unwrap();
         run.run_for(1.ms());
         let trace = told.try_next().unwrap().trace.unwrap();
         assert_eq!(trace.id, cause.id);
         spans.push(trace.span);
     }
-    let relay = bus::Spans::new("Relay", 7, "told");
+    let relay = asmotion_bus::Spans::new("Relay", 7, "told");
     assert_eq!(spans, [1, 2].map(|number| relay.of(number, None).span));
 }

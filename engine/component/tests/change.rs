@@ -7,11 +7,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use common::{Double, Number, behaviour, counter, doubler, number};
-use component::{
+use asmotion_component::{
     Activity, CallError, Change, Component, Interface, Log, Policy, Run, Span, System, Wire,
 };
-use datum::Datum;
+use asmotion_datum::Datum;
+use common::{Double, Number, behaviour, counter, doubler, number};
 
 /// What a reader has seen, in order.
 type Seen = Arc<Mutex<Vec<i64>>>;

@@ -5,12 +5,12 @@ mod common;
 
 use std::sync::{Arc, Mutex};
 
-use common::{Double, Number, Twist, Words, behaviour, burst, counter, number};
-use component::{
+use asmotion_component::{
     Activity, Component, Cycle, Fault, Flow, Interface, Log, OnStale, Policy, Property, Run, Setup,
     Span, State, System, Time, Wire,
 };
-use datum::{Datum, Schema};
+use asmotion_datum::{Datum, Schema};
+use common::{Double, Number, Twist, Words, behaviour, burst, counter, number};
 
 type Seen<T> = Arc<Mutex<Vec<T>>>;
 
@@ -289,8 +289,9 @@ fn t8_t22_what_does_not_fit_is_an_error_before_anything_runs() {
         .unwrap();
     let data = Policy::data;
     let mut errors = Vec::new();
-    let mut refused =
-        |result: Result<(), component::BuildError>| errors.push(result.unwrap_err().to_string());
+    let mut refused = |result: Result<(), asmotion_component::BuildError>| {
+        errors.push(result.unwrap_err().to_string())
+    };
     refused(system.connect("Counter.n", "Driver.twist", data()));
     refused(system.connect("It.opaque", "Driver.twist", data()));
     refused(system.connect("Countr.n", "It.in", data()));
@@ -478,9 +479,9 @@ fn a_declaration_is_plain_data() {
     let speed = declaration.property("speed_mps").unwrap();
     assert_eq!(speed.unit, "m/s");
     assert_eq!(speed.range, Some((Datum::Float(0.0), Datum::Float(5.0))));
-    let text = datum::json::encode(declaration).unwrap();
+    let text = asmotion_datum::json::encode(declaration).unwrap();
     assert_eq!(
-        datum::json::decode::<component::Declaration>(&text).unwrap(),
+        asmotion_datum::json::decode::<asmotion_component::Declaration>(&text).unwrap(),
         *declaration
     );
 }

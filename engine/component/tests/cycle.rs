@@ -5,9 +5,9 @@ mod common;
 
 use std::sync::{Arc, Mutex};
 
+use asmotion_component::{Activity, Fault, Flow, Log, Out, Policy, Run, Span, State, System, Time};
+use asmotion_datum::{Datum, Schema};
 use common::{Number, behaviour, burst, counter, number};
-use component::{Activity, Fault, Flow, Log, Out, Policy, Run, Span, State, System, Time};
-use datum::{Datum, Schema};
 
 /// Collects what a reader's cycles see.
 type Seen<T> = Arc<Mutex<Vec<T>>>;
@@ -60,7 +60,7 @@ fn t9_t20_a_component_runs_with_connections_in_the_process_only() {
 
 fn reader(
     seen: &Seen<i64>,
-) -> impl FnOnce(&mut component::Interface) -> Box<dyn component::Component> {
+) -> impl FnOnce(&mut asmotion_component::Interface) -> Box<dyn asmotion_component::Component> {
     let seen = Arc::clone(seen);
     behaviour(move |interface| {
         let input = interface.input::<Number>("n", "a count");
@@ -104,7 +104,11 @@ fn t11_nothing_leaves_a_failed_cycle() {
             .connect("Failing.n", "Reader.n", Policy::buffer(8))
             .unwrap();
         system
-            .wire("Failing.sums", "Doubler.sums", component::Wire::default())
+            .wire(
+                "Failing.sums",
+                "Doubler.sums",
+                asmotion_component::Wire::default(),
+            )
             .unwrap();
         let mut run = system.simulate();
         run.run_for(1.s());
@@ -206,8 +210,8 @@ fn t14_sequence_numbers_have_no_gaps() {
     let seen = Arc::new(Mutex::new(Vec::new()));
     let log = Arc::clone(&seen);
     let mut system = System::new();
-    system.observe(move |_: Time, event: &component::Event<'_>| {
-        if let component::Event::Published { sequence, .. } = event {
+    system.observe(move |_: Time, event: &asmotion_component::Event<'_>| {
+        if let asmotion_component::Event::Published { sequence, .. } = event {
             log.lock().unwrap().push(*sequence);
         }
     });

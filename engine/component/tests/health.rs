@@ -6,16 +6,16 @@ mod common;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use bus::{
+use asmotion_bus::{
     Bell, Bus, BusError, Health, Link, Local, Origin, Pattern, Pending, Publisher, Queue, Request,
     Sending, Serving, Subscription,
 };
-use common::{Number, behaviour, counter};
-use component::{
+use asmotion_component::{
     Activity, BuildError, BusHealth, Component, Event, HEALTH_TOPIC, Interface, Log, Policy, Run,
     Span, System, Time,
 };
-use datum::Datum;
+use asmotion_datum::Datum;
+use common::{Number, behaviour, counter};
 
 /// Reports how the bus is.
 fn watcher() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
@@ -98,7 +98,7 @@ impl Bus for Moody {
         &self,
         topic: &str,
         origin: &Origin,
-        schema: &datum::Schema,
+        schema: &asmotion_datum::Schema,
         sending: Sending,
     ) -> Result<Box<dyn Publisher>, BusError> {
         self.bus.publisher(topic, origin, schema, sending)

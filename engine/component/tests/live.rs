@@ -7,12 +7,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use common::{Double, Number, behaviour, burst, counter, doubler, number};
-use component::{
+use asmotion_component::{
     Activity, CallError, Component, Event, Interface, Log, Overrun, Policy, Run, Span, State,
     System, Time, Transition, Wire,
 };
-use datum::Datum;
+use asmotion_datum::Datum;
+use common::{Double, Number, behaviour, burst, counter, doubler, number};
 
 /// Sleeps in one of its cycles.
 fn sleeping(cycle_number: u64, nap: Duration) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {

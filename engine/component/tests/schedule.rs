@@ -5,12 +5,12 @@ mod common;
 
 use std::sync::{Arc, Mutex};
 
-use common::{Number, Twist, behaviour, counter, number};
-use component::{
+use asmotion_component::{
     Activity, Component, Event, Interface, Log, Pace, Policy, Run, Span, State, System, Time,
     Transition,
 };
-use datum::Datum;
+use asmotion_datum::Datum;
+use common::{Number, Twist, behaviour, counter, number};
 
 fn at(ms: u64) -> Time {
     Time::ZERO + ms.ms()
@@ -387,7 +387,7 @@ fn the_same_system_runs_the_same_way_twice() {
         system
             .connect("Slow.out", "Asking.in", Policy::buffer(4))
             .unwrap();
-        let wire = component::Wire::timeout(8.ms()).retries(1);
+        let wire = asmotion_component::Wire::timeout(8.ms()).retries(1);
         system.wire("Asking.sums", "Doubler.sums", wire).unwrap();
         let mut run = system.simulate();
         run.inject(at(50), "Ping.in", number(1000)).unwrap();

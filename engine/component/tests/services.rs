@@ -5,12 +5,12 @@ mod common;
 
 use std::sync::{Arc, Mutex};
 
-use common::{Double, Number, Spell, Words, behaviour, doubler, number};
-use component::{
+use asmotion_component::{
     Activity, CallError, Component, Interface, Log, Reply, RequestId, Run, ServiceFault, Span,
     State, System, Time, Transition, Wire,
 };
-use datum::Datum;
+use asmotion_datum::Datum;
+use common::{Double, Number, Spell, Words, behaviour, doubler, number};
 
 type Replies = Arc<Mutex<Vec<(Time, Result<i64, CallError>)>>>;
 
@@ -624,7 +624,7 @@ fn t25_two_components_call_and_publish_to_each_other_without_deadlock() {
     for (one, other) in [("A", "B"), ("B", "A")] {
         let (out, input) = (format!("{one}.n"), format!("{other}.other"));
         system
-            .connect(&out, &input, component::Policy::data())
+            .connect(&out, &input, asmotion_component::Policy::data())
             .unwrap();
         let (reference, service) = (format!("{one}.others"), format!("{other}.sums"));
         system.wire(&reference, &service, Wire::default()).unwrap();

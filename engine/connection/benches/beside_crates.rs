@@ -1,7 +1,7 @@
 //! Connections beside the best crates: one write and one read, in one thread, in turns; and the writer's worst case under
 //! a slow reader, lock-free against a lock, as a histogram.
 //!
-//! `cargo bench -p engine-connection`
+//! `cargo bench -p asmotion-connection`
 #![allow(missing_docs, reason = "a benchmark")]
 
 use std::hint::black_box;
@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use connection::{Kind, Pool, Receiver, Sender, channel};
+use asmotion_connection::{Kind, Pool, Receiver, Sender, channel};
 
 /// Short and many: the least of them met nobody else on the processor.
 const ROUNDS: usize = 201;

@@ -4,7 +4,7 @@
 use std::hint::spin_loop;
 use std::thread;
 
-use connection::{Delivery, Kind, Pool, Receiver, Sender, channel};
+use asmotion_connection::{Delivery, Kind, Pool, Receiver, Sender, channel};
 
 const SHORT: u64 = 1_000_000;
 const LONG: u64 = 100_000_000;
@@ -74,7 +74,7 @@ fn o5_o6_a_million_writes_are_never_torn_and_never_out_of_order() {
     race_all(SHORT);
 }
 
-/// The figure: `cargo test -p engine-connection --release -- --ignored --nocapture hundred`.
+/// The figure: `cargo test -p asmotion-connection --release -- --ignored --nocapture hundred`.
 #[test]
 #[ignore = "takes a minute"]
 fn o5_o6_a_hundred_million_writes_are_never_torn_and_never_out_of_order() {

@@ -5,20 +5,22 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use amqp::{AmqpBus, Settings};
 use amqprs::BasicProperties;
 use amqprs::channel::{
     BasicAckArguments, BasicConsumeArguments, BasicPublishArguments, Channel, ConsumerMessage,
     QueueBindArguments, QueueDeclareArguments,
 };
 use amqprs::connection::{Connection, OpenConnectionArguments};
-use asm_lang::Files;
-use bus::{Bell, Bus, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription};
-use component::{Activity, Live, Policy, System};
-use datum::{Datum, Message, Schema};
-use engine_coordinator::{
+use asmotion_amqp::{AmqpBus, Settings};
+use asmotion_bus::{
+    Bell, Bus, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription,
+};
+use asmotion_component::{Activity, Live, Policy, System};
+use asmotion_coordinator::{
     Binding, Coordinator, Effect, Interfaces, Monitored, Out, PublishWhen, Receive, Source,
 };
+use asmotion_datum::{Datum, Message, Schema};
+use asmotion_lang::Files;
 use tokio::runtime::Runtime;
 use tokio::sync::mpsc::UnboundedReceiver;
 
@@ -100,7 +102,7 @@ impl Ours {
 fn coordinator() -> System {
     let mut files = Files::new();
     files.add("echo.asm", ECHO);
-    let specification = Arc::new(asm_lang::open("echo.asm", &files).unwrap());
+    let specification = Arc::new(asmotion_lang::open("echo.asm", &files).unwrap());
     let binding = Binding {
         monitored: vec![Monitored {
             function: "event".to_owned(),
@@ -149,7 +151,7 @@ struct Bare {
 }
 
 impl Bare {
-    fn new(broker: &broker::Broker, vhost: &str) -> Self {
+    fn new(broker: &asmotion_broker::Broker, vhost: &str) -> Self {
         let runtime = Runtime::new().unwrap();
         let (connection, channel, messages) = runtime.block_on(async {
             let port = broker.address().port();
@@ -213,7 +215,9 @@ fn median<T: PartialOrd + Copy>(values: &mut [T]) -> T {
 }
 
 fn main() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let mut ours = Ours::new(&vhost.url());
     let mut bare = Bare::new(&broker, vhost.name());

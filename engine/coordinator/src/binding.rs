@@ -3,7 +3,7 @@
 //! Whoever reads composites has checked it: names exist, kinds fit. What does not fit all the same is
 //! a [`crate::BindError`] when the coordinator is built.
 
-use datum::{Datum, Schema};
+use asmotion_datum::{Datum, Schema};
 use serde::Serialize;
 
 /// Which messages become the values of monitored functions, and what updates of out functions do.

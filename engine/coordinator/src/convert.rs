@@ -1,9 +1,9 @@
 //! Data that travels and values of the machine, one into the other.
 
-use asm_lang::ir::{DomainId, Elements, Program, Shape};
-use asm_lang::machine::Naming;
-use asm_lang::value::{Atom, Value};
-use datum::Datum;
+use asmotion_datum::Datum;
+use asmotion_lang::ir::{DomainId, Elements, Program, Shape};
+use asmotion_lang::machine::Naming;
+use asmotion_lang::value::{Atom, Value};
 use std::borrow::Cow;
 
 /// A datum as a value of the shape; `None` if it is none. Texts name enumeration literals.

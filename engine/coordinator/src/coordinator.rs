@@ -7,11 +7,11 @@ use crate::outbox::{Handles, Outbox};
 use crate::partners::Partners;
 use crate::requests::Requests;
 use crate::step::{STEP_REPORT, StepRecord};
-use asm_lang::machine::{BackEnd, Machine};
-use asm_lang::simulate::Seeded;
-use asm_lang::{Specification, Style};
-use component::{BusHealth, Component, Cycle, Fault, Flow, In, Interface, Losses, Setup};
-use datum::{Datum, Message};
+use asmotion_component::{BusHealth, Component, Cycle, Fault, Flow, In, Interface, Losses, Setup};
+use asmotion_datum::{Datum, Message};
+use asmotion_lang::machine::{BackEnd, Machine};
+use asmotion_lang::simulate::Seeded;
+use asmotion_lang::{Specification, Style};
 use std::sync::Arc;
 
 /// A binding that does not fit its specification or component.
@@ -91,7 +91,7 @@ impl Coordinator {
         );
         let mut machine = specification.machine().map_err(|fault| {
             let finding = specification.explain(&fault);
-            BindError::Initial(asm_lang::render(
+            BindError::Initial(asmotion_lang::render(
                 &finding,
                 &specification.sources,
                 Style::Plain,
@@ -142,7 +142,7 @@ impl Component for Coordinator {
             .step(&mut self.frame, &mut self.chooser, cycle.now().nanos());
         if let Err(fault) = stepped {
             let finding = self.specification.explain_in(&fault, &self.machine);
-            return Err(Fault::new(asm_lang::render(
+            return Err(Fault::new(asmotion_lang::render(
                 &finding,
                 &self.specification.sources,
                 Style::Plain,

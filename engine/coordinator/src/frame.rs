@@ -1,8 +1,8 @@
 //! The inputs of one step: what every bound function is, fixed before the step begins.
 
-use asm_lang::Environment;
-use asm_lang::ir::FunctionId;
-use asm_lang::value::Value;
+use asmotion_lang::Environment;
+use asmotion_lang::ir::FunctionId;
+use asmotion_lang::value::Value;
 
 /// The inputs of one step.
 #[derive(Debug, Default)]

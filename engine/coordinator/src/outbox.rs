@@ -5,12 +5,14 @@ use crate::convert::{datum_of, literal_of};
 use crate::coordinator::BindError;
 use crate::inbox::Inbox;
 use crate::requests::{Caller, Requests, superseded};
-use asm_lang::Specification;
-use asm_lang::ir::{FunctionId, Shape};
-use asm_lang::machine::{Machine, Step};
-use asm_lang::value::Value;
-use component::{CallError, CallId, Cycle, Dynamic, In, Out, Reply, Required, ServiceFault};
-use datum::Datum;
+use asmotion_component::{
+    CallError, CallId, Cycle, Dynamic, In, Out, Reply, Required, ServiceFault,
+};
+use asmotion_datum::Datum;
+use asmotion_lang::Specification;
+use asmotion_lang::ir::{FunctionId, Shape};
+use asmotion_lang::machine::{Machine, Step};
+use asmotion_lang::value::Value;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 

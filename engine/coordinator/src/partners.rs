@@ -5,14 +5,14 @@
 //! serves come from an agent that is undef. (SCA-ASM; T25 to T27 of the TCA paper.)
 
 use crate::convert::{datum_of, value_of};
-use asm_lang::Specification;
-use asm_lang::ir::{Program, Role, Shape, message_uses};
-use asm_lang::machine::{CallFault, Machine, MessageId, Sent, SentKind};
-use asm_lang::value::{Atom, Value};
-use component::{
+use asmotion_component::{
     CallError, CallId, Cycle, Dynamic, Interface, Provided, RequestId, Required, ServiceFault,
 };
-use datum::Datum;
+use asmotion_datum::Datum;
+use asmotion_lang::Specification;
+use asmotion_lang::ir::{Program, Role, Shape, message_uses};
+use asmotion_lang::machine::{CallFault, Machine, MessageId, Sent, SentKind};
+use asmotion_lang::value::{Atom, Value};
 
 /// The services that a specification exchanges messages with.
 #[derive(Default)]
@@ -292,12 +292,12 @@ impl Partners {
 }
 
 fn operation_name(spelt: &str) -> &str {
-    asm_lang::stdlib::operation(spelt)
+    asmotion_lang::stdlib::operation(spelt)
 }
 
 /// The element that a term is, and its name.
-fn element(term: &asm_lang::hir::Term, program: &Program) -> Option<(Value, String)> {
-    let asm_lang::hir::TermKind::Value(Value::Atom(atom)) = &*term.kind else {
+fn element(term: &asmotion_lang::hir::Term, program: &Program) -> Option<(Value, String)> {
+    let asmotion_lang::hir::TermKind::Value(Value::Atom(atom)) = &*term.kind else {
         return None;
     };
     let Atom(index) = *atom;

@@ -4,8 +4,8 @@
 
 use crate::binding::{Binding, Interfaces, Source};
 use crate::coordinator::{BindError, calls};
-use component::{Cycle, Dynamic, Interface, Provided, RequestId, ServiceFault};
-use datum::Datum;
+use asmotion_component::{Cycle, Dynamic, Interface, Provided, RequestId, ServiceFault};
+use asmotion_datum::Datum;
 
 /// The operations that monitored functions are bound to.
 #[derive(Default)]

@@ -1,9 +1,9 @@
 //! What the coordinator tells of its steps: those that wrote something.
 
-use asm_lang::Specification;
-use asm_lang::machine::{Machine, Step};
-use asm_lang::simulate;
-use asm_lang::value::Value;
+use asmotion_lang::Specification;
+use asmotion_lang::machine::{Machine, Step};
+use asmotion_lang::simulate;
+use asmotion_lang::value::Value;
 use serde::{Deserialize, Serialize};
 
 /// The kind under which a [`StepRecord`] is reported to observers.

@@ -3,18 +3,18 @@
 
 use std::sync::{Arc, Mutex};
 
-use asm_lang::Files;
-use component::{
+use asmotion_component::{
     Activity, Component, Cycle, Event, Fault, Interface, Losses, Operation, Policy, Provided, Run,
     Simulation, Span, System, Time, Transition, Wire,
 };
-use datum::{Datum, Schema};
-use engine_coordinator::{
+use asmotion_coordinator::{
     Action, Argument, Binding, Call, Case, Coordinator, Effect, Interfaces, LOSSES_REPORT,
     Monitored, Out, Receive, STEP_REPORT, Source, StepRecord,
 };
+use asmotion_datum::{Datum, Schema};
+use asmotion_lang::Files;
 
-datum::message! {
+asmotion_datum::message! {
     /// Anything.
     #[derive(Copy)]
     pub struct Nothing = "test/Nothing" {
@@ -68,7 +68,7 @@ default init s0:
 fn system(activity: Activity) -> System {
     let mut files = Files::new();
     files.add("worker.asm", WORKER);
-    let specification = Arc::new(asm_lang::open("worker.asm", &files).unwrap());
+    let specification = Arc::new(asmotion_lang::open("worker.asm", &files).unwrap());
     let named = |name: &str| Some(name.to_owned());
     let binding = Binding {
         monitored: vec![Monitored {

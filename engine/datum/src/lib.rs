@@ -5,7 +5,7 @@
 //! the coordinator, the recorder, the monitor. Codecs turn a datum into bytes and back.
 //!
 //! ```
-//! datum::message! {
+//! asmotion_datum::message! {
 //!     /// A planar point.
 //!     #[derive(Copy)]
 //!     pub struct Point = "example/Point" {

@@ -62,14 +62,14 @@ impl Message for Datum {
 }
 
 /// Declares message types: the struct, its serde, its [`Default`] and its [`Message`]. The crate that uses it knows
-/// this one by the name `datum`.
+/// this one by the name `asmotion_datum`.
 ///
 /// Fields keep the order of the ROS definition; each documents its unit. A field starts at zero, or at the value
 /// given after `=`. On reading, an omitted field has that value, and an unknown field is an error.
 /// Field types are whatever is [`Described`](crate::Described): numbers, text, other messages, runs and options of them.
 ///
 /// ```
-/// datum::message! {
+/// asmotion_datum::message! {
 ///     /// A rotation (geometry_msgs/Quaternion).
 ///     #[derive(Copy)]
 ///     pub struct Quaternion = "geometry_msgs/Quaternion" {
@@ -94,11 +94,11 @@ macro_rules! message {
         $(
             $(#[$meta])*
             #[derive(Debug, Clone, PartialEq, $crate::serde::Serialize, $crate::serde::Deserialize)]
-            #[serde(crate = "datum::serde", default, deny_unknown_fields)]
+            #[serde(crate = "asmotion_datum::serde", default, deny_unknown_fields)]
             $vis struct $name {
                 $(
                     $(#[doc = $doc])*
-                    #[serde(with = "datum::field")]
+                    #[serde(with = "asmotion_datum::field")]
                     $field_vis $field: $type,
                 )*
             }

@@ -1,12 +1,12 @@
 //! CDR: bytes worked out by hand from the rules of OMG and ROS 2, bytes of another implementation, and bytes of nobody.
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs, reason = "tests")]
 
+use asmotion_datum::{Codec, Datum, Described, Field, Message, Problem, Schema, Shape, cdr};
 use byteorder::LittleEndian;
-use datum::{Codec, Datum, Described, Field, Message, Problem, Schema, Shape, cdr};
 use proptest::prelude::*;
 use serde::Serialize;
 
-datum::message! {
+asmotion_datum::message! {
     /// A time (builtin_interfaces/Time).
     #[derive(Copy)]
     pub struct Time = "builtin_interfaces/Time" {
@@ -133,7 +133,7 @@ struct Theirs<'a> {
     last: i8,
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// The same fields.
     pub struct Ours = "test/Ours" {
         pub flag: bool,
@@ -361,7 +361,7 @@ fn what_does_not_fit_its_schema_is_said_with_its_place() {
     );
 }
 
-datum::message! {
+asmotion_datum::message! {
     /// A rotation.
     pub struct Turn = "test/Turn" {
         pub x: f64,

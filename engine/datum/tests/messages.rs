@@ -1,9 +1,9 @@
 //! Messages through every representation.
 #![allow(clippy::unwrap_used, clippy::panic, missing_docs, reason = "tests")]
 
-use datum::{Codec, Datum, Message, Numbers, Shape, cbor, json};
+use asmotion_datum::{Codec, Datum, Message, Numbers, Shape, cbor, json};
 
-datum::message! {
+asmotion_datum::message! {
     /// A vector.
     #[derive(Copy)]
     pub struct Vector3 = "geometry_msgs/Vector3" {
@@ -190,13 +190,13 @@ fn a_schema_says_what_the_struct_is() {
         "metres; +Infinity where nothing is (REP-117)"
     );
     assert_eq!(
-        json::decode::<datum::Schema>(&json::encode(schema).unwrap()).unwrap(),
+        json::decode::<asmotion_datum::Schema>(&json::encode(schema).unwrap()).unwrap(),
         *schema
     );
 }
 
 mod other {
-    datum::message! {
+    asmotion_datum::message! {
         pub struct Vector3 = "geometry_msgs/Vector3" { pub x: f64, pub y: f32, pub z: f64 }
         pub struct Scan = "test/Scan" { pub at: Vector3 }
     }

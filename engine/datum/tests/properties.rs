@@ -1,7 +1,7 @@
 //! Codecs against arbitrary data.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use datum::{Codec, Datum, DatumError, Message, Numbers, Problem, cbor, json};
+use asmotion_datum::{Codec, Datum, DatumError, Message, Numbers, Problem, cbor, json};
 use proptest::prelude::*;
 
 /// Any float of all bit patterns but NaN, which is not equal to itself.

@@ -9,7 +9,7 @@ mod mermaid;
 mod picture;
 mod svg;
 
-use assembly::Plan;
+use asmotion_assembly::Plan;
 use picture::Picture;
 
 /// For Graphviz.

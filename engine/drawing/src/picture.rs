@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use assembly::Plan;
-use assembly::plan::{Component, End, Implementation, Terminal};
+use asmotion_assembly::Plan;
+use asmotion_assembly::plan::{Component, End, Implementation, Terminal};
 
 /// A picture, before anybody knows where things are.
 pub(crate) struct Picture {
@@ -151,7 +151,8 @@ impl<'d> Draft<'d> {
                 name: name.clone(),
                 service,
             };
-            let used = |port: &&assembly::plan::Port| self.is_used(&component.name, &port.name);
+            let used =
+                |port: &&asmotion_assembly::plan::Port| self.is_used(&component.name, &port.name);
             let services = component.services.iter().map(|it| port(&it.name, true));
             let references = component.references.iter().map(|it| port(&it.name, true));
             let inputs = component

@@ -3,8 +3,8 @@
 
 use std::sync::Arc;
 
-use assembly::{AsmFiles, Context, EmptyEnvironment, Opened, Tables};
-use source::{LoadError, Loader};
+use asmotion_assembly::{AsmFiles, Context, EmptyEnvironment, Opened, Tables};
+use asmotion_source::{LoadError, Loader};
 
 /// The files of `specs`.
 struct Specs;
@@ -36,7 +36,7 @@ fn open(file: &str) -> Opened {
         specifications: &AsmFiles::new(&Specs),
         settings: &[],
     };
-    assembly::open(file, &context)
+    asmotion_assembly::open(file, &context)
 }
 
 /// Draws a composite in all ways, twice from its file: the same each time.
@@ -47,9 +47,9 @@ fn drawn(file: &str) -> [String; 3] {
             .plan(None)
             .unwrap_or_else(|| panic!("{:#?}", opened.report));
         [
-            drawing::dot(plan),
-            drawing::mermaid(plan),
-            drawing::svg(plan),
+            asmotion_drawing::dot(plan),
+            asmotion_drawing::mermaid(plan),
+            asmotion_drawing::svg(plan),
         ]
     };
     let once = draw();

@@ -1,6 +1,6 @@
 //! What goes out.
 
-use datum::Codec;
+use asmotion_datum::Codec;
 use http_body_util::Full;
 use hyper::body::Bytes;
 use hyper::{Response, StatusCode, header};

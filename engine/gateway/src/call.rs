@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bus::{Bell, Bus, CallFailure, Payload, Request, later};
+use asmotion_bus::{Bell, Bus, CallFailure, Payload, Request, later};
 use tokio::sync::Notify;
 use tokio::time::timeout_at;
 

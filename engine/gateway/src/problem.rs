@@ -3,8 +3,8 @@
 
 use std::time::Duration;
 
-use bus::Refusal;
-use datum::DatumError;
+use asmotion_bus::Refusal;
+use asmotion_datum::DatumError;
 use hyper::{StatusCode, header};
 use serde_json::json;
 

@@ -3,8 +3,8 @@
 use std::net::SocketAddr;
 use std::sync::Arc;
 
-use bus::{Bus, CallFailure, Link, Origin, Payload, Request};
-use datum::{Codec, Datum, DatumError, Schema, Shape, json as written};
+use asmotion_bus::{Bus, CallFailure, Link, Origin, Payload, Request};
+use asmotion_datum::{Codec, Datum, DatumError, Schema, Shape, json as written};
 use http_body_util::{BodyExt, LengthLimitError, Limited};
 use hyper::body::Incoming;
 use hyper::{Method, StatusCode, header};

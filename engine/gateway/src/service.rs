@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use datum::Schema;
+use asmotion_datum::Schema;
 
 /// A service that can be called through a gateway.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,6 @@
 //! What can be called, as JSON: services, operations, and the JSON Schema of everything.
 
-use datum::json_schema::Definitions;
+use asmotion_datum::json_schema::Definitions;
 use hyper::StatusCode;
 use serde_json::{Value, json};
 

@@ -10,13 +10,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use bus::{Bell, Bus, Call, Local, Payload, Refusal};
+use asmotion_bus::{Bell, Bus, Call, Local, Payload, Refusal};
+use asmotion_datum::{Datum, Message, Schema, Shape};
+use asmotion_gateway::{Gateway, Operation, Service, Settings};
 use client::{Client, Said};
-use datum::{Datum, Message, Schema, Shape};
-use gateway::{Gateway, Operation, Service, Settings};
 use serde_json::json;
 
-datum::message! {
+asmotion_datum::message! {
     /// What is asked.
     pub struct Question = "test/Question" {
         /// whose
@@ -67,7 +67,7 @@ impl Open {
             while !end.load(Ordering::Relaxed) {
                 serving
                     .iter()
-                    .filter_map(bus::Serving::try_next)
+                    .filter_map(asmotion_bus::Serving::try_next)
                     .for_each(&mut take);
                 bell.wait(Duration::from_millis(5));
             }

@@ -1,6 +1,6 @@
 //! How many bytes a type takes, and whether it has any form at all.
 
-use datum::{Schema, Shape};
+use asmotion_datum::{Schema, Shape};
 
 use crate::LayoutError;
 

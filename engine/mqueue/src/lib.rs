@@ -2,9 +2,9 @@
 //! `mqueue` transport.
 //!
 //! ```no_run
-//! use mqueue::{Keep, Layout, Name, Room, Writer};
+//! use asmotion_mqueue::{Keep, Layout, Name, Room, Writer};
 //!
-//! datum::message! {
+//! asmotion_datum::message! {
 //!     /// What the joints are told.
 //!     pub struct Command = "example/Command" {
 //!         /// radians
@@ -12,7 +12,7 @@
 //!     }
 //! }
 //!
-//! let layout = Layout::of(<Command as datum::Message>::schema())?;
+//! let layout = Layout::of(<Command as asmotion_datum::Message>::schema())?;
 //! let room = Room { messages: 10, size: layout.size_or(0) };
 //! let mut writer = Writer::open(Name::new("/commands")?, layout, room, Keep::Oldest)?;
 //! writer.send(&Command::default())?;

@@ -1,6 +1,6 @@
 //! Messages as bytes, and back.
 
-use datum::{Datum, DatumError, Numbers, Problem, Schema, Shape};
+use asmotion_datum::{Datum, DatumError, Numbers, Problem, Schema, Shape};
 
 use crate::Layout;
 use crate::layout::least;
@@ -254,12 +254,12 @@ fn take_all(element: &Schema, count: usize, rest: &mut &[u8]) -> Result<Datum, D
 
 #[cfg(test)]
 mod tests {
-    use datum::Message;
+    use asmotion_datum::Message;
     use proptest::prelude::*;
 
     use super::*;
 
-    datum::message! {
+    asmotion_datum::message! {
         /// A bit of everything that has a form.
         #[derive(Copy)]
         pub struct Inner = "test/Inner" {

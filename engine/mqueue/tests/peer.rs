@@ -6,11 +6,11 @@ use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use component::Delivery;
-use datum::{Datum, DatumError, Message};
-use mqueue::{First, Keep, Layout, Name, QueueError, Reader, Room, Writer};
+use asmotion_component::Delivery;
+use asmotion_datum::{Datum, DatumError, Message};
+use asmotion_mqueue::{First, Keep, Layout, Name, QueueError, Reader, Room, Writer};
 
-datum::message! {
+asmotion_datum::message! {
     /// What the peer speaks.
     pub struct Joints = "test/Joints" {
         /// a truth value

@@ -1,8 +1,8 @@
 //! Operations called from outside: sent, and collected when they are done.
 
-use bus::{CallFailure, Payload, Pending};
-use component::{CallError, SendStatus, ServiceFault};
-use datum::Datum;
+use asmotion_bus::{CallFailure, Payload, Pending};
+use asmotion_component::{CallError, SendStatus, ServiceFault};
+use asmotion_datum::Datum;
 
 use crate::{Remote, RemoteError};
 
@@ -76,7 +76,8 @@ impl Sent {
 }
 
 fn read(end: Result<Payload, CallFailure>) -> Result<Datum, CallError> {
-    let unreadable =
-        |error: datum::DatumError| ServiceFault::new("BAD_REPLY", error.to_string()).into();
+    let unreadable = |error: asmotion_datum::DatumError| {
+        ServiceFault::new("BAD_REPLY", error.to_string()).into()
+    };
     end?.to_datum().map_err(unreadable)
 }

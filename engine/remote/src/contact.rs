@@ -3,13 +3,13 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use assembly::{Part, Plan};
-use bus::{
+use asmotion_assembly::{Part, Plan};
+use asmotion_bus::{
     Bell, Bus, BusError, Call, Origin, Overflow, Pattern, Payload, Queue, Refusal, Sending,
     Serving, Subscription,
 };
-use component::{Asked, Run};
-use datum::{Datum, Schema};
+use asmotion_component::{Asked, Run};
+use asmotion_datum::{Datum, Schema};
 
 use crate::herald::Herald;
 use crate::{Begun, Newest, Order, Reason, control_address, presence_topic};

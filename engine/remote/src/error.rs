@@ -1,9 +1,9 @@
 //! What cannot be done from outside.
 
-use amqp::AddressError;
-use bus::{BusError, Refusal};
-use component::CallError;
-use datum::DatumError;
+use asmotion_amqp::AddressError;
+use asmotion_bus::{BusError, Refusal};
+use asmotion_component::CallError;
+use asmotion_datum::DatumError;
 
 use crate::Reason;
 

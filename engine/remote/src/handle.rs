@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use component::{Declaration, State, Transition};
-use datum::Datum;
+use asmotion_component::{Declaration, State, Transition};
+use asmotion_datum::Datum;
+use asmotion_source::similar;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use source::similar;
 
 use crate::roster::Found;
 use crate::{Present, PresentService, Remote, RemoteError, Sent, Watch, Wish, key};

@@ -2,10 +2,10 @@
 
 use std::time::{Duration, Instant};
 
-use assembly::{Part, Plan};
-use bus::{Bus, BusError, Origin, Payload, Publisher, Sending};
-use component::Run;
-use datum::{Codec, Datum, Schema};
+use asmotion_assembly::{Part, Plan};
+use asmotion_bus::{Bus, BusError, Origin, Payload, Publisher, Sending};
+use asmotion_component::Run;
+use asmotion_datum::{Codec, Datum, Schema};
 
 use crate::newest::now;
 use crate::{PRESENCE, Presence, presence_topic};

@@ -11,7 +11,7 @@
 //! let follower = rover.component("TrajectoryFollower")?;
 //! follower.set("max_speed", 0.3)?;
 //! let map = rover.component("MapServer")?.service("maps")?;
-//! let request = datum::Datum::record([("name", datum::Datum::text("office"))]);
+//! let request = asmotion_datum::Datum::record([("name", asmotion_datum::Datum::text("office"))]);
 //! map.send("getMap", request, Duration::from_secs(1))?
 //!     .then(|answer| println!("{answer:?}"))?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())

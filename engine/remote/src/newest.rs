@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use bus::{Payload, Publisher};
-use component::{Event, Observer, Time};
-use datum::Sample;
+use asmotion_bus::{Payload, Publisher};
+use asmotion_component::{Event, Observer, Time};
+use asmotion_datum::Sample;
 
 /// How long a port is watched, unless whoever watches asks again.
 const LEASE: Duration = Duration::from_secs(15);

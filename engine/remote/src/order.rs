@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use component::declaration::{Declaration, PortDeclaration};
-use component::{Asked, Run, RunError, Transition};
-use datum::{Datum, Schema};
+use asmotion_component::declaration::{Declaration, PortDeclaration};
+use asmotion_component::{Asked, Run, RunError, Transition};
+use asmotion_datum::{Datum, Schema};
 use serde::{Deserialize, Serialize};
 
 use crate::{Newest, OrderError, Present};

@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use assembly::Part;
-use assembly::plan::{self, End, Plan};
-use bus::Envelope;
-use component::{Losses, Run, State};
-use datum::Datum;
+use asmotion_assembly::Part;
+use asmotion_assembly::plan::{self, End, Plan};
+use asmotion_bus::Envelope;
+use asmotion_component::{Losses, Run, State};
+use asmotion_datum::Datum;
 use serde::{Deserialize, Serialize};
 
 /// The type of the message.
@@ -235,7 +235,7 @@ impl Present {
     /// What there is to say of a component.
     pub(crate) fn of(name: &str, run: &mut dyn Run) -> Self {
         let declared = run.declaration(name).unwrap_or_default();
-        let typed = |ports: &[component::declaration::PortDeclaration]| {
+        let typed = |ports: &[asmotion_component::declaration::PortDeclaration]| {
             let typed = ports.iter().map(|port| Typed {
                 name: port.name.clone(),
                 kind: port.schema.name.to_string(),
@@ -279,7 +279,7 @@ fn milliseconds(span: Duration) -> f64 {
 }
 
 impl PresentService {
-    fn of(service: &component::declaration::ServiceDeclaration) -> Self {
+    fn of(service: &asmotion_component::declaration::ServiceDeclaration) -> Self {
         let operations = service.operations.iter().map(|operation| PresentOperation {
             name: operation.name.clone(),
             request: operation.request.name.to_string(),

@@ -1,7 +1,7 @@
 //! Why an order is not carried out: at the system as facts, on the wire as a code.
 
-use component::RunError;
-use datum::DatumError;
+use asmotion_component::RunError;
+use asmotion_datum::DatumError;
 
 /// Why an order is not carried out.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -84,8 +84,8 @@ impl Reason {
     }
 
     /// A refusal for this reason, explained.
-    pub(crate) fn refusal(self, detail: impl ToString) -> bus::Refusal {
-        bus::Refusal {
+    pub(crate) fn refusal(self, detail: impl ToString) -> asmotion_bus::Refusal {
+        asmotion_bus::Refusal {
             code: self.code().to_owned(),
             detail: detail.to_string(),
         }

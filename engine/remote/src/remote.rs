@@ -3,13 +3,13 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use amqp::{AmqpBus, Settings};
-use bus::{
+use asmotion_amqp::{AmqpBus, Settings};
+use asmotion_bus::{
     Bell, Bus, BusError, CallFailure, Origin, Overflow, Pattern, Payload, Queue, Request,
     Subscription,
 };
-use datum::Datum;
-use source::similar;
+use asmotion_datum::Datum;
+use asmotion_source::similar;
 
 use crate::roster::{Found, Roster, WORDS, named};
 use crate::{Component, Order, RemoteError, Sent, Wish, Word, control_address, key};

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-use bus::Subscription;
-use source::similar;
+use asmotion_bus::Subscription;
+use asmotion_source::similar;
 
 use crate::{Presence, Present, RemoteError, Word};
 

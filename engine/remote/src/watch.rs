@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use bus::Subscription;
-use datum::{Datum, DatumError};
+use asmotion_bus::Subscription;
+use asmotion_datum::{Datum, DatumError};
 
 use crate::contact::watch_topic;
 use crate::roster::Found;
@@ -38,7 +38,7 @@ impl Watch {
 
     /// The next message, waiting for it at the longest so long.
     pub fn next_within(&mut self, at_most: Duration) -> Option<Result<Datum, DatumError>> {
-        let until = bus::later(at_most);
+        let until = asmotion_bus::later(at_most);
         loop {
             if self.asked.elapsed() >= AGAIN {
                 self.asked = Instant::now();

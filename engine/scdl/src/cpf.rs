@@ -1,8 +1,8 @@
 //! CPF, the XML in which Orocos RTT keeps the properties of a component: read as if it were a table of TOML.
 
-use assembly::At;
-use assembly::tree::{Branch, Entry, Node, Table};
-use source::{Report, Sources, Span};
+use asmotion_assembly::At;
+use asmotion_assembly::tree::{Branch, Entry, Node, Table};
+use asmotion_source::{Report, Sources, Span};
 
 use crate::finding::ScdlError;
 use crate::xml::{self, Element};

@@ -1,8 +1,8 @@
 //! What can be found while SCDL is read or written.
 
-use asm_lang::codes::Code;
-use assembly::At;
-use source::{Diagnostic, Span};
+use asmotion_assembly::At;
+use asmotion_lang::codes::Code;
+use asmotion_source::{Diagnostic, Span};
 
 macro_rules! codes {
     ($($name:ident)*) => {

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use assembly::Catalogue;
-use source::{Report, Sources};
+use asmotion_assembly::Catalogue;
+use asmotion_source::{Report, Sources};
 
 use crate::finding::ScdlError;
 use crate::model::{Composite, Implementation};

@@ -1,6 +1,6 @@
 //! A composite as SCDL has it; every part knows its place in the file it was read from.
 
-use assembly::At;
+use asmotion_assembly::At;
 
 /// A `<composite>`.
 #[derive(Clone, Debug)]

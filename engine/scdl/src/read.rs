@@ -1,7 +1,7 @@
 //! XML → [`Composite`]. Whatever is not asked for is a finding, and kept as it is written.
 
-use assembly::At;
-use source::{FileId, Report};
+use asmotion_assembly::At;
+use asmotion_source::{FileId, Report};
 
 use crate::finding::ScdlError;
 use crate::model::{
@@ -256,7 +256,7 @@ fn target(text: At<String>) -> Target {
     let at = |part: &str| {
         let start = text.find(part).unwrap_or(0);
         let start = text.span.start as usize + start;
-        let span = source::Span::new(text.span.file, start, start + part.len());
+        let span = asmotion_source::Span::new(text.span.file, start, start + part.len());
         At::new(part.to_owned(), span)
     };
     let component = at(parts.next().unwrap_or(""));
@@ -355,7 +355,8 @@ impl<'e, 'r> Asked<'e, 'r> {
             let start = position + start.unwrap_or(0);
             position = start + word.len();
             let offset = text.span.start as usize;
-            let span = source::Span::new(text.span.file, offset + start, offset + position);
+            let span =
+                asmotion_source::Span::new(text.span.file, offset + start, offset + position);
             targets.push(target(At::new(word.to_owned(), span)));
         }
         targets
@@ -401,7 +402,7 @@ impl<'e, 'r> Asked<'e, 'r> {
     }
 
     /// This has no counterpart.
-    fn keep(&mut self, what: &str, at: source::Span) {
+    fn keep(&mut self, what: &str, at: asmotion_source::Span) {
         let what = what.to_owned();
         self.notes.push(what.clone());
         self.report

@@ -3,8 +3,8 @@
 
 use std::collections::BTreeMap;
 
-use assembly::{At, Catalogue};
-use source::{Report, similar};
+use asmotion_assembly::{At, Catalogue};
+use asmotion_source::{Report, similar};
 
 use crate::finding::ScdlError;
 use crate::model::{

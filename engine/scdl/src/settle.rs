@@ -3,8 +3,8 @@
 
 use std::collections::BTreeMap;
 
-use assembly::At;
-use source::Report;
+use asmotion_assembly::At;
+use asmotion_source::Report;
 
 use crate::finding::ScdlError;
 use crate::model::{Composite, Contract, Implementation, Interface, Target, Wire};

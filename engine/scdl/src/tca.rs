@@ -3,8 +3,8 @@
 //! Six are required: `id`, `period`, `delay`, `runOnStartup`, `mayInterruptIfRunning`, `useJMS`. With
 //! `useJMS`, `user`, `password` and `url` say which broker; `topicRename` has pairs of names.
 
-use assembly::At;
-use source::{Report, Span};
+use asmotion_assembly::At;
+use asmotion_source::{Report, Span};
 
 use crate::finding::ScdlError;
 use crate::model::{Component, Property};

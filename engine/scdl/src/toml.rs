@@ -4,9 +4,9 @@ mod doors;
 
 use std::collections::BTreeMap;
 
-use assembly::model::Scalar;
-use assembly::{At, Catalogue};
-use source::Report;
+use asmotion_assembly::model::Scalar;
+use asmotion_assembly::{At, Catalogue};
+use asmotion_source::Report;
 use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table, Value, value as item};
 
 use self::doors::{listening, word};
@@ -264,7 +264,7 @@ impl Writer<'_> {
             return value;
         }
         let names: Vec<&String> = known.clone().map(|name| &name.value).collect();
-        let near = source::similar(&source.value, &names).copied();
+        let near = asmotion_source::similar(&source.value, &names).copied();
         let finding = ScdlError::Unknown {
             what: "property",
             name: source.value.clone(),

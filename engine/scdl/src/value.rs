@@ -1,7 +1,7 @@
 //! Values: the simple types of XML Schema there, the types of properties here.
 
-use assembly::model::Scalar;
-use assembly::tree::{Branch, Node};
+use asmotion_assembly::model::Scalar;
+use asmotion_assembly::tree::{Branch, Node};
 use toml_edit::{Array, Formatted, Value};
 
 /// The type of XML Schema for each type of a property; the first of a type is the one that is written.

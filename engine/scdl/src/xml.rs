@@ -1,13 +1,13 @@
 //! XML as a tree in which every element and every attribute knows its place.
 
+use asmotion_source::{FileId, Span};
 use quick_xml::XmlVersion;
 use quick_xml::events::{BytesRef, BytesStart, Event};
 use quick_xml::name::ResolveResult;
 use quick_xml::reader::NsReader;
-use source::{FileId, Span};
 
 use crate::finding::ScdlError;
-use assembly::At;
+use asmotion_assembly::At;
 
 /// Larger files are not composites.
 const MAX_BYTES: usize = 1 << 20;

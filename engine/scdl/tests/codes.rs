@@ -3,21 +3,21 @@
 
 mod support;
 
-use asm_lang::codes::Code;
-use assembly::Tables;
-use scdl::CODES;
-use source::{Diagnostic, Report, Severity};
+use asmotion_assembly::Tables;
+use asmotion_lang::codes::Code;
+use asmotion_scdl::CODES;
+use asmotion_source::{Diagnostic, Report, Severity};
 
 /// What is found in an example: SCDL that comes in, or a composite file that goes out.
 fn found(code: &Code, which: &str) -> Report {
     if let Some(text) = code.example(&format!("xml {which}")) {
         let files = [("example.composite".to_owned(), text.to_owned())];
-        return scdl::import(&files, &Tables::EMPTY).report;
+        return asmotion_scdl::import(&files, &Tables::EMPTY).report;
     }
     let text = code.example(&format!("toml {which}")).expect("an example");
     let opened = support::open(&[("example.toml".to_owned(), text.to_owned())]);
     let composite = opened.composite.expect("a composite");
-    scdl::export(&composite).expect("no fault").report
+    asmotion_scdl::export(&composite).expect("no fault").report
 }
 
 #[test]

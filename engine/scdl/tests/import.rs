@@ -6,7 +6,7 @@ mod support;
 use support::{import, open, rendered};
 
 /// All files, and what was found.
-fn shown(imported: &scdl::Imported) -> String {
+fn shown(imported: &asmotion_scdl::Imported) -> String {
     let files = imported.files.iter();
     let files = files.map(|(name, text)| format!("==== {name}\n{text}"));
     let files: Vec<String> = files.collect();
@@ -87,9 +87,9 @@ fn it_refuses_what_is_no_scdl() {
         "<composite xmlns=\"http://www.osoa.org/xmlns/sca/1.0\" name=\"a\">&unknown;</composite>",
         &"<composite>".repeat(100_000),
     ] {
-        let imported = scdl::import(
+        let imported = asmotion_scdl::import(
             &[("a".to_owned(), text.to_owned())],
-            &assembly::Tables::EMPTY,
+            &asmotion_assembly::Tables::EMPTY,
         );
         assert!(imported.files.is_empty(), "{text:.60}");
         assert!(imported.report.has_errors(), "{text:.60}");
@@ -115,7 +115,7 @@ const CPF: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 
 #[test]
 fn o12_properties_of_rtt_are_read_with_their_places() {
-    let read = scdl::cpf("pid.cpf", CPF);
+    let read = asmotion_scdl::cpf("pid.cpf", CPF);
     let keys = read.properties.entries.iter();
     let keys: Vec<_> = keys
         .map(|entry| {

@@ -6,10 +6,10 @@ mod support;
 use support::{import, open, rendered, text};
 
 /// The SCDL of the first composite of an import.
-fn exported(imported: &scdl::Imported) -> scdl::Exported {
+fn exported(imported: &asmotion_scdl::Imported) -> asmotion_scdl::Exported {
     let opened = open(&imported.files);
     let composite = opened.composite.expect("a composite");
-    scdl::export(&composite).expect("no fault")
+    asmotion_scdl::export(&composite).expect("no fault")
 }
 
 #[test]
@@ -26,7 +26,7 @@ fn t23_the_ten_properties_come_back_as_they_went() {
 fn t23_a_password_stays_out_of_all_that_is_written() {
     let written = text("planner.composite").replace("${ROVER_PASSWORD}", "geheim");
     let files = [("planner.composite".to_owned(), written)];
-    let imported = scdl::import(&files, &assembly::Tables::EMPTY);
+    let imported = asmotion_scdl::import(&files, &asmotion_assembly::Tables::EMPTY);
     let found = rendered(&imported.report, &imported.sources);
     assert!(
         found.contains("X005") && found.contains("TRAJECTORYPLANNER_PASSWORD"),
@@ -47,8 +47,12 @@ fn c14_what_comes_back_of_nested_composites_is_imported_to_the_same() {
     for (index, (name, file)) in imported.files.iter().enumerate() {
         let mut files = imported.files.clone();
         files.swap(0, index);
-        let back = scdl::export(&open(&files).composite.expect("a composite")).expect("no fault");
-        let again = scdl::import(&[(name.clone(), back.text)], &assembly::Tables::EMPTY);
+        let back =
+            asmotion_scdl::export(&open(&files).composite.expect("a composite")).expect("no fault");
+        let again = asmotion_scdl::import(
+            &[(name.clone(), back.text)],
+            &asmotion_assembly::Tables::EMPTY,
+        );
         let (_, again) = again.files.first().expect("a composite");
         let without_comments = |text: &str| {
             let lines = text.lines().filter(|line| !line.starts_with('#'));

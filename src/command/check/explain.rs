@@ -2,8 +2,8 @@
 
 use crate::exit::Exit;
 use crate::terminal::{NAME, Terminal};
-use asm_lang::codes::{self, Code};
-use assembly::CODES;
+use asmotion_assembly::CODES;
+use asmotion_lang::codes::{self, Code};
 
 /// The page of a code, or all codes with one line each.
 pub fn explain(name: Option<&str>, terminal: &mut Terminal) -> Exit {
@@ -28,7 +28,7 @@ pub fn explain(name: Option<&str>, terminal: &mut Terminal) -> Exit {
 
 /// Every code, by family.
 fn all() -> impl Iterator<Item = &'static Code> {
-    codes::CODES.iter().chain(CODES).chain(scdl::CODES)
+    codes::CODES.iter().chain(CODES).chain(asmotion_scdl::CODES)
 }
 
 /// The first code that differs in one letter, or in how many zeros it has.

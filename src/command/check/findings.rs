@@ -2,7 +2,7 @@
 
 use crate::build;
 use crate::command::test::snapshot;
-use asm_lang::{Loader, Options, Report, Sources, scenario};
+use asmotion_lang::{Loader, Options, Report, Sources, scenario};
 use std::path::Path;
 
 /// The findings in one file and what it names.
@@ -24,7 +24,7 @@ pub fn findings(path: &str, options: &Options, loader: &dyn Loader) -> (Report, 
 
 /// A composite, or a file of message types for composites.
 fn composite(path: &str, loader: &dyn Loader) -> (Report, Sources) {
-    if let Some(types) = assembly::open_types(path, loader, &build::BUILD) {
+    if let Some(types) = asmotion_assembly::open_types(path, loader, &build::BUILD) {
         return types;
     }
     let opened = build::open(path, &[], loader);
@@ -33,7 +33,7 @@ fn composite(path: &str, loader: &dyn Loader) -> (Report, Sources) {
 
 /// Also what is odd about the state it begins in.
 fn specification(path: &str, options: &Options, loader: &dyn Loader) -> (Report, Sources) {
-    match asm_lang::open_with(path, loader, options) {
+    match asmotion_lang::open_with(path, loader, options) {
         Ok(mut specification) => {
             if let Ok(machine) = specification.machine() {
                 let doubts = specification.doubts(&machine);

@@ -1,7 +1,7 @@
 //! Findings for tools.
 
-use asm_lang::source::{Applicability, Fix, Label, Span};
-use asm_lang::{Diagnostic, Severity, Sources};
+use asmotion_lang::source::{Applicability, Fix, Label, Span};
+use asmotion_lang::{Diagnostic, Severity, Sources};
 use serde_json::{Value, json};
 
 /// One finding: every place with its lines, columns and bytes.
@@ -26,7 +26,7 @@ fn labelled(label: &Label, sources: &Sources) -> Value {
 }
 
 fn fix(fix: &Fix, sources: &Sources) -> Value {
-    let edit = |edit: &asm_lang::source::Edit| {
+    let edit = |edit: &asmotion_lang::source::Edit| {
         let mut place = place(edit.span, sources);
         place["text"] = edit.text.as_str().into();
         place

@@ -2,8 +2,8 @@
 
 use super::findings::findings;
 use crate::files::{self, Disk};
-use asm_lang::source::{self, LoadError};
-use asm_lang::{Loader, Options, Report, Sources};
+use asmotion_lang::source::{self, LoadError};
+use asmotion_lang::{Loader, Options, Report, Sources};
 use serde_json::{Value, json};
 use std::fmt;
 use std::sync::Arc;

@@ -4,7 +4,7 @@ use crate::build;
 use crate::files::Disk;
 use crate::table;
 use crate::terminal::Terminal;
-use assembly::Plan;
+use asmotion_assembly::Plan;
 
 /// Shows the ways of a composite, in each of its profiles; of other files there is nothing to show.
 pub fn show(path: &str, terminal: &mut Terminal) {

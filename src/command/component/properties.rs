@@ -3,12 +3,12 @@
 use crate::exit::Exit;
 use crate::files::{Disk, reason};
 use crate::terminal::{Terminal, count};
-use asm_lang::Loader;
-use assembly::declaration::Declaration;
-use assembly::property_file::{self, Read};
+use asmotion_assembly::declaration::Declaration;
+use asmotion_assembly::property_file::{self, Read};
+use asmotion_lang::Loader;
+use asmotion_remote::Remote;
+use asmotion_scdl::Cpf;
 use clap::Subcommand;
-use remote::Remote;
-use scdl::Cpf;
 use std::error::Error;
 
 /// What is done with a file of properties.
@@ -56,7 +56,7 @@ impl Properties {
 }
 
 /// Writes them to a file, each behind what it is for.
-fn save(component: &remote::Component, file: &str) -> Result<Exit, Box<dyn Error>> {
+fn save(component: &asmotion_remote::Component, file: &str) -> Result<Exit, Box<dyn Error>> {
     let text = property_file::write(&component.declaration()?, &component.properties()?);
     let written = std::fs::write(file, text);
     written.map_err(|error| format!("cannot write `{file}`: {}", reason(&error)))?;
@@ -65,7 +65,7 @@ fn save(component: &remote::Component, file: &str) -> Result<Exit, Box<dyn Error
 
 /// Sets those of a file, all or none; what it does not have stays.
 fn load(
-    component: &remote::Component,
+    component: &asmotion_remote::Component,
     file: &str,
     terminal: &mut Terminal,
 ) -> Result<Exit, Box<dyn Error>> {
@@ -82,7 +82,7 @@ fn load(
 
 /// Shows where a file and the component differ.
 fn diff(
-    component: &remote::Component,
+    component: &asmotion_remote::Component,
     file: &str,
     terminal: &mut Terminal,
 ) -> Result<Exit, Box<dyn Error>> {
@@ -115,7 +115,7 @@ fn of_rtt(cpf: Cpf, component: &str, declared: &Declaration) -> Read {
 
 /// The file, checked against what the component declares; nothing where an error is in it, which is told.
 fn read(
-    component: &remote::Component,
+    component: &asmotion_remote::Component,
     file: &str,
     terminal: &mut Terminal,
 ) -> Result<Option<Read>, Box<dyn Error>> {
@@ -123,7 +123,7 @@ fn read(
     let text = text.map_err(|error| format!("cannot read `{file}`: {}", error.reason))?;
     let (name, declared) = (component.name(), component.declaration()?);
     let read = match file.ends_with(".cpf") || file.ends_with(".xml") {
-        true => of_rtt(scdl::cpf(file, &text), name, &declared),
+        true => of_rtt(asmotion_scdl::cpf(file, &text), name, &declared),
         false => property_file::read(file, &text, name, &declared),
     };
     terminal.report(&read.report, &read.sources);

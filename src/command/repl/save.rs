@@ -1,6 +1,6 @@
 //! What happened at the prompt as a scenario: it sets what was read, and checks what was written.
 
-use asm_lang::{Event, History, Machine, Session, Value, simulate};
+use asmotion_lang::{Event, History, Machine, Session, Value, simulate};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
@@ -55,7 +55,7 @@ impl Scenario {
             // a monitored location is set when a step reads it
             Event::Set(function, arguments, value) => {
                 let kind = machine.program().functions[function.0 as usize].kind;
-                if kind != asm_lang::ir::FunctionKind::Monitored {
+                if kind != asmotion_lang::ir::FunctionKind::Monitored {
                     let location = simulate::applied(machine, *function, arguments);
                     self.fact("exec", &location, ":=", &shown(machine, value));
                 }

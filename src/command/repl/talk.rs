@@ -5,8 +5,8 @@ use super::verb::{VERBS, split};
 use crate::prompt;
 use crate::show;
 use crate::terminal::{FAINT, GOOD, NAME, NOTE, Terminal};
-use asm_lang::ir::{AddedTerm, FunctionId, FunctionKind};
-use asm_lang::{Event, History, Machine, Report, Value, Written, simulate};
+use asmotion_lang::ir::{AddedTerm, FunctionId, FunctionKind};
+use asmotion_lang::{Event, History, Machine, Report, Value, Written, simulate};
 use std::path::Path;
 
 /// `run` does so many steps.

@@ -1,7 +1,7 @@
 //! How a run and its end are told: to a person, and to a program.
 
-use component::{Event, Time};
-use coordinator::{STEP_REPORT, StepRecord};
+use asmotion_component::{Event, Time};
+use asmotion_coordinator::{STEP_REPORT, StepRecord};
 use serde_json::json;
 
 use crate::mission::{Ended, Outcome};

@@ -4,7 +4,7 @@ use std::io::IsTerminal;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use remote::Remote;
+use asmotion_remote::Remote;
 
 use crate::broker;
 use crate::mission::{Brokers, Mission};

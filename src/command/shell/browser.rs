@@ -7,10 +7,10 @@ use crate::command::run::property_value;
 use crate::prompt;
 use crate::table;
 use crate::terminal::{FAINT, Terminal};
-use asm_lang::source::similar;
-use component::Transition;
-use datum::Datum;
-use remote::{Component, Remote};
+use asmotion_component::Transition;
+use asmotion_datum::Datum;
+use asmotion_lang::source::similar;
+use asmotion_remote::{Component, Remote};
 use std::time::Duration;
 
 /// How long a call may take.
@@ -134,7 +134,7 @@ impl Browser {
 
     fn call(&self, written: &str, terminal: &mut Terminal) -> Answered {
         let (path, argument) = called(written);
-        let argument: Datum = datum::json::decode(argument)
+        let argument: Datum = asmotion_datum::json::decode(argument)
             .map_err(|error| format!("`{argument}` is no JSON: {error}"))?;
         let (component, name) = self.locate(path)?;
         let known = operations(&component);
@@ -148,7 +148,7 @@ impl Browser {
         let answer = component
             .service(service)?
             .call(operation, argument, PATIENCE)?;
-        terminal.result(datum::json::encode_pretty(&answer)?);
+        terminal.result(asmotion_datum::json::encode_pretty(&answer)?);
         Ok(())
     }
 
@@ -175,14 +175,14 @@ impl Browser {
     fn read(&self, path: &str, terminal: &mut Terminal) -> Answered {
         let (component, port) = self.locate(path)?;
         let read: Datum = component.read(port)?;
-        terminal.result(datum::json::encode(&read)?);
+        terminal.result(asmotion_datum::json::encode(&read)?);
         Ok(())
     }
 
     fn write(&self, written: &str) -> Answered {
         let split = written.split_once(char::is_whitespace);
         let (path, message) = split.ok_or("say `write PORT JSON`")?;
-        let message: Datum = datum::json::decode(message)
+        let message: Datum = asmotion_datum::json::decode(message)
             .map_err(|error| format!("`{message}` is no JSON: {error}"))?;
         let (component, port) = self.locate(path)?;
         component.write(port, message)?;
@@ -205,7 +205,7 @@ impl Browser {
             let Some(message) = watch.next_within(SILENCE) else {
                 return Err(format!("nothing has left `{path}` for {SILENCE:?}").into());
             };
-            terminal.result(datum::json::encode(&message?)?);
+            terminal.result(asmotion_datum::json::encode(&message?)?);
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use remote::{Component, Word};
+use asmotion_remote::{Component, Word};
 
 /// The peers of a component: name, and what joins them, as `odom → path` or `path ← plan`.
 pub fn peers(of: &Component, words: &[Word]) -> BTreeSet<(String, String)> {

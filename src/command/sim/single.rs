@@ -4,9 +4,9 @@ use super::{Sim, Unbegun, comment};
 use crate::exit::Exit;
 use crate::show;
 use crate::terminal::{FAINT, NAME, Terminal, count};
-use asm_lang::machine::Machine;
-use asm_lang::simulate::{self, Stopped, Trace};
-use asm_lang::{Diagnostic, Report, Severity, Specification};
+use asmotion_lang::machine::Machine;
+use asmotion_lang::simulate::{self, Stopped, Trace};
+use asmotion_lang::{Diagnostic, Report, Severity, Specification};
 use serde_json::{Map, Value, json};
 
 impl Sim {

@@ -1,8 +1,8 @@
 //! What ran: a table of the rules, the sources with counts in the margin, and LCOV for tools.
 
 use crate::terminal::{BAD, FAINT, GOOD, NAME, Terminal};
-use asm_lang::coverage::{Coverage, Covered, CoveredRule};
-use asm_lang::ir::Part;
+use asmotion_lang::coverage::{Coverage, Covered, CoveredRule};
+use asmotion_lang::ir::Part;
 use clap::ValueEnum;
 use std::collections::BTreeMap;
 use std::fmt::Write;

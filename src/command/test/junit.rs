@@ -3,8 +3,8 @@
 use super::{End, Ended};
 use crate::exit::Exit;
 use crate::terminal::Terminal;
-use asm_lang::simulate::scenario::Verdict;
-use asm_lang::{Style, render_all};
+use asmotion_lang::simulate::scenario::Verdict;
+use asmotion_lang::{Style, render_all};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use std::path::Path;
 

@@ -3,8 +3,8 @@
 use super::{End, Ended};
 use crate::exit::Exit;
 use crate::terminal::{BAD, FAINT, GOOD, NOTE, Terminal};
-use asm_lang::Severity;
-use asm_lang::simulate::scenario::Verdict;
+use asmotion_lang::Severity;
+use asmotion_lang::simulate::scenario::Verdict;
 use serde_json::json;
 use std::time::Duration;
 

@@ -3,8 +3,8 @@
 use super::Ended;
 use crate::exit::Exit;
 use crate::terminal::Terminal;
-use asm_lang::Report;
-use asm_lang::simulate::scenario::Verdict;
+use asmotion_lang::Report;
+use asmotion_lang::simulate::scenario::Verdict;
 use std::io::BufRead;
 
 /// Whether this is a build server, where nothing is accepted.

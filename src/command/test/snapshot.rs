@@ -6,11 +6,11 @@
 use super::{End, Ended};
 use crate::diff::unified;
 use crate::files::Disk;
-use asm_lang::coverage::Coverage;
-use asm_lang::machine::Machine;
-use asm_lang::simulate::scenario::Verdict;
-use asm_lang::simulate::{self, Causes, Script, Simulation, Stopped};
-use asm_lang::{Diagnostic, Failure, Loader, Report, Specification};
+use asmotion_lang::coverage::Coverage;
+use asmotion_lang::machine::Machine;
+use asmotion_lang::simulate::scenario::Verdict;
+use asmotion_lang::simulate::{self, Causes, Script, Simulation, Stopped};
+use asmotion_lang::{Diagnostic, Failure, Loader, Report, Specification};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -93,7 +93,7 @@ fn said(difference: &Difference) -> Diagnostic {
 
 /// The specification of a script, and the script.
 pub fn open(script: &str, loader: &dyn Loader) -> Result<(Specification, Script), Failure> {
-    let mut specification = asm_lang::open(&specification(Path::new(script)), loader)?;
+    let mut specification = asmotion_lang::open(&specification(Path::new(script)), loader)?;
     match read(script, &mut specification, loader) {
         Ok(script) => Ok((specification, script)),
         Err(report) => {

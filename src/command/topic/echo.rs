@@ -3,11 +3,11 @@
 use crate::build::BUILD;
 use crate::exit::Exit;
 use crate::terminal::Terminal;
-use assembly::Catalogue;
-use bus::Envelope;
+use asmotion_assembly::Catalogue;
+use asmotion_bus::Envelope;
+use asmotion_datum::{Datum, Message};
+use asmotion_remote::Remote;
 use clap::Args;
-use datum::{Datum, Message};
-use remote::Remote;
 use serde_json::json;
 use std::time::{Duration, Instant};
 
@@ -48,7 +48,7 @@ fn line(envelope: &Envelope) -> String {
     let schema = BUILD.schema(&envelope.type_name);
     let schema = schema.as_ref().unwrap_or(Datum::schema());
     let content = envelope.payload.to_datum_of(schema);
-    let content = content.and_then(|datum| datum::json::encode(&datum));
+    let content = content.and_then(|datum| asmotion_datum::json::encode(&datum));
     // a number as its sender wrote it
     let content = content.unwrap_or_else(|error| json!(error.to_string()).to_string());
     let about = json!({

@@ -2,8 +2,8 @@
 
 use crate::exit::Exit;
 use crate::terminal::Terminal;
+use asmotion_remote::Remote;
 use clap::Args;
-use remote::Remote;
 use std::time::{Duration, Instant};
 
 #[derive(Args)]

@@ -3,8 +3,8 @@
 use crate::exit::Exit;
 use crate::table;
 use crate::terminal::Terminal;
+use asmotion_remote::Remote;
 use clap::Args;
-use remote::Remote;
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 

@@ -2,10 +2,10 @@
 
 use crate::exit::Exit;
 use crate::terminal::Terminal;
-use bus::{Origin, Payload, Sending};
+use asmotion_bus::{Origin, Payload, Sending};
+use asmotion_datum::{Codec, Datum, Schema};
+use asmotion_remote::Remote;
 use clap::Args;
-use datum::{Codec, Datum, Schema};
-use remote::Remote;
 use std::num::NonZeroUsize;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -34,7 +34,7 @@ pub struct Pub {
 impl Pub {
     /// Publishes. That nobody reads it is worth a word, and no failure.
     pub fn run(self, remote: &Remote, terminal: &mut Terminal) -> Result<Exit, String> {
-        let message: Datum = datum::json::decode(&self.message)
+        let message: Datum = asmotion_datum::json::decode(&self.message)
             .map_err(|error| format!("`{}` is no JSON: {error}", self.message))?;
         let pause = Duration::try_from_secs_f64(1.0 / self.rate)
             .map_err(|_| format!("`--rate {}`: a number above zero is wanted", self.rate))?;

@@ -1,7 +1,9 @@
 //! Our run of what the reference ran: with the inputs it read, on a clock like its own.
 
-use asm_lang::simulate::{Inputs, Recorded, Recording, Trace};
-use asm_lang::{Environment, Fault, FaultKind, First, Loader, Machine, Options, ir, value::Value};
+use asmotion_lang::simulate::{Inputs, Recorded, Recording, Trace};
+use asmotion_lang::{
+    Environment, Fault, FaultKind, First, Loader, Machine, Options, ir, value::Value,
+};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -12,7 +14,7 @@ pub fn ours(
     loader: &dyn Loader,
     options: &Options,
 ) -> Option<String> {
-    let specification = asm_lang::open_with(&path.to_string_lossy(), loader, options).ok()?;
+    let specification = asmotion_lang::open_with(&path.to_string_lossy(), loader, options).ok()?;
     let mut machine = match specification.machine() {
         Ok(machine) => machine,
         Err(fault) => {

@@ -5,10 +5,10 @@ use super::frame::{Binding, Closed, Frame, close};
 use super::{Lowering, facts};
 use crate::code::{Kind, Node, RuleNode, Term};
 use crate::program::{Local, Origin, RoutineId};
-use hir::{TermKind, VarId};
-use source::{Diagnostic, Span};
+use asmotion_hir::{TermKind, VarId};
+use asmotion_source::{Diagnostic, Span};
+use asmotion_value::RuleId;
 use std::rc::Rc;
-use value::RuleId;
 
 /// Macros may be built into each other this deep.
 const MAX_DEPTH: usize = 64;
@@ -94,7 +94,7 @@ impl Lowering<'_> {
     pub(super) fn added_routine(
         &mut self,
         id: RuleId,
-        body: &hir::Body<hir::RuleTerm>,
+        body: &asmotion_hir::Body<asmotion_hir::RuleTerm>,
     ) -> RoutineId {
         let routine = self.reserve_routine_at(body.root.span, false);
         let mut frame = Frame::of_rule(id);
@@ -131,7 +131,7 @@ impl Lowering<'_> {
     pub(super) fn call(
         &mut self,
         rule: RuleId,
-        arguments: &[hir::Term],
+        arguments: &[asmotion_hir::Term],
         frame: &mut Frame,
         span: Span,
     ) -> RuleNode {
@@ -139,7 +139,7 @@ impl Lowering<'_> {
         let mut by_name = Vec::new();
         let mut extras: Vec<Local> = Vec::new();
         let turbo = self.model.rule(rule).turbo;
-        let named: Vec<Option<(hir::Term, Vec<Option<Binding>>)>> = arguments
+        let named: Vec<Option<(asmotion_hir::Term, Vec<Option<Binding>>)>> = arguments
             .iter()
             .enumerate()
             .map(|(index, argument)| {
@@ -184,7 +184,7 @@ impl Lowering<'_> {
     }
 
     /// What a variable passed by name stands for, if the term is one.
-    fn variable_term(&self, term: &hir::Term, frame: &Frame) -> Option<Rc<Closed>> {
+    fn variable_term(&self, term: &asmotion_hir::Term, frame: &Frame) -> Option<Rc<Closed>> {
         match &*term.kind {
             TermKind::Variable(variable) => match frame.binding(*variable) {
                 Some(Binding::Term(closed)) => Some(closed),
@@ -201,7 +201,7 @@ impl Lowering<'_> {
         &self,
         rule: RuleId,
         parameter: usize,
-        argument: &hir::Term,
+        argument: &asmotion_hir::Term,
         bindings: &[Option<Binding>],
     ) -> bool {
         let parameter = VarId(parameter as u32);
@@ -245,7 +245,11 @@ impl Lowering<'_> {
 }
 
 /// Whether a term is a location that rules may write.
-fn is_location(model: &hir::Model, term: &hir::Term, bindings: &[Option<Binding>]) -> bool {
+fn is_location(
+    model: &asmotion_hir::Model,
+    term: &asmotion_hir::Term,
+    bindings: &[Option<Binding>],
+) -> bool {
     match &*term.kind {
         TermKind::Variable(variable) => matches!(
             bindings.get(variable.0 as usize),
@@ -253,10 +257,10 @@ fn is_location(model: &hir::Model, term: &hir::Term, bindings: &[Option<Binding>
         ),
         TermKind::Apply(function, _) | TermKind::Spread(function, _) => matches!(
             model.function(*function).kind,
-            hir::FunctionKind::Controlled
-                | hir::FunctionKind::Out
-                | hir::FunctionKind::Shared
-                | hir::FunctionKind::Local
+            asmotion_hir::FunctionKind::Controlled
+                | asmotion_hir::FunctionKind::Out
+                | asmotion_hir::FunctionKind::Shared
+                | asmotion_hir::FunctionKind::Local
         ),
         _ => false,
     }

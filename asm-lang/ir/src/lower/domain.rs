@@ -3,11 +3,11 @@
 use super::Lowering;
 use crate::code::Range;
 use crate::program::{Domain, DomainId, Elements, Shape};
-use hir::{DomainKind, Meaning, Term, TermKind, Type, TypeId};
-use value::{Atom, Value};
+use asmotion_hir::{DomainKind, Meaning, Term, TermKind, Type, TypeId};
+use asmotion_value::{Atom, Value};
 
 /// The number of a domain is the same in the model and in the program.
-pub(super) fn id(id: hir::DomainId) -> DomainId {
+pub(super) fn id(id: asmotion_hir::DomainId) -> DomainId {
     DomainId(id.0)
 }
 
@@ -23,7 +23,7 @@ impl Lowering<'_> {
                 },
                 _ => None,
             };
-            let elements = self.elements(hir::DomainId(index as u32));
+            let elements = self.elements(asmotion_hir::DomainId(index as u32));
             let grows = match domain.kind {
                 DomainKind::Abstract => true,
                 DomainKind::Concrete { base } => self.is_abstract(base),
@@ -37,7 +37,7 @@ impl Lowering<'_> {
         }
     }
 
-    fn elements(&mut self, domain: hir::DomainId) -> Elements {
+    fn elements(&mut self, domain: asmotion_hir::DomainId) -> Elements {
         let declared = self.model.domain(domain);
         match declared.kind {
             DomainKind::Any | DomainKind::Basic => Elements::Open,
@@ -66,8 +66,8 @@ impl Lowering<'_> {
     }
 
     /// The constants of an abstract domain and of those it contains; they stand side by side.
-    fn constants(&self, domain: hir::DomainId) -> Elements {
-        let contains = |mut inner: hir::DomainId| {
+    fn constants(&self, domain: asmotion_hir::DomainId) -> Elements {
+        let contains = |mut inner: asmotion_hir::DomainId| {
             for _ in 0..=self.model.domains.len() {
                 if inner == domain {
                     return true;
@@ -125,7 +125,9 @@ impl Lowering<'_> {
             TermKind::Apply(function, arguments) if depth < 32 => {
                 let function = self.model.function(*function);
                 match (&function.meaning, arguments.as_slice()) {
-                    (Meaning::Defined(body), []) if function.kind == hir::FunctionKind::Static => {
+                    (Meaning::Defined(body), [])
+                        if function.kind == asmotion_hir::FunctionKind::Static =>
+                    {
                         self.integer(&body.root, depth + 1)
                     }
                     (Meaning::Builtin(builtin), [one]) if builtin.name == "minus" => {
@@ -229,7 +231,7 @@ impl Lowering<'_> {
     }
 
     /// The elements of a domain as a range, where nothing has to be computed for it.
-    pub(super) fn range(&self, domain: hir::DomainId) -> Range {
+    pub(super) fn range(&self, domain: asmotion_hir::DomainId) -> Range {
         match (
             &self.program.domains[domain.0 as usize].elements,
             &self.model.domain(domain).kind,

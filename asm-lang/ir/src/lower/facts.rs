@@ -1,12 +1,12 @@
 //! What is true of the functions and rules of a model, whoever calls them.
 
 use super::needs::recursive;
-use hir::{
+use asmotion_hir::{
     Body, DomainKind, Function, FunctionId, FunctionKind, Meaning, Model, RuleKind, RuleTerm,
     Target, Term, TermKind, Type, TypeId, VarId,
 };
+use asmotion_value::RuleId;
 use std::collections::BTreeSet;
-use value::RuleId;
 
 /// Facts that lowering decides by.
 #[derive(Debug, Default)]

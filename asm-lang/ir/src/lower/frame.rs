@@ -2,10 +2,10 @@
 
 use super::facts;
 use crate::program::Local;
-use hir::{TermKind, VarId};
+use asmotion_hir::{TermKind, VarId};
+use asmotion_value::RuleId;
 use std::collections::BTreeSet;
 use std::rc::Rc;
-use value::RuleId;
 
 /// What a variable stands for.
 #[derive(Clone, Debug)]
@@ -26,7 +26,7 @@ pub(super) enum Binding {
 /// A term passed by name, with what its variables stand for.
 #[derive(Debug)]
 pub(super) struct Closed {
-    pub term: hir::Term,
+    pub term: asmotion_hir::Term,
     pub bindings: Vec<Option<Binding>>,
     /// Equal keys, equal terms.
     pub key: String,
@@ -107,7 +107,7 @@ impl Frame {
 /// Closes a term over the locals its variables stand for: they become further arguments of the
 /// macro, numbered from `base` on.
 pub(super) fn close(
-    term: &hir::Term,
+    term: &asmotion_hir::Term,
     bindings: &[Option<Binding>],
     extras: &mut Vec<Local>,
     base: u32,

@@ -2,15 +2,15 @@
 
 use super::{Lowering, domain, order, reach};
 use crate::program::{Axis, AxisRange, Elements, Function, FunctionId, FunctionKind, Storage};
-use hir::{Meaning, Type, TypeId};
-use stdlib::Mail;
+use asmotion_hir::{Meaning, Type, TypeId};
+use asmotion_stdlib::Mail;
 
 impl Lowering<'_> {
     /// Gives every function its storage, in order of declaration.
     pub(super) fn layout(&mut self) {
         self.domains();
         for (index, function) in self.model.functions.iter().enumerate() {
-            let id = hir::FunctionId(index as u32);
+            let id = asmotion_hir::FunctionId(index as u32);
             let is_result = self.model.reserved.result == Some(id);
             let stored = is_result || matches!(function.meaning, Meaning::State);
             // values that need others of the same function are computed when they are met
@@ -44,7 +44,7 @@ impl Lowering<'_> {
                 initial: None,
                 clock: clock(&function.name).filter(|_| function.library),
                 mail: mail(function),
-                own: !function.library && function.kind != hir::FunctionKind::Local,
+                own: !function.library && function.kind != asmotion_hir::FunctionKind::Local,
             });
         }
     }
@@ -138,7 +138,7 @@ impl Lowering<'_> {
                     }),
                     Elements::Computed(_) | Elements::Undefined => {
                         match self.model.domain(*declared).kind {
-                            hir::DomainKind::Concrete { base } => self.axis(base),
+                            asmotion_hir::DomainKind::Concrete { base } => self.axis(base),
                             _ => None,
                         }
                     }
@@ -163,19 +163,21 @@ fn clock(name: &str) -> Option<i64> {
     })
 }
 
-fn kind(kind: hir::FunctionKind) -> FunctionKind {
+fn kind(kind: asmotion_hir::FunctionKind) -> FunctionKind {
     match kind {
-        hir::FunctionKind::Static | hir::FunctionKind::Derived => FunctionKind::Fixed,
-        hir::FunctionKind::Monitored => FunctionKind::Monitored,
-        hir::FunctionKind::Controlled => FunctionKind::Controlled,
-        hir::FunctionKind::Local => FunctionKind::Local,
-        hir::FunctionKind::Shared => FunctionKind::Shared,
-        hir::FunctionKind::Out => FunctionKind::Out,
+        asmotion_hir::FunctionKind::Static | asmotion_hir::FunctionKind::Derived => {
+            FunctionKind::Fixed
+        }
+        asmotion_hir::FunctionKind::Monitored => FunctionKind::Monitored,
+        asmotion_hir::FunctionKind::Controlled => FunctionKind::Controlled,
+        asmotion_hir::FunctionKind::Local => FunctionKind::Local,
+        asmotion_hir::FunctionKind::Shared => FunctionKind::Shared,
+        asmotion_hir::FunctionKind::Out => FunctionKind::Out,
     }
 }
 
 /// What a function asks about messages.
-fn mail(function: &hir::Function) -> Option<Mail> {
+fn mail(function: &asmotion_hir::Function) -> Option<Mail> {
     match function.library {
         true => Mail::named(&function.name),
         false => function.is_client.then_some(Mail::Client),

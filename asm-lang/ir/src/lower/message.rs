@@ -3,9 +3,9 @@
 
 use super::facts::walk;
 use crate::program::{FunctionId, Messages};
-use hir::{Domain, Function, FunctionKind, Model, RuleKind, Term, TermKind, Type, TypeId};
-use source::{Diagnostic, Report, Span};
-use value::{Atom, Value};
+use asmotion_hir::{Domain, Function, FunctionKind, Model, RuleKind, Term, TermKind, Type, TypeId};
+use asmotion_source::{Diagnostic, Report, Span};
+use asmotion_value::{Atom, Value};
 
 /// A rule of the library applied: who it speaks to about what.
 #[derive(Clone, Copy, Debug)]
@@ -121,9 +121,10 @@ impl<'a> Interface<'a> {
     }
 
     fn check(&self, used: &MessageUse<'_>, report: &mut Report) {
-        let name = stdlib::operation(used.operation);
+        let name = asmotion_stdlib::operation(used.operation);
         let mut known = self.operations.iter();
-        let Some(operation) = known.find(|known| stdlib::operation(&known.name) == name) else {
+        let Some(operation) = known.find(|known| asmotion_stdlib::operation(&known.name) == name)
+        else {
             report.push(self.unknown(used, name));
             return;
         };
@@ -167,7 +168,7 @@ impl<'a> Interface<'a> {
                 "its operations are the out functions here",
             );
         let names = self.operations.iter().map(|known| &known.name);
-        match source::similar(name, names.clone()) {
+        match asmotion_source::similar(name, names.clone()) {
             Some(known) => finding.help(format!("did you mean `{known}`?")),
             None => {
                 let known: Vec<String> = names.map(|name| format!("`{name}`")).collect();
@@ -210,7 +211,10 @@ pub(super) fn messages(model: &Model) -> Option<Messages> {
     })
 }
 
-fn library_function<'a>(model: &'a Model, name: &str) -> Option<(FunctionId, &'a hir::Function)> {
+fn library_function<'a>(
+    model: &'a Model,
+    name: &str,
+) -> Option<(FunctionId, &'a asmotion_hir::Function)> {
     let mut functions = (0..).zip(&model.functions);
     let found = functions.find(|(_, function)| function.library && &*function.name == name);
     found.map(|(index, function)| (FunctionId(index), function))

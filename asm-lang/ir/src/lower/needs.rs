@@ -2,11 +2,11 @@
 //! are passed by name, lest a term fails, or asks the environment, that no rule wants to know.
 
 use super::facts::{Facts, subterms, visit, walk};
-use hir::{
+use asmotion_hir::{
     Binder, Body, FunctionKind, Meaning, Model, RuleKind, RuleTerm, Target, Term, TermKind, VarId,
 };
+use asmotion_value::RuleId;
 use std::collections::{BTreeMap, BTreeSet};
-use value::RuleId;
 
 /// The functions of the library that have a value for all arguments.
 const TOTAL: &[&str] = &[

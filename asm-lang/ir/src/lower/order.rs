@@ -3,7 +3,7 @@
 use super::facts::{definition, visit};
 use super::{domain, function_id};
 use crate::program::{Elements, Initial, Program};
-use hir::{Body, DomainId, FunctionId, Model, Term, TermKind, Type};
+use asmotion_hir::{Body, DomainId, FunctionId, Model, Term, TermKind, Type};
 use std::collections::BTreeSet;
 
 /// The order, and the domains for which there is none.

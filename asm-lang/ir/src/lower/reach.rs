@@ -8,8 +8,8 @@ use crate::interval::Interval;
 use crate::program::{
     AxisRange, BodyId, Elements, FunctionId, FunctionKind, Program, RoutineId, Shape, Storage,
 };
+use asmotion_value::Value;
 use std::collections::BTreeMap;
-use value::Value;
 
 /// Beyond these bounds nothing is laid out.
 const MOST: i64 = 1 << 20;

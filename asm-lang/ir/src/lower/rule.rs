@@ -4,9 +4,9 @@ use super::frame::{Binding, Frame};
 use super::{Lowering, domain};
 use crate::code::{Endless, Kind, Node, Place, Rule, RuleNode, Term};
 use crate::program::{Local, Origin};
-use hir::{RuleKind, RuleTerm, TermKind, Type, VarId};
-use source::Span;
-use value::{RuleId, Value};
+use asmotion_hir::{RuleKind, RuleTerm, TermKind, Type, VarId};
+use asmotion_source::Span;
+use asmotion_value::{RuleId, Value};
 
 impl Lowering<'_> {
     /// A rule in a frame.
@@ -131,8 +131,8 @@ impl Lowering<'_> {
     /// Where a domain has no end and no guard asks for more, its variable is drawn beforehand.
     fn choose(
         &mut self,
-        binders: &[hir::Binder],
-        guard: Option<&hir::Term>,
+        binders: &[asmotion_hir::Binder],
+        guard: Option<&asmotion_hir::Term>,
         body: &RuleTerm,
         ifnone: Option<&RuleTerm>,
         span: Span,
@@ -171,7 +171,7 @@ impl Lowering<'_> {
     }
 
     /// The numbers of a domain without end.
-    fn endless(&self, binder: &hir::Binder) -> Option<Endless> {
+    fn endless(&self, binder: &asmotion_hir::Binder) -> Option<Endless> {
         let TermKind::Extent(ty) = *binder.range.kind else {
             return None;
         };
@@ -236,7 +236,12 @@ impl Lowering<'_> {
         rules.iter().map(|rule| self.rule(rule, frame)).collect()
     }
 
-    fn run(&mut self, term: &hir::Term, arguments: &[hir::Term], frame: &mut Frame) -> RuleNode {
+    fn run(
+        &mut self,
+        term: &asmotion_hir::Term,
+        arguments: &[asmotion_hir::Term],
+        frame: &mut Frame,
+    ) -> RuleNode {
         let arguments = self.terms(arguments, frame);
         let term = self.term(term, frame);
         match *term.node {
@@ -253,7 +258,7 @@ impl Lowering<'_> {
     }
 }
 
-fn variables(binders: &[hir::Binder]) -> Vec<VarId> {
+fn variables(binders: &[asmotion_hir::Binder]) -> Vec<VarId> {
     binders.iter().map(|binder| binder.variable).collect()
 }
 

@@ -5,8 +5,8 @@ use super::rule::at;
 use super::{Lowering, domain, function_id};
 use crate::code::{Arithmetic, Binder, Comparison, Kind, Logic, Node, Place, Range, Term};
 use crate::program::{FunctionId, Local, Origin, Slot, Storage};
-use hir::{Meaning, TermKind, Type, TypeId};
-use value::Value;
+use asmotion_hir::{Meaning, TermKind, Type, TypeId};
+use asmotion_value::Value;
 
 impl Term {
     /// The value of a local, standing here.
@@ -36,10 +36,12 @@ impl Lowering<'_> {
             Type::Integer | Type::Natural => Kind::Int,
             Type::Real => Kind::Real,
             Type::Domain(domain) => match self.model.domain(*domain).kind {
-                hir::DomainKind::Enum { .. } | hir::DomainKind::Abstract => Kind::Atom,
-                hir::DomainKind::Any
-                | hir::DomainKind::Basic
-                | hir::DomainKind::Concrete { .. } => Kind::Other,
+                asmotion_hir::DomainKind::Enum { .. } | asmotion_hir::DomainKind::Abstract => {
+                    Kind::Atom
+                }
+                asmotion_hir::DomainKind::Any
+                | asmotion_hir::DomainKind::Basic
+                | asmotion_hir::DomainKind::Concrete { .. } => Kind::Other,
             },
             Type::Invalid
             | Type::Undef
@@ -55,23 +57,23 @@ impl Lowering<'_> {
         }
     }
 
-    pub(super) fn terms(&mut self, terms: &[hir::Term], frame: &mut Frame) -> Vec<Term> {
+    pub(super) fn terms(&mut self, terms: &[asmotion_hir::Term], frame: &mut Frame) -> Vec<Term> {
         terms.iter().map(|term| self.term(term, frame)).collect()
     }
 
-    fn optional(&mut self, term: Option<&hir::Term>, frame: &mut Frame) -> Option<Term> {
+    fn optional(&mut self, term: Option<&asmotion_hir::Term>, frame: &mut Frame) -> Option<Term> {
         term.map(|term| self.term(term, frame))
     }
 
     /// A term in a frame.
-    pub(super) fn term(&mut self, term: &hir::Term, frame: &mut Frame) -> Term {
+    pub(super) fn term(&mut self, term: &asmotion_hir::Term, frame: &mut Frame) -> Term {
         self.nesting += 1;
         let lowered = stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.term_here(term, frame));
         self.nesting -= 1;
         lowered
     }
 
-    fn term_here(&mut self, term: &hir::Term, frame: &mut Frame) -> Term {
+    fn term_here(&mut self, term: &asmotion_hir::Term, frame: &mut Frame) -> Term {
         let origin = self.origin(term.span);
         let kind = self.kind(term.ty);
         let node = match &*term.kind {
@@ -165,7 +167,7 @@ impl Lowering<'_> {
 
     pub(super) fn bindings(
         &mut self,
-        bindings: &[(hir::VarId, hir::Term)],
+        bindings: &[(asmotion_hir::VarId, asmotion_hir::Term)],
         frame: &mut Frame,
     ) -> Vec<(Local, Term)> {
         let mut bound = Vec::new();
@@ -176,7 +178,11 @@ impl Lowering<'_> {
         bound
     }
 
-    pub(super) fn binders(&mut self, binders: &[hir::Binder], frame: &mut Frame) -> Vec<Binder> {
+    pub(super) fn binders(
+        &mut self,
+        binders: &[asmotion_hir::Binder],
+        frame: &mut Frame,
+    ) -> Vec<Binder> {
         let mut bound = Vec::new();
         for binder in binders {
             let origin = self.origin(binder.range.span);
@@ -198,7 +204,12 @@ impl Lowering<'_> {
     }
 
     /// A function applied to arguments that are lowered already.
-    fn apply(&mut self, function: hir::FunctionId, arguments: Vec<Term>, origin: Origin) -> Node {
+    fn apply(
+        &mut self,
+        function: asmotion_hir::FunctionId,
+        arguments: Vec<Term>,
+        origin: Origin,
+    ) -> Node {
         let reserved = self.model.reserved;
         if reserved.self_ == Some(function) {
             return Node::Agent;
@@ -245,7 +256,7 @@ impl Lowering<'_> {
     }
 
     /// `id(a)`, `getAgent("a")`: an element and its name.
-    fn name(&mut self, declared: &hir::Function, arguments: Vec<Term>) -> Node {
+    fn name(&mut self, declared: &asmotion_hir::Function, arguments: Vec<Term>) -> Node {
         let Some(argument) = arguments.into_iter().next() else {
             return Node::Constant(Value::Undef);
         };
@@ -258,10 +269,10 @@ impl Lowering<'_> {
     /// `f(t)` where the one term is a tuple of all arguments.
     fn spread(
         &mut self,
-        function: hir::FunctionId,
-        tuple: &hir::Term,
+        function: asmotion_hir::FunctionId,
+        tuple: &asmotion_hir::Term,
         frame: &mut Frame,
-        term: &hir::Term,
+        term: &asmotion_hir::Term,
     ) -> Term {
         let origin = self.origin(term.span);
         let kind = self.kind(term.ty);
@@ -282,8 +293,8 @@ impl Lowering<'_> {
     /// Binds a tuple, and gives its components as the arguments of a function.
     fn components(
         &mut self,
-        function: hir::FunctionId,
-        tuple: &hir::Term,
+        function: asmotion_hir::FunctionId,
+        tuple: &asmotion_hir::Term,
         frame: &mut Frame,
     ) -> (Vec<(Local, Term)>, Vec<Term>) {
         let lowered = self.term(tuple, frame);
@@ -335,9 +346,13 @@ impl Lowering<'_> {
     }
 
     /// What an update writes; `None` after an error.
-    pub(super) fn place(&mut self, target: &hir::Target, frame: &mut Frame) -> Option<Place> {
+    pub(super) fn place(
+        &mut self,
+        target: &asmotion_hir::Target,
+        frame: &mut Frame,
+    ) -> Option<Place> {
         match target {
-            hir::Target::Location(function, arguments) => {
+            asmotion_hir::Target::Location(function, arguments) => {
                 let wanted = self.model.function(*function).parameters.len();
                 let arguments = match arguments.as_slice() {
                     // `f(t) := …` with a tuple for all arguments
@@ -350,7 +365,7 @@ impl Lowering<'_> {
                     _ => return None,
                 })
             }
-            hir::Target::Variable(variable) => {
+            asmotion_hir::Target::Variable(variable) => {
                 if let (Some(Binding::Local(local)), true) =
                     (frame.binding(*variable), self.model.compatible)
                 {
@@ -366,12 +381,15 @@ impl Lowering<'_> {
                 if let Some(Binding::Term(closed)) = frame.binding(*variable) {
                     let target = match &*closed.term.kind {
                         TermKind::Apply(function, arguments) => {
-                            Some(hir::Target::Location(*function, arguments.clone()))
+                            Some(asmotion_hir::Target::Location(*function, arguments.clone()))
                         }
-                        TermKind::Spread(function, tuple) => {
-                            Some(hir::Target::Location(*function, vec![tuple.clone()]))
+                        TermKind::Spread(function, tuple) => Some(asmotion_hir::Target::Location(
+                            *function,
+                            vec![tuple.clone()],
+                        )),
+                        TermKind::Variable(variable) => {
+                            Some(asmotion_hir::Target::Variable(*variable))
                         }
-                        TermKind::Variable(variable) => Some(hir::Target::Variable(*variable)),
                         _ => None,
                     };
                     if let Some(target) = target {
@@ -385,8 +403,8 @@ impl Lowering<'_> {
 
     fn literal_components(
         &mut self,
-        function: hir::FunctionId,
-        tuple: &hir::Term,
+        function: asmotion_hir::FunctionId,
+        tuple: &asmotion_hir::Term,
         frame: &mut Frame,
     ) -> Option<Vec<Term>> {
         if let TermKind::Tuple(items) = &*tuple.kind {
@@ -412,7 +430,7 @@ impl Lowering<'_> {
     /// A library function: the operators that machines know become nodes.
     fn builtin(
         &mut self,
-        builtin: &'static stdlib::Builtin,
+        builtin: &'static asmotion_stdlib::Builtin,
         arguments: Vec<Term>,
         origin: Origin,
     ) -> Node {
@@ -464,7 +482,11 @@ impl Lowering<'_> {
     }
 
     /// A guard that was left out holds.
-    pub(super) fn guard(&mut self, guard: Option<&hir::Term>, frame: &mut Frame) -> Option<Term> {
+    pub(super) fn guard(
+        &mut self,
+        guard: Option<&asmotion_hir::Term>,
+        frame: &mut Frame,
+    ) -> Option<Term> {
         let guard = self.optional(guard, frame)?;
         match &*guard.node {
             Node::Constant(Value::Bool(true)) => None,

@@ -4,10 +4,10 @@ use super::range::Ranges;
 use super::{Compiler, TermCode};
 use crate::extent::MAX_ELEMENTS;
 use crate::fault::FaultKind;
-use ir::{Collection, Origin, Term};
+use asmotion_ir::{Collection, Origin, Term};
+use asmotion_value::{Real, Value};
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use value::{Real, Value};
 
 impl Compiler<'_> {
     pub(super) fn interval(

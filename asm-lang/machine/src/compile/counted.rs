@@ -1,7 +1,7 @@
 //! Code that counts how often it runs.
 
 use super::{Compiler, RuleCode};
-use ir::{Counter, Rule};
+use asmotion_ir::{Counter, Rule};
 
 impl Compiler<'_> {
     pub(super) fn counted_rule(&self, counter: Counter, rule: &Rule) -> RuleCode {

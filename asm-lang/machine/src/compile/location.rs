@@ -2,8 +2,10 @@
 
 use super::{Compiler, TermCode};
 use crate::run::Run;
-use ir::{Axis, AxisRange, FunctionId, FunctionKind, Kind, Node, Origin, Slot, Storage, Term};
-use value::Value;
+use asmotion_ir::{
+    Axis, AxisRange, FunctionId, FunctionKind, Kind, Node, Origin, Slot, Storage, Term,
+};
+use asmotion_value::Value;
 
 /// Finds the slot of a location.
 pub(super) type SlotCode = Box<dyn Fn(&mut Run<'_>) -> Slot + Send + Sync>;

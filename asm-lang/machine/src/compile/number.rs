@@ -3,8 +3,8 @@
 use super::Compiler;
 use crate::fault::FaultKind;
 use crate::run::{Run, Truth};
-use ir::{Arithmetic, Local, Node, Origin, Term};
-use value::Value;
+use asmotion_ir::{Arithmetic, Local, Node, Origin, Term};
+use asmotion_value::Value;
 
 /// Gives an integer, or nothing where it is undef.
 type IntCode = Box<dyn Fn(&mut Run<'_>) -> Option<i64> + Send + Sync>;
@@ -77,10 +77,10 @@ impl Compiler<'_> {
     ) -> IntCode {
         let (left, right) = (self.integer(left), self.integer(right));
         match arithmetic {
-            Arithmetic::Plus => computed(left, right, origin, stdlib::integer::plus),
-            Arithmetic::Minus => computed(left, right, origin, stdlib::integer::minus),
-            Arithmetic::Mult => computed(left, right, origin, stdlib::integer::mult),
-            Arithmetic::Mod => computed(left, right, origin, stdlib::integer::modulo),
+            Arithmetic::Plus => computed(left, right, origin, asmotion_stdlib::integer::plus),
+            Arithmetic::Minus => computed(left, right, origin, asmotion_stdlib::integer::minus),
+            Arithmetic::Mult => computed(left, right, origin, asmotion_stdlib::integer::mult),
+            Arithmetic::Mod => computed(left, right, origin, asmotion_stdlib::integer::modulo),
         }
     }
 }
@@ -90,7 +90,7 @@ fn computed(
     left: Int,
     right: Int,
     origin: Origin,
-    operation: impl Fn(i64, i64) -> Result<i64, stdlib::Fault> + Send + Sync + 'static,
+    operation: impl Fn(i64, i64) -> Result<i64, asmotion_stdlib::Fault> + Send + Sync + 'static,
 ) -> IntCode {
     Box::new(move |run| {
         let (left, right) = (left.get(run)?, right.get(run)?);

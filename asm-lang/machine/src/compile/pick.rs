@@ -3,9 +3,9 @@
 use super::range::{RangeCode, Ranges};
 use crate::fault::FaultKind;
 use crate::run::{Run, Truth};
-use ir::{Origin, Shape};
+use asmotion_ir::{Origin, Shape};
+use asmotion_value::{Atom, Value};
 use std::ops::ControlFlow;
-use value::{Atom, Value};
 
 /// The candidates that agree with what was picked.
 pub(super) struct Candidates<'a> {

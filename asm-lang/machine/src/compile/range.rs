@@ -3,9 +3,9 @@
 use super::{Compiler, TermCode, TruthCode};
 use crate::fault::FaultKind;
 use crate::run::{Run, Truth};
-use ir::{Binder, DomainId, Local, Node, Origin, Range, Shape, Term};
+use asmotion_ir::{Binder, DomainId, Local, Node, Origin, Range, Shape, Term};
+use asmotion_value::{Atom, Value};
 use std::ops::ControlFlow;
-use value::{Atom, Value};
 
 /// A step that binds variables more often than this is not what anybody meant.
 pub(crate) const MAX_BINDINGS: u32 = if cfg!(fuzzing) { 50_000 } else { 10_000_000 };

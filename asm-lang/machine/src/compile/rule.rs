@@ -8,9 +8,9 @@ use crate::fault::FaultKind;
 use crate::machine::Choice;
 use crate::post::Done;
 use crate::run::{Codomain, Run, Stopped, Truth};
-use ir::{Endless, Local, Origin, Place, RoutineId, Rule, RuleNode, Term};
+use asmotion_ir::{Endless, Local, Origin, Place, RoutineId, Rule, RuleNode, Term};
+use asmotion_value::{RuleId, Value};
 use std::ops::ControlFlow;
-use value::{RuleId, Value};
 
 /// Loops that run longer than this in one step, all together, do not end.
 pub(crate) const MAX_ITERATIONS: u32 = if cfg!(fuzzing) { 50_000 } else { 10_000_000 };

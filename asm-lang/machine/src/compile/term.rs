@@ -6,11 +6,11 @@ use super::{Compiler, TermCode};
 use crate::fault::FaultKind;
 use crate::run::{Run, Truth};
 use crate::state::Naming;
-use ir::{BodyId, DomainId, Node, Origin, Term};
+use asmotion_ir::{BodyId, DomainId, Node, Origin, Term};
+use asmotion_value::Value;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use value::Value;
 
 impl Compiler<'_> {
     /// A term as code that gives a value.
@@ -187,7 +187,7 @@ impl Compiler<'_> {
 
     fn builtin(
         &self,
-        builtin: &'static stdlib::Builtin,
+        builtin: &'static asmotion_stdlib::Builtin,
         arguments: &[Term],
         origin: Origin,
     ) -> TermCode {
@@ -202,7 +202,7 @@ impl Compiler<'_> {
                         program: run.program,
                         reserve: &run.state.reserve,
                     };
-                    let mut context = stdlib::Context {
+                    let mut context = asmotion_stdlib::Context {
                         names: &names,
                         now_ns: run.now_ns,
                         printed: &mut run.record.printed,

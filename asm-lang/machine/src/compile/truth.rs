@@ -4,7 +4,7 @@ use super::range::Ranges;
 use super::{Compiler, TruthCode};
 use crate::fault::FaultKind;
 use crate::run::Truth;
-use ir::{Comparison, Kind, Logic, Node, Quantifier, Term};
+use asmotion_ir::{Comparison, Kind, Logic, Node, Quantifier, Term};
 use std::ops::ControlFlow;
 
 impl Compiler<'_> {

@@ -1,7 +1,7 @@
 //! Code that keeps notes for a [`Witness`](crate::Witness): it runs after a fault, never before one.
 
 use super::{Compiler, RuleCode, TermCode};
-use ir::{Node, Rule, RuleNode, Term};
+use asmotion_ir::{Node, Rule, RuleNode, Term};
 
 impl Compiler<'_> {
     pub(super) fn watched_term(&self, term: &Term) -> TermCode {

@@ -3,6 +3,8 @@
 use super::Detour;
 use super::frame::{at, out, place};
 use crate::compile::Compiler;
+use asmotion_ir::{Interval, Kind, Local, Program, RoutineId, Rule, Term};
+use asmotion_value::layout;
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{I8, I32, I64};
 use cranelift_codegen::ir::{
@@ -12,8 +14,6 @@ use cranelift_codegen::isa::{CallConv, TargetFrontendConfig};
 use cranelift_frontend::FunctionBuilder;
 use cranelift_jit::JITModule;
 use cranelift_module::Module;
-use ir::{Interval, Kind, Local, Program, RoutineId, Rule, Term};
-use value::layout;
 
 /// A value of the function under construction.
 pub(super) type Ssa = clif::Value;

@@ -15,9 +15,9 @@ use crate::fault::FaultKind;
 use crate::machine::Choice;
 use crate::run::{Run, Stopped, Truth, on_enough_stack};
 use crate::updates::{Covered, Held, Mark, Update};
-use ir::Origin;
+use asmotion_ir::Origin;
+use asmotion_value::{Atom, Value};
 use std::mem::{ManuallyDrop, offset_of};
-use value::{Atom, Value};
 
 /// What a native routine takes and gives: 0 when the rule is done, 1 when it stopped.
 pub(super) type Entry = unsafe extern "C" fn(*mut Frame) -> u8;
@@ -97,8 +97,8 @@ pub(super) mod at {
     pub const COVERED_INDEX: i32 = (offset_of!(Covered, mark) + offset_of!(Mark, index)) as i32;
     pub const COVERED_SIZE: i64 = size_of::<Covered>() as i64;
 
-    pub const VALUE_SIZE: i64 = size_of::<value::Value>() as i64;
-    pub const PAYLOAD: i32 = value::layout::PAYLOAD as i32;
+    pub const VALUE_SIZE: i64 = size_of::<asmotion_value::Value>() as i64;
+    pub const PAYLOAD: i32 = asmotion_value::layout::PAYLOAD as i32;
 }
 
 impl Frame {
@@ -444,9 +444,9 @@ pub(super) mod out {
 
     fn scalar(tag: u32, payload: i64) -> Value {
         match tag as u8 {
-            value::layout::BOOL => Value::Bool(payload & 1 == 1),
-            value::layout::INT => Value::Int(payload),
-            value::layout::ATOM => Value::Atom(Atom(payload as u32)),
+            asmotion_value::layout::BOOL => Value::Bool(payload & 1 == 1),
+            asmotion_value::layout::INT => Value::Int(payload),
+            asmotion_value::layout::ATOM => Value::Atom(Atom(payload as u32)),
             _ => Value::Undef,
         }
     }

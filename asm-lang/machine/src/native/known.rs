@@ -1,11 +1,11 @@
 //! What is known about a program before it runs: what a term gives, and what it may do.
 
 use super::emit::{Emitter, Known};
-use ir::{
+use asmotion_ir::{
     BodyId, DomainId, Elements, FunctionKind, Kind, Node, Program, Range, RoutineId, Rule,
     RuleNode, Term,
 };
-use value::Value;
+use asmotion_value::Value;
 
 /// What a variable ranges over without looking at the state.
 #[derive(Clone, Copy)]
@@ -52,7 +52,7 @@ impl Emitter<'_> {
     }
 
     /// Whether the environment owns a function.
-    pub fn is_input(&self, function: ir::FunctionId) -> bool {
+    pub fn is_input(&self, function: asmotion_ir::FunctionId) -> bool {
         match self.program.functions[function.0 as usize].kind {
             FunctionKind::Monitored | FunctionKind::Shared => true,
             FunctionKind::Controlled

@@ -3,13 +3,13 @@
 use super::emit::{Emitter, Int, Known, Mode, Ssa};
 use super::frame::at;
 use super::known::is_repeatable;
+use asmotion_ir::{
+    AxisRange, DomainId, Elements, FunctionId, Kind, Node, Origin, Place, Slot, Storage, Term,
+};
+use asmotion_value::layout;
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{I8, I32, I64, I64X2};
 use cranelift_codegen::ir::{InstBuilder, Type};
-use ir::{
-    AxisRange, DomainId, Elements, FunctionId, Kind, Node, Origin, Place, Slot, Storage, Term,
-};
-use value::layout;
 
 /// A location in place.
 pub(super) struct Located {

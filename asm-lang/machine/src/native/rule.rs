@@ -5,11 +5,11 @@ use super::frame::at;
 use super::known::{Span, counts, is_repeatable, rule_counts};
 use crate::compile::{MAX_BINDINGS, MAX_ITERATIONS};
 use crate::run::MAX_CALLS;
+use asmotion_ir::{Binder, Interval, Local, Node, Origin, Place, RoutineId, Rule, RuleNode, Term};
+use asmotion_value::Value;
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{I8, I32, I64};
 use cranelift_codegen::ir::{Block, InstBuilder, Type};
-use ir::{Binder, Interval, Local, Node, Origin, Place, RoutineId, Rule, RuleNode, Term};
-use value::Value;
 
 /// Macros are built into each other this deep.
 const MAX_INLINED: usize = 48;

@@ -5,9 +5,9 @@
 //! what they write in the end is the same.
 
 use super::emit::{Emitter, Known, Mode, Ssa};
+use asmotion_ir::{Place, Rule, RuleNode, Slot, Term};
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::I8;
-use ir::{Place, Rule, RuleNode, Slot, Term};
 
 impl Emitter<'_> {
     /// Rules one after the other.

@@ -2,11 +2,11 @@
 
 use super::emit::{AtomCode, Emitter, Int, Known};
 use super::known::counts;
+use asmotion_ir::{Arithmetic, Interval, Kind, Node, Term};
+use asmotion_value::{Value, layout};
 use cranelift_codegen::ir::InstBuilder;
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{I32, I64};
-use ir::{Arithmetic, Interval, Kind, Node, Term};
-use value::{Value, layout};
 
 impl Emitter<'_> {
     /// A term that [`Emitter::is_native`].
@@ -94,7 +94,7 @@ impl Emitter<'_> {
     /// A local that closures left in memory.
     pub fn local(
         &mut self,
-        local: ir::Local,
+        local: asmotion_ir::Local,
         tag: u8,
         ty: cranelift_codegen::ir::Type,
     ) -> super::emit::Ssa {

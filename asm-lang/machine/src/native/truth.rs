@@ -3,11 +3,11 @@
 use super::emit::{Emitter, Known, Ssa};
 use super::known::counts;
 use super::rule::Counting;
+use asmotion_ir::{Binder, Comparison, Kind, Logic, Node, Quantifier, Term};
+use asmotion_value::{Value, layout};
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::I8;
 use cranelift_codegen::ir::{Block, InstBuilder};
-use ir::{Binder, Comparison, Kind, Logic, Node, Quantifier, Term};
-use value::{Value, layout};
 
 impl Emitter<'_> {
     /// A truth value in a register; where it is undef, the unit at hand takes its detour.

@@ -1,7 +1,7 @@
 //! What a step sent, as whoever carries it sees it.
 
-use ir::Messages;
-use value::Value;
+use asmotion_ir::Messages;
+use asmotion_value::Value;
 
 /// A message, by number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

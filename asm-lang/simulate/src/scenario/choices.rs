@@ -1,10 +1,10 @@
 //! Choices: those picked first, the others by chance.
 
 use crate::Seeded;
-use ir::Origin;
-use machine::Chooser;
+use asmotion_ir::Origin;
+use asmotion_machine::Chooser;
+use asmotion_value::Value;
 use std::collections::BTreeMap;
-use value::Value;
 
 /// Takes what was picked, and leaves the rest to the seed.
 #[derive(Clone, Debug)]

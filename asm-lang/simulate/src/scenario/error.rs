@@ -1,6 +1,6 @@
 //! What may be wrong with a scenario, given its specification.
 
-use source::{Diagnostic, Span};
+use asmotion_source::{Diagnostic, Span};
 use std::sync::Arc;
 
 #[derive(Debug, thiserror::Error)]

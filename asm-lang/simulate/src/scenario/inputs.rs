@@ -1,9 +1,9 @@
 //! Inputs that keep their values.
 
-use ir::FunctionId;
-use machine::Environment;
+use asmotion_ir::FunctionId;
+use asmotion_machine::Environment;
+use asmotion_value::Value;
 use std::collections::BTreeMap;
-use value::Value;
 
 /// Inputs that hold what they were given last; before that they are undef, and clocks tell the time.
 #[derive(Clone, Debug, Default)]

@@ -1,12 +1,12 @@
 //! From a scenario's tree to actions: blocks written out, terms resolved in the specification.
 
 use super::error::PlanError;
-use hir::{AddedRule, AddedTerm, Assignment, Model, RuleKind, TermKind};
-use source::{Report, Span, similar};
+use asmotion_hir::{AddedRule, AddedTerm, Assignment, Model, RuleKind, TermKind};
+use asmotion_source::{Report, Span, similar};
+use asmotion_syntax::ast::{Command, CommandKind, Name, Pick, PickedRule, Scenario};
+use asmotion_value::Value;
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use syntax::ast::{Command, CommandKind, Name, Pick, PickedRule, Scenario};
-use value::Value;
 
 /// A scenario has no more commands than this, blocks written out.
 const MAX_ACTIONS: usize = 100_000;
@@ -246,7 +246,7 @@ impl Planning<'_> {
         self.open.pop();
     }
 
-    fn condition(&mut self, term: &syntax::ast::Term, what: &str) -> Option<Condition> {
+    fn condition(&mut self, term: &asmotion_syntax::ast::Term, what: &str) -> Option<Condition> {
         let added = self.model.add_condition(term, what);
         let added = self.heard(added)?;
         Some(Condition {
@@ -261,13 +261,13 @@ impl Planning<'_> {
         let model = &*self.model;
         let root = &model.added.terms[term.0 as usize].root;
         let mut found = Vec::new();
-        ir::visit_terms(root, &mut |part| {
+        asmotion_ir::visit_terms(root, &mut |part| {
             if let TermKind::Apply(function, _) | TermKind::Spread(function, _) = &*part.kind {
                 let function = model.function(*function);
                 let is_own = !function.library
                     && matches!(
                         function.meaning,
-                        hir::Meaning::State | hir::Meaning::Defined(_)
+                        asmotion_hir::Meaning::State | asmotion_hir::Meaning::Defined(_)
                     );
                 if is_own && part.span != root.span && is_closed(part) {
                     found.push(part.clone());
@@ -298,13 +298,13 @@ impl Planning<'_> {
     /// Where the ranges of the picked variable stand, in all `choose` rules that are meant.
     fn ranges(&mut self, pick: &Pick) -> Option<Vec<Span>> {
         let model = &*self.model;
-        let rules: Vec<&hir::Rule> = match &pick.rule {
+        let rules: Vec<&asmotion_hir::Rule> = match &pick.rule {
             None => model.rules.iter().collect(),
             Some(wanted) => picked_rules(model, wanted),
         };
         let (mut found, mut known) = (Vec::new(), Vec::new());
         for body in rules.iter().filter_map(|rule| rule.body.as_ref()) {
-            ir::visit_rules(&body.root, &mut |rule| {
+            asmotion_ir::visit_rules(&body.root, &mut |rule| {
                 let RuleKind::Choose(binders, ..) = &*rule.kind else {
                     return;
                 };
@@ -341,12 +341,12 @@ impl Planning<'_> {
 }
 
 /// The rules that are meant. A name alone is that of the rule without parameters, if there is one.
-fn picked_rules<'a>(model: &'a Model, wanted: &PickedRule) -> Vec<&'a hir::Rule> {
+fn picked_rules<'a>(model: &'a Model, wanted: &PickedRule) -> Vec<&'a asmotion_hir::Rule> {
     let named = model
         .rules
         .iter()
         .filter(|rule| rule.name == wanted.name.text);
-    let takes = |rule: &&hir::Rule, domains: &[Name]| {
+    let takes = |rule: &&asmotion_hir::Rule, domains: &[Name]| {
         let shown = rule.parameters.iter().map(|&ty| model.show_type(ty));
         shown.eq(domains.iter().map(|name| name.text.replace(' ', "")))
     };
@@ -364,9 +364,9 @@ fn picked_rules<'a>(model: &'a Model, wanted: &PickedRule) -> Vec<&'a hir::Rule>
 }
 
 /// Whether a term has a value of its own, whatever stands around it.
-fn is_closed(term: &hir::Term) -> bool {
+fn is_closed(term: &asmotion_hir::Term) -> bool {
     let (mut used, mut bound) = (BTreeSet::new(), BTreeSet::new());
-    ir::visit_terms(term, &mut |term| match &*term.kind {
+    asmotion_ir::visit_terms(term, &mut |term| match &*term.kind {
         TermKind::Variable(variable) => {
             used.insert(*variable);
         }

@@ -4,12 +4,12 @@ use super::choices::Choices;
 use super::inputs::Held;
 use super::plan::{Action, ActionKind, Condition, Plan};
 use super::verdict::{Failed, Failure, Outcome, Seen, Verdict};
-use hir::{AddedRule, AddedTerm, Assignment};
-use ir::{FunctionKind, Origin};
-use machine::{Fault, Machine};
-use source::Span;
+use asmotion_hir::{AddedRule, AddedTerm, Assignment};
+use asmotion_ir::{FunctionKind, Origin};
+use asmotion_machine::{Fault, Machine};
+use asmotion_source::Span;
+use asmotion_value::Value;
 use std::collections::{BTreeMap, BTreeSet};
-use value::Value;
 
 /// How a scenario is run.
 #[derive(Clone, Copy, Debug)]

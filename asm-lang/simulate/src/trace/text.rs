@@ -1,8 +1,8 @@
 //! Values and locations as a trace writes them: as in the language, without blanks, sorted.
 
-use ir::FunctionId;
-use machine::Naming;
-use value::Value;
+use asmotion_ir::FunctionId;
+use asmotion_machine::Naming;
+use asmotion_value::Value;
 
 /// How a trace brackets a collection, and whether it sorts the texts of its items.
 struct Shape {

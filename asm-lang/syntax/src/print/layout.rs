@@ -4,8 +4,8 @@
 use super::trivia::Tokens;
 use super::{INDENT, WIDTH};
 use crate::lexer::{Keyword, Sign, Token};
+use asmotion_source::Span;
 use pretty::{Arena, BuildDoc, Doc, DocAllocator, DocBuilder, RefDoc};
-use source::Span;
 use std::borrow::Cow;
 
 pub(super) type Piece<'text> = DocBuilder<'text, Arena<'text>>;

@@ -2,7 +2,7 @@
 
 use crate::findings::Findings;
 use crate::lexer::{Lexer, Sign, Spanned, Token};
-use source::FileId;
+use asmotion_source::FileId;
 use std::collections::VecDeque;
 
 /// A tab is as wide as this when indentations are compared.

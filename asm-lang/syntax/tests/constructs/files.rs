@@ -1,8 +1,8 @@
 //! Files, whole and in parts.
 
 use super::file;
-use asm_syntax::parse;
-use source::FileId;
+use asmotion_source::FileId;
+use asmotion_syntax::parse;
 
 #[test]
 fn whole() {

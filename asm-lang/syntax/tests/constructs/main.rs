@@ -11,9 +11,9 @@ mod terms;
 #[path = "../shared/tree.rs"]
 mod tree;
 
-use asm_syntax::ast::{Rule, Term};
-use asm_syntax::{parse, parse_term};
-use source::FileId;
+use asmotion_source::FileId;
+use asmotion_syntax::ast::{Rule, Term};
+use asmotion_syntax::{parse, parse_term};
 
 #[track_caller]
 fn term(text: &str, expected: &str) {

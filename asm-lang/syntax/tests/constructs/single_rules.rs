@@ -1,7 +1,7 @@
 //! Rules read by themselves.
 
-use asm_syntax::{parse_assignment, parse_rule, parse_term_in};
-use source::FileId;
+use asmotion_source::FileId;
+use asmotion_syntax::{parse_assignment, parse_rule, parse_term_in};
 
 #[test]
 fn they_stand_alone() {

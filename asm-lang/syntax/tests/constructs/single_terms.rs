@@ -1,7 +1,7 @@
 //! Terms read by themselves.
 
-use asm_syntax::parse_term;
-use source::FileId;
+use asmotion_source::FileId;
+use asmotion_syntax::parse_term;
 
 #[track_caller]
 fn refused(text: &str, code: &str) {

@@ -6,10 +6,10 @@
 #[path = "../shared/faithful.rs"]
 mod faithful;
 
-use asm_syntax::format;
+use asmotion_source::FileId;
+use asmotion_syntax::format;
 use faithful::{formatted, formatted_scenario, quoted};
 use proptest::prelude::*;
-use source::FileId;
 use std::path::{Path, PathBuf};
 
 fn files(folder: &Path, kind: &str) -> Vec<PathBuf> {

@@ -4,8 +4,8 @@
 #[path = "tree.rs"]
 mod tree;
 
-use asm_syntax::{format, format_scenario, parse, parse_scenario};
-use source::{FileId, Report};
+use asmotion_source::{FileId, Report};
+use asmotion_syntax::{format, format_scenario, parse, parse_scenario};
 
 /// The text in canonical layout, which says what the text says; `None` where it has errors.
 pub fn formatted(text: &str) -> Result<Option<String>, String> {

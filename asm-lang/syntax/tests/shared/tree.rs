@@ -1,6 +1,6 @@
 //! Trees as text in brackets: what stands where, and nothing else.
 
-use asm_syntax::ast::*;
+use asmotion_syntax::ast::*;
 
 pub fn file(file: &File) -> String {
     let mut lines = Vec::new();

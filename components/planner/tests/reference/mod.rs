@@ -1,7 +1,7 @@
 //! The same questions answered the slow and obvious way.
 
-use geometry::{Cell, Grid, Occupancy, Point};
-use robot_planner::Settings;
+use asmotion_geometry::{Cell, Grid, Occupancy, Point};
+use asmotion_planner::Settings;
 
 /// A grid seen by somebody in no hurry.
 pub struct Reference<'a> {

@@ -1,9 +1,9 @@
 //! What goes by CDR, because its topic or its broker says so, is of a type that CDR can carry.
 
-use datum::{DatumError, Schema};
-use source::{Diagnostic, Report, Span};
+use asmotion_datum::{DatumError, Schema};
+use asmotion_source::{Diagnostic, Report, Span};
 
-use component::HEALTH_TOPIC;
+use asmotion_component::HEALTH_TOPIC;
 
 use super::face::{Kind, Way};
 use super::scene::Scene;
@@ -94,7 +94,7 @@ fn carries(
     }
     let schema = scene.types.schema(&kind.text);
     let schema = schema.unwrap_or_else(|| Schema::opaque(kind.text.clone()));
-    if let Err(reason) = datum::Codec::Cdr.carries(&schema) {
+    if let Err(reason) = asmotion_datum::Codec::Cdr.carries(&schema) {
         report.found(Uncarried {
             what,
             place,

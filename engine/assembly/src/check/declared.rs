@@ -1,9 +1,9 @@
 //! What the composite lists of a component, against what the component declares.
 
-use component::declaration::{
+use asmotion_component::declaration::{
     Declaration, PortDeclaration, ReferenceDeclaration, ServiceDeclaration,
 };
-use source::Report;
+use asmotion_source::Report;
 
 use super::component_error::ComponentError;
 use super::face::{Face, Kind, Named, Port, Service, Way};

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use source::{Diagnostic, Report, Span};
+use asmotion_source::{Diagnostic, Report, Span};
 
 use super::scene::Scene;
 use super::topic::Topics;

@@ -1,6 +1,6 @@
 //! Brokers and bridges.
 
-use source::Report;
+use asmotion_source::Report;
 
 use super::scene::Scene;
 use crate::finding::Findings;

@@ -1,6 +1,6 @@
 //! What a component shows to the wires and connections around it.
 
-use source::Span;
+use asmotion_source::Span;
 
 use crate::nearest::{Nearest, nearest};
 
@@ -97,8 +97,8 @@ impl Named {
 
 impl Kind {
     /// A type that a component declares.
-    pub(crate) fn declared(schema: &datum::Schema) -> Option<Self> {
-        let unknown = schema.shape == datum::Shape::Any && schema.name.is_empty();
+    pub(crate) fn declared(schema: &asmotion_datum::Schema) -> Option<Self> {
+        let unknown = schema.shape == asmotion_datum::Shape::Any && schema.name.is_empty();
         (!unknown).then(|| Self {
             text: schema.to_string(),
             at: None,

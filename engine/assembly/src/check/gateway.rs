@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use source::{Diagnostic, Report, Span};
+use asmotion_source::{Diagnostic, Report, Span};
 
 use super::across::processes;
 use super::scene::{NameError, Scene};

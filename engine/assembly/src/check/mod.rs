@@ -29,7 +29,7 @@ mod wire;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use source::Report;
+use asmotion_source::Report;
 
 pub(crate) use self::binding::chosen_field;
 pub(crate) use self::component::topic;

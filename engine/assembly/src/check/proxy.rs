@@ -1,8 +1,8 @@
 //! The port-proxy: its map from operations to ports of its target, and the events it tells.
 
-use component::declaration::OperationDeclaration;
-use datum::{Schema, Shape};
-use source::{Report, Span};
+use asmotion_component::declaration::OperationDeclaration;
+use asmotion_datum::{Schema, Shape};
+use asmotion_source::{Report, Span};
 
 use super::builtin::missing;
 use super::component::unknown;
@@ -257,7 +257,7 @@ fn listener(scene: &Scene<'_>, told: &Notify, reference: &Service, report: &mut 
 
 /// A condition can be read, and asked of the messages of its port.
 fn asked(scene: &Scene<'_>, told: &Condition, face: &Face, report: &mut Report) {
-    let read = match told.text.parse::<bridge::Condition>() {
+    let read = match told.text.parse::<asmotion_bridge::Condition>() {
         Ok(read) => read,
         Err(error) => {
             report.found(MapError::Condition {

@@ -1,7 +1,7 @@
 //! Connections to message queues, beyond which there is an Orocos component.
 
-use mqueue::{Layout, LayoutError};
-use source::{Diagnostic, Report, Span};
+use asmotion_mqueue::{Layout, LayoutError};
+use asmotion_source::{Diagnostic, Report, Span};
 
 use super::connection_error::ConnectionError;
 use super::face::{Kind, Way};

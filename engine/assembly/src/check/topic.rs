@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use component::{BusHealth, HEALTH_TOPIC};
-use datum::Message;
-use source::{Diagnostic, Report, Span};
+use asmotion_component::{BusHealth, HEALTH_TOPIC};
+use asmotion_datum::Message;
+use asmotion_source::{Diagnostic, Report, Span};
 
 use super::codec;
 use super::component::topic;

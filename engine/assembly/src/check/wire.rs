@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use source::{Diagnostic, Report, Span};
+use asmotion_source::{Diagnostic, Report, Span};
 
 use super::face::{Kind, Service, nearest_service};
 use super::fan_out;

@@ -1,6 +1,6 @@
 //! A component as the composite describes it.
 
-use source::Span;
+use asmotion_source::Span;
 
 use super::binding::Bind;
 use super::{End, Implementation, Lifecycle, Pace, Setting};

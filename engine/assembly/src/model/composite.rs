@@ -1,6 +1,6 @@
 //! The file as a whole.
 
-use source::FileId;
+use asmotion_source::FileId;
 
 use super::{
     Bridge, Broker, Component, Connection, Deploy, Gateway, Promotion, Property, Topic, Wire,

@@ -1,6 +1,6 @@
 //! What a component is made of.
 
-use source::Span;
+use asmotion_source::Span;
 
 use crate::At;
 

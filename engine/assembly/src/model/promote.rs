@@ -1,6 +1,6 @@
 //! Promotion: what the outside sees.
 
-use source::Span;
+use asmotion_source::Span;
 
 use super::End;
 use super::wiring::Transport;

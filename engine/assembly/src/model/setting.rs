@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use source::Span;
+use asmotion_source::Span;
 
 use crate::At;
 use crate::choice::choice;

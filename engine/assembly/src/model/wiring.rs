@@ -1,6 +1,6 @@
 //! Wires join a reference to services; connections join ports and topics.
 
-use source::Span;
+use asmotion_source::Span;
 
 use crate::At;
 use crate::choice::choice;

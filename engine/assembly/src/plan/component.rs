@@ -45,7 +45,7 @@ pub struct Component {
     pub notify: Option<Notify>,
     /// Both as the bridge executes them.
     #[serde(skip)]
-    pub bridge: Option<bridge::Settings>,
+    pub bridge: Option<asmotion_bridge::Settings>,
     /// `map` of a ros-bridge.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub ros: Vec<RosEntry>,

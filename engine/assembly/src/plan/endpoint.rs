@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 
+use asmotion_source::Span;
 use serde::{Serialize, Serializer};
-use source::Span;
 
 use super::fill::{given, number};
 use super::flatten::Flattener;

@@ -1,6 +1,6 @@
 //! Connections, wires and promotions, followed down to the components that run.
 
-use source::Span;
+use asmotion_source::Span;
 
 use super::fill::{given, number};
 use super::flatten::{FlattenError, Flattener};

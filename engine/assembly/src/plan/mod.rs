@@ -17,7 +17,7 @@ mod way;
 
 use std::collections::BTreeMap;
 
-use datum::Schema;
+use asmotion_datum::Schema;
 use serde::{Serialize, Serializer};
 
 use crate::value::Value;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use component::HEALTH_TOPIC;
+use asmotion_component::HEALTH_TOPIC;
 
 use super::fill::number;
 use super::flatten::Flattener;

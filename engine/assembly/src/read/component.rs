@@ -1,6 +1,6 @@
 //! `[components.<name>]`.
 
-use source::Span;
+use asmotion_source::Span;
 
 use super::endpoint::DAY_MS;
 use super::error::ReadError;

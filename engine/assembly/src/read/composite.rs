@@ -1,6 +1,6 @@
 //! The file as a whole.
 
-use source::FileId;
+use asmotion_source::FileId;
 
 use super::error::ReadError;
 use super::keys::{Keys, Reader};

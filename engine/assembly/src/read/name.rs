@@ -94,7 +94,7 @@ pub(crate) fn terminal(reader: &mut Reader<'_>, text: &At<String>) -> Option<Ter
 /// A queue of the kernel: `/jointStatus`.
 fn queue(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
     let rule = "a message queue is a `/` and a name without one, as in `mqueue:/jointStatus`";
-    let good = mqueue::Name::new(name).is_ok();
+    let good = asmotion_mqueue::Name::new(name).is_ok();
     accept(reader, name, good, "a message queue", rule)
 }
 

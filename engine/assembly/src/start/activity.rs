@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use component::{Activity, OnException, OnLate, Overrun, Scheduler};
+use asmotion_component::{Activity, OnException, OnLate, Overrun, Scheduler};
 
 use crate::model;
 use crate::plan::{self, Plan, Process, Terminal};

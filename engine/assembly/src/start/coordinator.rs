@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use component::{Component, Interface};
-use coordinator::{Coordinator, Interfaces};
-use datum::Schema;
-use source::Loader;
+use asmotion_component::{Component, Interface};
+use asmotion_coordinator::{Coordinator, Interfaces};
+use asmotion_datum::Schema;
+use asmotion_source::Loader;
 
 use super::Make;
 use crate::Value;
@@ -21,7 +21,8 @@ pub(super) fn make(
     loader: &dyn Loader,
     seed: u64,
 ) -> Result<Make, String> {
-    let specification = asm_lang::open(&asm.path, loader).map_err(|failure| failure.to_string())?;
+    let specification =
+        asmotion_lang::open(&asm.path, loader).map_err(|failure| failure.to_string())?;
     let specification = Arc::new(specification);
     let binding = component.binding.as_ref().map(binding).unwrap_or_default();
     let interfaces = interfaces(component, types);
@@ -57,13 +58,13 @@ fn interfaces(component: &plan::Component, types: &BTreeMap<String, Schema>) -> 
     }
 }
 
-fn binding(binding: &Binding) -> coordinator::Binding {
-    coordinator::Binding {
+fn binding(binding: &Binding) -> asmotion_coordinator::Binding {
+    asmotion_coordinator::Binding {
         monitored: binding.monitored.iter().map(monitored).collect(),
         out: binding
             .out
             .iter()
-            .map(|out| coordinator::Out {
+            .map(|out| asmotion_coordinator::Out {
                 function: out.function.clone(),
                 effect: effect(&out.effect),
             })
@@ -72,20 +73,20 @@ fn binding(binding: &Binding) -> coordinator::Binding {
 }
 
 /// A field whose text names a literal is to the coordinator a field like any other.
-fn monitored(monitored: &Monitored) -> coordinator::Monitored {
-    coordinator::Monitored {
+fn monitored(monitored: &Monitored) -> asmotion_coordinator::Monitored {
+    asmotion_coordinator::Monitored {
         function: monitored.function.clone(),
         from: match &monitored.from {
-            Source::Port(port) => coordinator::Source::Port(port.clone()),
-            Source::Request { service, operation } => coordinator::Source::Request {
+            Source::Port(port) => asmotion_coordinator::Source::Port(port.clone()),
+            Source::Request { service, operation } => asmotion_coordinator::Source::Request {
                 service: service.clone(),
                 operation: operation.clone(),
             },
         },
         receive: match monitored.receive {
-            Receive::Last => coordinator::Receive::Last,
-            Receive::All => coordinator::Receive::All,
-            Receive::Edge => coordinator::Receive::Edge,
+            Receive::Last => asmotion_coordinator::Receive::Last,
+            Receive::All => asmotion_coordinator::Receive::All,
+            Receive::Edge => asmotion_coordinator::Receive::Edge,
         },
         field: monitored.field.clone().or_else(|| monitored.map.clone()),
         is: monitored.is.clone(),
@@ -95,34 +96,34 @@ fn monitored(monitored: &Monitored) -> coordinator::Monitored {
     }
 }
 
-fn effect(effect: &Effect) -> coordinator::Effect {
+fn effect(effect: &Effect) -> asmotion_coordinator::Effect {
     match effect {
-        Effect::Publish { port, field, when } => coordinator::Effect::Publish {
+        Effect::Publish { port, field, when } => asmotion_coordinator::Effect::Publish {
             port: port.clone(),
             field: field.clone(),
             when: match when {
-                PublishWhen::OnUpdate => coordinator::PublishWhen::OnUpdate,
-                PublishWhen::OnChange => coordinator::PublishWhen::OnChange,
-                PublishWhen::EveryStep => coordinator::PublishWhen::EveryStep,
+                PublishWhen::OnUpdate => asmotion_coordinator::PublishWhen::OnUpdate,
+                PublishWhen::OnChange => asmotion_coordinator::PublishWhen::OnChange,
+                PublishWhen::EveryStep => asmotion_coordinator::PublishWhen::EveryStep,
             },
         },
         Effect::Literals(cases) => {
-            let cases = cases.iter().map(|case| coordinator::Case {
+            let cases = cases.iter().map(|case| asmotion_coordinator::Case {
                 literal: case.literal.clone(),
                 actions: case.actions.iter().map(action).collect(),
             });
-            coordinator::Effect::Literals(cases.collect())
+            asmotion_coordinator::Effect::Literals(cases.collect())
         }
     }
 }
 
-fn action(action: &Action) -> coordinator::Action {
+fn action(action: &Action) -> asmotion_coordinator::Action {
     match action {
-        Action::Publish { port, value } => coordinator::Action::Publish {
+        Action::Publish { port, value } => asmotion_coordinator::Action::Publish {
             port: port.clone(),
             value: argument(value),
         },
-        Action::Call(call) => coordinator::Action::Call(coordinator::Call {
+        Action::Call(call) => asmotion_coordinator::Action::Call(asmotion_coordinator::Call {
             reference: call.reference.clone(),
             operation: call.operation.clone(),
             with: argument(&call.with),
@@ -137,19 +138,19 @@ fn action(action: &Action) -> coordinator::Action {
     }
 }
 
-fn argument(written: &Argument) -> coordinator::Argument {
+fn argument(written: &Argument) -> asmotion_coordinator::Argument {
     match written {
-        Argument::Default => coordinator::Argument::Default,
-        Argument::Kept { name, path } => coordinator::Argument::Kept {
+        Argument::Default => asmotion_coordinator::Argument::Default,
+        Argument::Kept { name, path } => asmotion_coordinator::Argument::Kept {
             name: name.clone(),
             path: path.clone(),
         },
-        Argument::Record(fields) => coordinator::Argument::Record(
+        Argument::Record(fields) => asmotion_coordinator::Argument::Record(
             fields
                 .iter()
                 .map(|(name, value)| (name.clone(), argument(value)))
                 .collect(),
         ),
-        Argument::Value(value) => coordinator::Argument::Value(value.datum()),
+        Argument::Value(value) => asmotion_coordinator::Argument::Value(value.datum()),
     }
 }

@@ -10,8 +10,8 @@ mod workshop;
 
 use std::time::Duration;
 
-use component::declaration::Declaration;
-use component::{
+use asmotion_component::declaration::Declaration;
+use asmotion_component::{
     BuildError, Component, ComponentId, Interface, Policy, PropertyError, System, Wire, port_topic,
 };
 
@@ -315,7 +315,10 @@ pub(crate) fn stays_here(wire: &plan::Wire, service: &plan::End, part: &Part) ->
 struct Nothing;
 
 impl Component for Nothing {
-    fn update(&mut self, _: &mut component::Cycle<'_>) -> Result<(), component::Fault> {
+    fn update(
+        &mut self,
+        _: &mut asmotion_component::Cycle<'_>,
+    ) -> Result<(), asmotion_component::Fault> {
         Ok(())
     }
 }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use component::{Kind, Lock, OnStale, Policy, Sharing};
+use asmotion_component::{Kind, Lock, OnStale, Policy, Sharing};
 
 use crate::{model, plan};
 

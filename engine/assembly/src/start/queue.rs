@@ -1,8 +1,8 @@
 //! Ports joined to Orocos components over message queues.
 
-use component::declaration::{Declaration, PortDeclaration};
-use component::{Policy, System};
-use mqueue::{First, Keep, Layout, Name, Reader, Room, Writer};
+use asmotion_component::declaration::{Declaration, PortDeclaration};
+use asmotion_component::{Policy, System};
+use asmotion_mqueue::{First, Keep, Layout, Name, Reader, Room, Writer};
 
 use super::StartError;
 use crate::model::Flow;

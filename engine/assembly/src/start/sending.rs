@@ -2,9 +2,9 @@
 
 use std::num::NonZeroUsize;
 
-use bus::{Assurance, Outage, Sending};
-use component::Kind;
-use datum::Codec;
+use asmotion_bus::{Assurance, Outage, Sending};
+use asmotion_component::Kind;
+use asmotion_datum::Codec;
 
 use super::{Part, policy};
 use crate::model;

@@ -1,8 +1,8 @@
 //! Where components come from.
 
-use bridge::PortProxy;
-use component::{Component, Interface};
-use source::Loader;
+use asmotion_bridge::PortProxy;
+use asmotion_component::{Component, Interface};
+use asmotion_source::Loader;
 
 use super::{coordinator, of_build};
 use crate::catalogue::Catalogue;

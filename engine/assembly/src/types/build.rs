@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use datum::{Field, Schema, Shape};
-use source::{Report, Span};
+use asmotion_datum::{Field, Schema, Shape};
+use asmotion_source::{Report, Span};
 
 use super::{Definition, PRIMITIVES, TypeError, TypeText, many, primitive};
 use crate::At;

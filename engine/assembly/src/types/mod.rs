@@ -6,9 +6,9 @@ mod error;
 
 use std::collections::BTreeMap;
 
-use component::BusHealth;
-use datum::{Field, Message, Schema, Shape};
-use source::{Report, Span};
+use asmotion_component::BusHealth;
+use asmotion_datum::{Field, Message, Schema, Shape};
+use asmotion_source::{Report, Span};
 
 pub use self::alone::open_types;
 use self::build::Builder;

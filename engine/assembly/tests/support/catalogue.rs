@@ -1,12 +1,12 @@
 //! A build with a few components of the navigation architecture.
 
-use assembly::declaration::{
+use asmotion_assembly::declaration::{
     Declaration, OperationDeclaration, PortDeclaration, PropertyDeclaration, ReferenceDeclaration,
     ServiceDeclaration,
 };
-use assembly::model::Builtin;
-use assembly::{Catalogue, Constructor};
-use datum::{Datum, Field, Schema, Shape};
+use asmotion_assembly::model::Builtin;
+use asmotion_assembly::{Catalogue, Constructor};
+use asmotion_datum::{Datum, Field, Schema, Shape};
 
 /// A few components, messages and interfaces.
 pub struct SmallBuild;

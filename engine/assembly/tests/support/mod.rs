@@ -6,7 +6,7 @@ pub mod files;
 pub mod render;
 pub mod specification;
 
-use assembly::{Context, Environment, Opened};
+use asmotion_assembly::{Context, Environment, Opened};
 
 pub use catalogue::SmallBuild;
 pub use files::Files;
@@ -36,7 +36,7 @@ impl Environment for Variables {
 /// Opens a composite of a folder with everything the tests have.
 pub fn open(folder: &str, file: &str) -> Opened {
     let files = Files::new(folder);
-    assembly::open(file, &context(&files))
+    asmotion_assembly::open(file, &context(&files))
 }
 
 /// Everything the tests have.

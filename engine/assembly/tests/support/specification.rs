@@ -1,9 +1,11 @@
 //! A signature read line by line: enough of AsmetaL for the tests, and no more.
 //! One with annotations is read by those who know them.
 
-use assembly::AsmFiles;
-use assembly::signature::{Codomain, FunctionInfo, FunctionKind, Signature, Specifications};
-use source::{Loader, Report, Sources, Span};
+use asmotion_assembly::AsmFiles;
+use asmotion_assembly::signature::{
+    Codomain, FunctionInfo, FunctionKind, Signature, Specifications,
+};
+use asmotion_source::{Loader, Report, Sources, Span};
 
 use super::Files;
 

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use component::{Cycle, Dynamic, Interface, Required};
-use datum::Datum;
+use asmotion_component::{Cycle, Dynamic, Interface, Required};
+use asmotion_datum::Datum;
 
 use super::Notify;
 

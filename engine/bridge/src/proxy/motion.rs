@@ -1,8 +1,8 @@
 //! Motions: begun by a command, ended when what is measured stays near what was commanded. (The paper's listing says
 //! `idle` when the command has been written.)
 
-use component::Time;
-use datum::Datum;
+use asmotion_component::Time;
+use asmotion_datum::Datum;
 
 use super::Idle;
 use crate::fit::{Misfit, wrong_count};

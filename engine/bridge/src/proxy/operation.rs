@@ -2,8 +2,10 @@
 
 use std::collections::VecDeque;
 
-use component::{Cycle, Dynamic, Flow, In, Interface, Provided, RequestId, ServiceFault, Time};
-use datum::Datum;
+use asmotion_component::{
+    Cycle, Dynamic, Flow, In, Interface, Provided, RequestId, ServiceFault, Time,
+};
+use asmotion_datum::Datum;
 
 use super::{Mapped, Mode};
 use crate::Conversion;

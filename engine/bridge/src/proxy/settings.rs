@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use datum::Schema;
+use asmotion_datum::Schema;
 
 use crate::{Condition, Conversion};
 

@@ -8,15 +8,17 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use amqp::{AmqpBus, Settings};
 use amqprs::BasicProperties;
 use amqprs::channel::{
     BasicAckArguments, BasicConsumeArguments, BasicPublishArguments, BasicQosArguments, Channel,
     ConsumerMessage, QueueBindArguments, QueueDeclareArguments,
 };
 use amqprs::connection::{Connection, OpenConnectionArguments};
-use bus::{Bell, Bus, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription};
-use datum::{Codec, Datum, Message, Schema};
+use asmotion_amqp::{AmqpBus, Settings};
+use asmotion_bus::{
+    Bell, Bus, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription,
+};
+use asmotion_datum::{Codec, Datum, Message, Schema};
 use tokio::runtime::Runtime;
 use tokio::sync::mpsc::UnboundedReceiver;
 
@@ -112,7 +114,7 @@ struct Bare {
 }
 
 impl Bare {
-    fn new(broker: &broker::Broker, vhost: &str) -> Self {
+    fn new(broker: &asmotion_broker::Broker, vhost: &str) -> Self {
         let runtime = Runtime::new().unwrap();
         let (connection, channel, messages) = runtime.block_on(async {
             let mut arguments = OpenConnectionArguments::new(
@@ -214,7 +216,9 @@ fn median<T: PartialOrd + Copy>(values: &mut [T]) -> T {
 }
 
 fn main() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let mut ours = Ours::new(&vhost.url());
     let mut bare = Bare::new(&broker, vhost.name());

@@ -5,11 +5,11 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use bus::{
+use asmotion_bus::{
     Bell, Bus, BusError, Health, Inlet, Origin, Pattern, Pending, Publisher, Queue, Request,
     Sending, Serving, Spans, Subscription,
 };
-use datum::Schema;
+use asmotion_datum::Schema;
 use tokio::runtime::{Builder, Handle};
 use tokio::sync::oneshot;
 
@@ -94,8 +94,10 @@ impl AmqpBus {
         let until = Instant::now() + within;
         loop {
             let reason = match bus.health().link {
-                bus::Link::Up => return Ok(bus),
-                bus::Link::Blocked { reason } | bus::Link::Down { reason } => reason,
+                asmotion_bus::Link::Up => return Ok(bus),
+                asmotion_bus::Link::Blocked { reason } | asmotion_bus::Link::Down { reason } => {
+                    reason
+                }
             };
             if let Some(reason) = reason.strip_prefix("refused: ") {
                 let reason = reason.to_owned();
@@ -145,7 +147,7 @@ impl Bus for AmqpBus {
                 stream: format!("{}.{}", self.life, self.next_number()),
                 clock: settings.clock.clone(),
                 user: settings.credentials.user().to_owned(),
-                persistent: sending.assurance == bus::Assurance::Confirmed,
+                persistent: sending.assurance == asmotion_bus::Assurance::Confirmed,
                 codec: sending.codec,
                 schema: schema.clone(),
             },

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::Duration;
 
 use amqprs::connection::Connection;
-use bus::{Bell, Health};
+use asmotion_bus::{Bell, Health};
 use tokio::runtime::Handle;
 use tokio::sync::{Notify, watch};
 use tokio::time::timeout;
@@ -86,7 +86,7 @@ impl Link {
         Self {
             settings,
             state: watch::Sender::new(State::default()),
-            health: Mutex::new(Health::now(bus::Link::Down { reason })),
+            health: Mutex::new(Health::now(asmotion_bus::Link::Down { reason })),
             watchers: Mutex::default(),
             crew: watch::Sender::new(0),
             refusals: AtomicUsize::new(0),
@@ -207,7 +207,7 @@ impl Link {
             state.pair = Some(Arc::clone(pair));
             state.blocked = false;
         });
-        self.announce(bus::Link::Up);
+        self.announce(asmotion_bus::Link::Up);
         let broker = self.settings.place();
         self.note(Notice::Connected { broker });
     }
@@ -229,7 +229,7 @@ impl Link {
     }
 
     /// Says how it is, to those who ask and to those who listen.
-    pub(crate) fn announce(&self, link: bus::Link) {
+    pub(crate) fn announce(&self, link: asmotion_bus::Link) {
         let mut health = self.health.lock().unwrap_or_else(PoisonError::into_inner);
         if health.link == link {
             return;

@@ -1,6 +1,6 @@
 //! Names that AMQP can carry: at most 255 bytes. The client breaks at longer ones.
 
-use bus::{BusError, Pattern};
+use asmotion_bus::{BusError, Pattern};
 
 /// What a short string of AMQP holds.
 pub(crate) const LONGEST: usize = 255;

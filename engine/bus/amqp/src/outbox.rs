@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use amqprs::BasicProperties;
-use bus::{Assurance, Outage, Payload, Sending, Sent, Trace};
+use asmotion_bus::{Assurance, Outage, Payload, Sending, Sent, Trace};
 
 /// How many messages may wait while the link is open: a burst, not an outage.
 const BURST: usize = 4096;
@@ -225,7 +225,7 @@ impl Outbox {
 mod tests {
     use std::num::NonZeroUsize;
 
-    use datum::Datum;
+    use asmotion_datum::Datum;
 
     use super::*;
 
@@ -234,7 +234,7 @@ mod tests {
             sequence,
             stamp: 0,
             payload: Payload::of(Datum::Null),
-            trace: bus::Spans::new("", 0, "").of(sequence, None),
+            trace: asmotion_bus::Spans::new("", 0, "").of(sequence, None),
         }
     }
 

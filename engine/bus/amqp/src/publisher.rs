@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use amqprs::channel::{BasicPublishArguments, Channel};
-use bus::{BusError, Payload, Publisher, Sending, Sent, Spans, Trace};
+use asmotion_bus::{BusError, Payload, Publisher, Sending, Sent, Spans, Trace};
 use tokio::sync::Notify;
 use tokio::sync::mpsc::UnboundedReceiver;
 use tokio::time::{Instant, sleep, sleep_until};
@@ -87,8 +87,10 @@ impl Publisher for AmqpPublisher {
         };
         if !self.lane.outbox().put(item, self.link.is_open()) {
             let reason = match self.link.health().link {
-                bus::Link::Up => "more comes than goes".to_owned(),
-                bus::Link::Blocked { reason } | bus::Link::Down { reason } => reason.to_string(),
+                asmotion_bus::Link::Up => "more comes than goes".to_owned(),
+                asmotion_bus::Link::Blocked { reason } | asmotion_bus::Link::Down { reason } => {
+                    reason.to_string()
+                }
             };
             return Err(BusError::Disconnected { reason });
         }

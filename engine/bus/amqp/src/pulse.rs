@@ -41,14 +41,14 @@ pub(crate) async fn feel(link: &Link, pair: &Pair) -> String {
         }
         let health = if silence > timing.silent {
             let reason = "the broker does not answer".into();
-            bus::Link::Down { reason }
+            asmotion_bus::Link::Down { reason }
         } else if publishing.silence() > timing.silent {
             let reason = "the broker takes no messages: it is short of memory or disk".into();
-            bus::Link::Blocked { reason }
+            asmotion_bus::Link::Blocked { reason }
         } else {
-            bus::Link::Up
+            asmotion_bus::Link::Up
         };
-        link.set_blocked(health != bus::Link::Up);
+        link.set_blocked(health != asmotion_bus::Link::Up);
         link.announce(health);
     }
 }

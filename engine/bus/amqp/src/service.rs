@@ -15,8 +15,8 @@ use std::sync::mpsc::sync_channel;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use bus::{Bell, BusError, CallFailure, Desk, Pending, Request, Serving};
-use datum::{Codec, Datum, Message};
+use asmotion_bus::{Bell, BusError, CallFailure, Desk, Pending, Request, Serving};
+use asmotion_datum::{Codec, Datum, Message};
 use tokio::runtime::Handle;
 use tokio::sync::mpsc::{UnboundedSender, unbounded_channel};
 use tokio::sync::oneshot;

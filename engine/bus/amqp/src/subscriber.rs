@@ -12,7 +12,7 @@ use amqprs::channel::{
     BasicAckArguments, BasicConsumeArguments, Channel, ConsumerMessage, QueueBindArguments,
     QueueDeclareArguments,
 };
-use bus::{Inlet, Overflow, Pattern, Queue};
+use asmotion_bus::{Inlet, Overflow, Pattern, Queue};
 use tokio::sync::mpsc::UnboundedReceiver;
 use tokio::sync::oneshot;
 use tokio::time::{Instant, sleep, sleep_until};

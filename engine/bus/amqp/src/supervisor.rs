@@ -41,7 +41,7 @@ pub(crate) async fn supervise(link: Arc<Link>) {
             };
             link.broke_in_reading(end == End::Reading && begun.elapsed() < SHORT);
             let reason = end.to_string();
-            link.announce(bus::Link::Down {
+            link.announce(asmotion_bus::Link::Down {
                 reason: reason.as_str().into(),
             });
             link.note(Notice::Disconnected { reason });
@@ -59,7 +59,7 @@ pub(crate) async fn supervise(link: Arc<Link>) {
     // The client's tasks end after their connection, and break if they are ended.
     sleep(Duration::from_millis(20)).await;
     let reason = "the bus is closed".into();
-    link.announce(bus::Link::Down { reason });
+    link.announce(asmotion_bus::Link::Down { reason });
 }
 
 /// Why a life of the connections ended, or never began.

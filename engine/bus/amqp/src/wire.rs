@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use amqprs::{BasicProperties, FieldName, FieldTable, FieldValue};
-use bus::{Envelope, Payload, Trace};
-use datum::{Codec, Schema};
+use asmotion_bus::{Envelope, Payload, Trace};
+use asmotion_datum::{Codec, Schema};
 
 /// The component that sent it.
 pub const SOURCE: &str = "source";

@@ -5,7 +5,9 @@ use std::net::TcpStream;
 
 #[test]
 fn it_obeys_and_keeps_tests_apart() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let (one, other) = (broker.vhost().unwrap(), broker.vhost().unwrap());
     assert_ne!(one.name(), other.name());
     assert_eq!(one.queues().unwrap(), [""; 0]);
@@ -16,17 +18,17 @@ fn it_obeys_and_keeps_tests_apart() {
 #[test]
 fn it_is_mended_after_each_fault() {
     for fault in [
-        (|broker| broker.kill().unwrap()) as fn(&broker::Broker),
+        (|broker| broker.kill().unwrap()) as fn(&asmotion_broker::Broker),
         |broker| broker.stop_app().unwrap(),
         |broker| broker.raise_alarm().unwrap(),
         |broker| broker.freeze().unwrap(),
     ] {
-        let Some(broker) = broker::alone() else {
+        let Some(broker) = asmotion_broker::alone() else {
             return;
         };
         fault(&broker);
         drop(broker);
-        let broker = broker::calm().unwrap();
+        let broker = asmotion_broker::calm().unwrap();
         assert_eq!(broker.evaluate("rabbit_alarm:get_alarms()").unwrap(), "[]");
         TcpStream::connect(broker.address()).unwrap();
     }

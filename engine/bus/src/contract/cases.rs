@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use datum::{Codec, Datum, Message, Schema};
+use asmotion_datum::{Codec, Datum, Message, Schema};
 
 use crate::{
     Bell, Bus, BusError, CallFailure, Envelope, Origin, Overflow, Pattern, Payload, Pending,

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use datum::Sample;
+use asmotion_datum::Sample;
 
 use super::Event;
 use crate::CallError;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use datum::{Datum, DatumError, Sample};
+use asmotion_datum::{Datum, DatumError, Sample};
 
 use super::Event;
 use crate::{CallError, CallId, Denied, Fault, State};

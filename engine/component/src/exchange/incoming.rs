@@ -6,8 +6,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, TryLockError};
 
-use bus::{Bell, BusError, Overflow, Pattern, Queue, Subscription};
-use datum::Schema;
+use asmotion_bus::{Bell, BusError, Overflow, Pattern, Queue, Subscription};
+use asmotion_datum::Schema;
 
 use super::Membership;
 use crate::cause::Cause;

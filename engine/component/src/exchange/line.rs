@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use bus::BusError;
+use asmotion_bus::BusError;
 
 use super::Membership;
 use super::offered::Offers;

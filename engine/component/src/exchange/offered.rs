@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Instant;
 
-use bus::{BusError, Call, Refusal, Serving};
-use datum::Schema;
+use asmotion_bus::{BusError, Call, Refusal, Serving};
+use asmotion_datum::Schema;
 
 use super::Membership;
 use crate::Time;

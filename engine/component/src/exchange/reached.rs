@@ -4,8 +4,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use bus::{CallFailure, Origin, Payload, Pending, Request, Spans};
-use datum::{Datum, Message, Sample};
+use asmotion_bus::{CallFailure, Origin, Payload, Pending, Request, Spans};
+use asmotion_datum::{Datum, Message, Sample};
 
 use super::Membership;
 use crate::outside::Outside;

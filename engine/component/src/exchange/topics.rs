@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use bus::{Bus, BusError, Origin, Payload, Publisher, Sending};
-use connection::Delivery;
-use datum::{DatumError, Problem, Sample};
+use asmotion_bus::{Bus, BusError, Origin, Payload, Publisher, Sending};
+use asmotion_connection::Delivery;
+use asmotion_datum::{DatumError, Problem, Sample};
 
 use super::Membership;
 use super::incoming::Incoming;

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use bus::Bell;
+use asmotion_bus::Bell;
 
 use super::wake::World;
 use crate::exchange::Exchange;

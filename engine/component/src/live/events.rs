@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
-use bus::Bell;
+use asmotion_bus::Bell;
 use crossbeam_queue::ArrayQueue;
 
 use crate::event::Owned;

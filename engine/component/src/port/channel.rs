@@ -4,8 +4,8 @@ use std::any::Any;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-use connection::{Pool, Receiver, Sender};
-use datum::{Datum, DatumError, Message, Sample};
+use asmotion_connection::{Pool, Receiver, Sender};
+use asmotion_datum::{Datum, DatumError, Message, Sample};
 
 use super::{AnySender, Unread, one_thread};
 use crate::Time;
@@ -145,7 +145,7 @@ fn ends<T: Send + 'static>(
         Lock::Unsync => one_thread::pool(policy.kind),
     };
     let pool = match (queue, policy.lock) {
-        (None, Lock::LockFree) => return Ok(connection::channel(policy.kind)),
+        (None, Lock::LockFree) => return Ok(asmotion_connection::channel(policy.kind)),
         (None, Lock::Locked | Lock::Unsync) => make(),
         (Some(queue), _) => {
             let queue = queue.get_or_insert_with(|| Box::new(make()));

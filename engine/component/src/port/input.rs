@@ -4,7 +4,7 @@ use std::any::Any;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-use datum::{Message, Schema};
+use asmotion_datum::{Message, Schema};
 
 use super::Flow;
 use super::channel::{Incoming, Inlet, Of, Stamped, Way};

@@ -1,7 +1,7 @@
 //! Connections without any guard, for components that share a thread.
 #![allow(unsafe_code, reason = "the promise of one thread; argued below")]
 
-use connection::{Kind, Pool};
+use asmotion_connection::{Kind, Pool};
 
 /// A queue whose ends are all in one thread.
 pub(super) fn pool<T>(kind: Kind) -> Pool<T> {

@@ -3,8 +3,8 @@
 use std::any::Any;
 use std::sync::Arc;
 
-use connection::{Delivery, Sender};
-use datum::{DatumError, Message, Sample};
+use asmotion_connection::{Delivery, Sender};
+use asmotion_datum::{DatumError, Message, Sample};
 
 use super::AnySender;
 use super::channel::Stamped;

@@ -5,9 +5,9 @@ use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Weak};
 
-use bus::Bell;
-use connection::Delivery;
-use datum::{DatumError, Message, Sample, Schema};
+use asmotion_bus::Bell;
+use asmotion_connection::Delivery;
+use asmotion_datum::{DatumError, Message, Sample, Schema};
 
 use super::channel::Stamped;
 use super::{AnySender, Outlet};

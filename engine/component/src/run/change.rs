@@ -6,7 +6,7 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
 
-use datum::Datum;
+use asmotion_datum::Datum;
 
 use super::every::{busy, joining};
 use super::{Act, Executor, RunError};

@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
-use datum::{Datum, Message, Sample};
+use asmotion_datum::{Datum, Message, Sample};
 
 use super::change::Planning;
 use super::{

@@ -3,7 +3,7 @@
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
-use datum::Sample;
+use asmotion_datum::Sample;
 
 use super::{Asked, Beyond, RunError, Watch};
 use crate::declaration::Declaration;

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, mpsc};
 
-use datum::Sample;
+use asmotion_datum::Sample;
 
 use super::Beyond;
 use crate::Time;
@@ -32,7 +32,7 @@ impl<O: Operation> Sent<O> {
     }
 }
 
-fn read<R: datum::Message>(result: Result<Arc<dyn Sample>, CallError>) -> SendStatus<R> {
+fn read<R: asmotion_datum::Message>(result: Result<Arc<dyn Sample>, CallError>) -> SendStatus<R> {
     let read = result.and_then(|response| {
         (response.read()).map_err(|error| CallError::Fault(unreadable("BAD_REPLY", &error)))
     });

@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use bus::Bell;
-use datum::Message;
+use asmotion_bus::Bell;
+use asmotion_datum::Message;
 
 use super::Beyond;
 use crate::Flow;

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use connection::Delivery;
-use datum::{DatumError, Message};
+use asmotion_connection::Delivery;
+use asmotion_datum::{DatumError, Message};
 
 use super::Beyond;
 use crate::port::{Outlet, Stamped};

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use bus::Trace;
+use asmotion_bus::Trace;
+use asmotion_datum::Sample;
 use crossbeam_queue::ArrayQueue;
-use datum::Sample;
 
 use super::reference::{Reference, Slot, names, wire_of, wiring};
 use super::{Answer, AnswerTo, Ask, CallError, CallId, CallKey, Post};

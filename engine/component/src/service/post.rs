@@ -2,8 +2,8 @@
 
 use std::sync::{Arc, mpsc};
 
-use bus::{Call, CallFailure, Payload, Refusal, Trace};
-use datum::Sample;
+use asmotion_bus::{Call, CallFailure, Payload, Refusal, Trace};
+use asmotion_datum::Sample;
 
 use super::{CallError, Mailbox};
 use crate::Time;

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use bus::Bell;
+use asmotion_bus::Bell;
+use asmotion_datum::Sample;
 use crossbeam_queue::ArrayQueue;
-use datum::Sample;
 
 use super::{AnswerTo, Ask, CallError, CallKey, Post, RequestId, ServiceFault};
 use crate::declaration::ServiceDeclaration;

@@ -5,7 +5,7 @@ use std::collections::BinaryHeap;
 use std::collections::binary_heap::PeekMut;
 use std::sync::Arc;
 
-use datum::Sample;
+use asmotion_datum::Sample;
 
 use crate::Time;
 use crate::door::Place;

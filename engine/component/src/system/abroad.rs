@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use bus::{Bell, Bus, Sending};
+use asmotion_bus::{Bell, Bus, Sending};
 
 use super::ends::{outputs, references, services};
 use super::{BuildError, ComponentId, End, System};

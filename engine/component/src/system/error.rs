@@ -1,7 +1,7 @@
 //! What can be wrong with a system's construction.
 
-use bus::BusError;
-use datum::{DatumError, Difference, Schema};
+use asmotion_bus::BusError;
+use asmotion_datum::{DatumError, Difference, Schema};
 
 use crate::declaration::DeclarationError;
 use crate::property::{PropertyError, suggestion};

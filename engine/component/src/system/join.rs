@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use bus::Sending;
-use datum::{DatumError, Message, Problem, Schema};
+use asmotion_bus::Sending;
+use asmotion_datum::{DatumError, Message, Problem, Schema};
 
 use super::ends::{self, Table, inputs, outputs, references, services};
 use super::{BuildError, ComponentId, ConnectionId, End, System, Topic};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 
-use connection::Kind;
+use asmotion_connection::Kind;
 
 use super::{BuildError, End};
 use crate::Policy;

@@ -1,9 +1,9 @@
 //! Messages, operations and a component made of closures, for the tests.
 #![allow(dead_code, missing_docs, clippy::unwrap_used, reason = "tests")]
 
-use component::{Component, Cycle, Fault, Interface, Operation};
+use asmotion_component::{Component, Cycle, Fault, Interface, Operation};
 
-datum::message! {
+asmotion_datum::message! {
     /// A number.
     #[derive(Copy)]
     pub struct Number = "test/Number" {

@@ -3,7 +3,9 @@
 use std::sync::{Arc, Mutex};
 use std::thread::ThreadId;
 
-use component::{Activity, BuildError, Component, Interface, Log, Run, Scheduler, Span, System};
+use asmotion_component::{
+    Activity, BuildError, Component, Interface, Log, Run, Scheduler, Span, System,
+};
 
 use crate::common::behaviour;
 
@@ -94,10 +96,10 @@ fn o3_a_slave_cycles_in_its_masters_thread() {
 
 #[test]
 fn o3_a_slave_rests_when_its_master_does_or_itself_is_stopped() {
-    use component::Transition::{Start, Stop};
+    use asmotion_component::Transition::{Start, Stop};
     let cycles = Cycles::default();
     let mut run = household(&cycles).simulate();
-    let cycled = |run: &mut component::Simulation| {
+    let cycled = |run: &mut asmotion_component::Simulation| {
         run.run_for(10.ms());
         let cycles = std::mem::take(&mut *cycles.lock().unwrap());
         cycles.into_iter().map(|(name, _)| name).collect::<Vec<_>>()

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use component::{
+use asmotion_component::{
     Activity, Component, Event, Interface, Log, OnLate, Run, Span, State, System, Time,
 };
 
@@ -84,7 +84,7 @@ fn a_late_cycle_is_a_fault_where_the_activity_says_so() {
 
 #[test]
 fn who_is_brought_back_after_a_failure_is_so_after_a_late_cycle() {
-    use component::OnException::Reset;
+    use asmotion_component::OnException::Reset;
     let mut system = System::new();
     let activity = Activity::periodic(20.ms()).deadline(10.ms(), OnLate::Fail);
     let activity = activity.on_exception(Reset { max: None });

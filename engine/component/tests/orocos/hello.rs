@@ -1,6 +1,6 @@
 //! A component with everything that a TaskContext has: O1.
 
-use component::{Run, Span, State};
+use asmotion_component::{Run, Span, State};
 
 #[path = "../../examples/hello.rs"]
 #[allow(dead_code, reason = "the example's main, which is for people")]
@@ -16,7 +16,7 @@ fn words(words: &str) -> Words {
 #[test]
 fn o1_hello_world_has_ports_properties_operations_services_and_peers() {
     let mut system = example::system().unwrap();
-    let log = component::Log::new();
+    let log = asmotion_component::Log::new();
     system.observe(log.clone());
     let mut run = system.simulate();
     run.run_for(1.ms());
@@ -29,7 +29,7 @@ fn o1_hello_world_has_ports_properties_operations_services_and_peers() {
     assert_eq!(said("Ben.greeting"), ["Good morning, world!"]);
 
     // ports, and a property that changes
-    let salutation = ("salutation".to_owned(), datum::Datum::text("Hi"));
+    let salutation = ("salutation".to_owned(), asmotion_datum::Datum::text("Hi"));
     run.set_properties("Ann", &[salutation]).unwrap();
     run.inject(run.now(), "Ann.name", words("Cyd")).unwrap();
     run.run_for(1.ms());

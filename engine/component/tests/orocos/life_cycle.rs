@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
-use component::{
+use asmotion_component::{
     Activity, Component, Cycle, Fault, LifeCycleError, Log, OnException, Run, Setup, Simulation,
     Span, State, System, Transition,
 };

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use component::{
+use asmotion_component::{
     Activity, CallError, CallId, Component, Interface, Run, SendStatus, ServiceFault, Span, State,
     System, Wire,
 };

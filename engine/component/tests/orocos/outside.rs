@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use component::{
+use asmotion_component::{
     Activity, BuildError, Lock, Policy, Run, RunError, Span, State, System, Time, WriteError,
 };
 
@@ -45,7 +45,7 @@ fn j9_a_data_writer_leaves_the_newest() {
     system.add("X", Activity::manual(), looker(&seen)).unwrap();
     let mut run = system.simulate();
     let mut writer = run.writer("X.n", Policy::data()).unwrap();
-    let look = |run: &mut component::Simulation| {
+    let look = |run: &mut asmotion_component::Simulation| {
         run.trigger("X").unwrap();
         run.run_for(1.ms());
     };
@@ -274,7 +274,7 @@ fn j13_errors_are_typed() {
     let quiet = behaviour(|interface| {
         interface.input_of(
             "any",
-            datum::Schema::opaque(String::new()),
+            asmotion_datum::Schema::opaque(String::new()),
             "whatever comes",
         );
         |_| Ok(())

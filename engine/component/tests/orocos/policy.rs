@@ -1,6 +1,6 @@
 //! The connection policy: O7, O8.
 
-use component::{Fault, Kind, Lock, Policy, Run, Sharing, State};
+use asmotion_component::{Fault, Kind, Lock, Policy, Run, Sharing, State};
 
 use crate::support::Bench;
 
@@ -18,7 +18,7 @@ fn o8_the_defaults_are_those_of_the_book() {
             pull: false,
             max_threads: None,
             max_age: None,
-            on_stale: component::OnStale::Keep,
+            on_stale: asmotion_component::OnStale::Keep,
             mandatory: false,
             trigger: true,
         }
@@ -130,7 +130,7 @@ fn o8_mandatory_and_full_is_a_failure_of_the_writer_otherwise_it_is_a_counted_dr
             // There is room for the newest: an older one goes.
             (Policy::circular(2).mandatory(), State::Running),
         ] {
-            let log = component::Log::new();
+            let log = asmotion_component::Log::new();
             let mut bench = Bench::connected(&["A X"], &policy.clone().lock(lock));
             bench.system.observe(log.clone());
             let mut hands = bench.simulate();

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use component::{Activity, Lock, Policy, Run, Span, System};
+use asmotion_component::{Activity, Lock, Policy, Run, Span, System};
 
 use crate::common::{Twist, Words, behaviour, counter};
 use crate::support::{Bench, Seen, looker, reader, taken, writer};
@@ -111,16 +111,16 @@ fn o8_a_reader_that_pulls_converts_for_itself_and_one_that_cannot_read_is_told()
     let by_name = behaviour(|interface| {
         let out = interface.output_of(
             "twist",
-            datum::Schema::opaque("test/Twist".to_owned()),
+            asmotion_datum::Schema::opaque("test/Twist".to_owned()),
             "a record",
         );
         move |cycle| {
-            let good = datum::Datum::of(&Twist {
+            let good = asmotion_datum::Datum::of(&Twist {
                 linear: 0.5,
                 angular: 0.0,
             })?;
             cycle.write(out, good);
-            cycle.write(out, datum::Datum::Text("no twist".into()));
+            cycle.write(out, asmotion_datum::Datum::Text("no twist".into()));
             Ok(())
         }
     });
@@ -133,7 +133,7 @@ fn o8_a_reader_that_pulls_converts_for_itself_and_one_that_cannot_read_is_told()
             Ok(())
         }
     });
-    let log = component::Log::new();
+    let log = asmotion_component::Log::new();
     system.observe(log.clone());
     system.add("A", Activity::manual(), by_name).unwrap();
     system.add("X", Activity::manual(), by_type).unwrap();

@@ -1,6 +1,6 @@
 //! Connecting and disconnecting while both ends run: O8, O10.
 
-use component::{Activity, BuildError, Lock, Policy, Run, Sharing, Span, System};
+use asmotion_component::{Activity, BuildError, Lock, Policy, Run, Sharing, Span, System};
 
 use crate::common::counter;
 use crate::support::{Bench, Seen, looker, reader, taken, writer};
@@ -43,7 +43,7 @@ fn o8_a_connection_that_has_ended_carries_nothing_and_its_last_sample_is_gone() 
     system.add("X", Activity::manual(), looker(&seen)).unwrap();
     system.connect("A.n", "X.n", Policy::data()).unwrap();
     let mut run = system.simulate();
-    let cycle = |run: &mut component::Simulation| {
+    let cycle = |run: &mut asmotion_component::Simulation| {
         ready.lock().unwrap().push(7);
         for who in ["A", "X"] {
             run.trigger(who).unwrap();

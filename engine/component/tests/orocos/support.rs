@@ -2,7 +2,9 @@
 
 use std::sync::{Arc, Mutex};
 
-use component::{Activity, Component, Flow, Interface, Policy, Run, Simulation, Span, System};
+use asmotion_component::{
+    Activity, Component, Flow, Interface, Policy, Run, Simulation, Span, System,
+};
 
 use crate::common::{Number, behaviour, number};
 

@@ -1,12 +1,14 @@
 //! A driver of two joints, and a composite with it.
 
-use asm_lang::Files;
-use assembly::declaration::OperationDeclaration;
-use assembly::{Constructor, Context, EmptyEnvironment, NoSpecifications, Opened, Tables};
-use component::{Component, Cycle, Fault, In, Interface, Operation, Out, Property, Provided};
-use datum::{Message, Schema};
+use asmotion_assembly::declaration::OperationDeclaration;
+use asmotion_assembly::{Constructor, Context, EmptyEnvironment, NoSpecifications, Opened, Tables};
+use asmotion_component::{
+    Component, Cycle, Fault, In, Interface, Operation, Out, Property, Provided,
+};
+use asmotion_datum::{Message, Schema};
+use asmotion_lang::Files;
 
-datum::message! {
+asmotion_datum::message! {
     /// Where the joints are.
     pub struct Joints = "test/Joints" {
         /// radians
@@ -110,7 +112,7 @@ pub fn open(settings: &[(String, String)]) -> Opened {
         specifications: &NoSpecifications,
         settings,
     };
-    let opened = assembly::open("arm.composite.toml", &context);
+    let opened = asmotion_assembly::open("arm.composite.toml", &context);
     assert!(
         !opened.report.has_errors(),
         "{:?}",

@@ -3,10 +3,10 @@
 use std::sync::mpsc;
 use std::time::Duration;
 
-use bus::{Bus, Origin, Payload, Sending};
-use component::{CallError, SendStatus, State, Transition};
-use datum::{Datum, Numbers, Schema};
-use remote::{Reason, Remote, RemoteError};
+use asmotion_bus::{Bus, Origin, Payload, Sending};
+use asmotion_component::{CallError, SendStatus, State, Transition};
+use asmotion_datum::{Datum, Numbers, Schema};
+use asmotion_remote::{Reason, Remote, RemoteError};
 
 use crate::driver::{Joints, joints, open};
 use crate::robot::Robot;
@@ -119,8 +119,8 @@ fn j15_what_is_seen_of_a_component_is_plain_data() {
     let present = driver.look().expect("a look");
     assert_eq!(present.state, "Running");
     assert_eq!(present.period_ms, 10);
-    let json = datum::json::encode(&Datum::of(&present).expect("data")).expect("JSON");
-    let back: remote::Present = datum::json::decode(&json).expect("the same");
+    let json = asmotion_datum::json::encode(&Datum::of(&present).expect("data")).expect("JSON");
+    let back: asmotion_remote::Present = asmotion_datum::json::decode(&json).expect("the same");
     assert_eq!(back, present);
 }
 
@@ -187,7 +187,7 @@ fn j16_a_call_that_has_no_answer_says_why() {
         })
     );
     let wrong = remote.call(meant, Datum::text("up"), PATIENCE);
-    let code = |fault: component::ServiceFault| fault.code;
+    let code = |fault: asmotion_component::ServiceFault| fault.code;
     match wrong {
         Err(RemoteError::Call(CallError::Fault(fault))) => assert_eq!(code(fault), "BAD_ARGUMENT"),
         other => panic!("{other:?}"),

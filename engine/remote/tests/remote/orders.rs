@@ -1,9 +1,9 @@
 //! Orders to a running system: ports are read and written, shapes described, the life cycle is driven.
 
-use assembly::Standard;
-use component::{Run, Simulation, Span, State};
-use datum::Datum;
-use remote::{Begun, Newest, Order, Wish};
+use asmotion_assembly::Standard;
+use asmotion_component::{Run, Simulation, Span, State};
+use asmotion_datum::Datum;
+use asmotion_remote::{Begun, Newest, Order, Wish};
 
 use crate::driver::{self, BUILD, files, open};
 
@@ -22,7 +22,7 @@ fn driver() -> Driven {
         builtins: &mut |_, _| None,
     };
     let plan = opened.plan(None).expect("a plan");
-    let mut system = assembly::start(plan, &mut workshop).expect("a system");
+    let mut system = asmotion_assembly::start(plan, &mut workshop).expect("a system");
     let newest = Newest::default();
     system.observe(newest.clone());
     let run = system.simulate();
@@ -95,7 +95,7 @@ fn j13_j18_every_way_to_be_wrong_has_its_code_and_harms_nobody() {
 #[test]
 fn j15_what_a_component_declares_is_stable_json() {
     let described = order(&mut driver(), "Driver", Wish::Describe).expect("a declaration");
-    let text = datum::json::encode_pretty(&described).expect("JSON");
+    let text = asmotion_datum::json::encode_pretty(&described).expect("JSON");
     insta::assert_snapshot!(text);
 }
 

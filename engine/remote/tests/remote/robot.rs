@@ -4,10 +4,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 
-use assembly::{Part, Standard};
-use bus::Local;
-use component::{Run, Span};
-use remote::{Contact, Newest, Remote};
+use asmotion_assembly::{Part, Standard};
+use asmotion_bus::Local;
+use asmotion_component::{Run, Span};
+use asmotion_remote::{Contact, Newest, Remote};
 
 use crate::driver::{BUILD, files, open};
 
@@ -57,7 +57,7 @@ fn live(bus: &Local, until: &AtomicBool) {
         builtins: &mut |_, _| None,
     };
     let part = Part::with_brokers(plan);
-    let mut system = assembly::start_part(plan, &part, &mut workshop).expect("a system");
+    let mut system = asmotion_assembly::start_part(plan, &part, &mut workshop).expect("a system");
     system.attach(Arc::new(bus.clone()), 1).expect("a bus");
     let newest = Newest::default();
     system.observe(newest.clone());

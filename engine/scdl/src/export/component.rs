@@ -1,9 +1,9 @@
 //! One component and what it is wired to.
 
-use assembly::At;
-use assembly::model::{self as here, Implementation as Made};
-use assembly::tree::Branch;
-use source::Span;
+use asmotion_assembly::At;
+use asmotion_assembly::model::{self as here, Implementation as Made};
+use asmotion_assembly::tree::Branch;
+use asmotion_source::Span;
 
 use super::{Exporter, contract, target, written};
 use crate::model::{

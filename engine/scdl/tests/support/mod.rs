@@ -1,10 +1,10 @@
 //! What the tests of this room share.
 #![allow(dead_code, reason = "not every test uses all of it")]
 
-use asm_lang::{Files, Style};
-use assembly::{Context, Opened, Tables};
-use scdl::Imported;
-use source::{Report, Sources};
+use asmotion_assembly::{Context, Opened, Tables};
+use asmotion_lang::{Files, Style};
+use asmotion_scdl::Imported;
+use asmotion_source::{Report, Sources};
 
 /// The text of a file of `tests/scdl`.
 pub fn text(file: &str) -> String {
@@ -17,13 +17,13 @@ pub fn import(files: &[&str]) -> Imported {
         .iter()
         .map(|file| ((*file).to_owned(), text(file)))
         .collect();
-    scdl::import(&files, &Tables::EMPTY)
+    asmotion_scdl::import(&files, &Tables::EMPTY)
 }
 
 /// The findings, as people see them.
 pub fn rendered(report: &Report, sources: &Sources) -> String {
     let findings = report.diagnostics.iter();
-    let findings = findings.map(|it| asm_lang::render(it, sources, Style::Plain));
+    let findings = findings.map(|it| asmotion_lang::render(it, sources, Style::Plain));
     findings.collect::<Vec<_>>().join("\n\n")
 }
 
@@ -34,5 +34,5 @@ pub fn open(files: &[(String, String)]) -> Opened {
         loader.add(name, text.as_str());
     }
     let first = files.first().map_or("", |(name, _)| name);
-    assembly::open(first, &Context::files(&loader))
+    asmotion_assembly::open(first, &Context::files(&loader))
 }

@@ -1,7 +1,7 @@
 //! Functions and the fields of messages that are their values.
 
-use datum::{Schema, Shape};
-use source::{Report, Span};
+use asmotion_datum::{Schema, Shape};
+use asmotion_source::{Report, Span};
 
 use super::error::BindingError;
 use super::{Bound, action};

@@ -5,7 +5,7 @@ mod argument;
 mod error;
 mod function;
 
-use source::Report;
+use asmotion_source::Report;
 
 use self::error::BindingError;
 use super::annotation;
@@ -58,7 +58,12 @@ pub(crate) struct Bound<'b> {
 }
 
 /// Functions of the specification that touch nothing of the world.
-fn unbound(bound: &Bound<'_>, signature: &dyn Signature, file: source::Span, report: &mut Report) {
+fn unbound(
+    bound: &Bound<'_>,
+    signature: &dyn Signature,
+    file: asmotion_source::Span,
+    report: &mut Report,
+) {
     let bind = &bound.part.component.bind;
     let events = action::events(bind);
     for function in signature.functions() {

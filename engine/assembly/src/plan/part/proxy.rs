@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use bridge::{Conversion, Mapped, Mode, ProxyPort};
-use component::declaration::OperationDeclaration;
-use datum::Schema;
+use asmotion_bridge::{Conversion, Mapped, Mode, ProxyPort};
+use asmotion_component::declaration::OperationDeclaration;
+use asmotion_datum::Schema;
 
 use super::Source;
 use crate::check::face::{Port, find};
@@ -44,7 +44,7 @@ pub(super) fn notify(written: &model::Notify) -> Notify {
 }
 
 /// What the bridge does, with every conversion decided; `None` for what is no port-proxy.
-pub(super) fn settings(source: &Source<'_>) -> Option<bridge::Settings> {
+pub(super) fn settings(source: &Source<'_>) -> Option<asmotion_bridge::Settings> {
     let component = source.component;
     let Some(Implementation::Builtin {
         kind: Some(Builtin::PortProxy),
@@ -54,7 +54,7 @@ pub(super) fn settings(source: &Source<'_>) -> Option<bridge::Settings> {
         return None;
     };
     let ports = |ports: &[Port]| ports.iter().map(|it| port(source, it)).collect();
-    Some(bridge::Settings {
+    Some(asmotion_bridge::Settings {
         inputs: ports(&source.face.inputs),
         outputs: ports(&source.face.outputs),
         operations: (component.map.iter())
@@ -121,7 +121,7 @@ fn mapped(source: &Source<'_>, entry: &model::ProxyEntry) -> Option<Mapped> {
     })
 }
 
-fn listener(source: &Source<'_>, told: &model::Notify) -> Option<bridge::Notify> {
+fn listener(source: &Source<'_>, told: &model::Notify) -> Option<asmotion_bridge::Notify> {
     let interface = &find(&source.face.references, &told.reference)?
         .interface
         .text;
@@ -130,7 +130,7 @@ fn listener(source: &Source<'_>, told: &model::Notify) -> Option<bridge::Notify>
         None => ("notify".to_owned(), Conversion::Same),
     };
     let condition = |told: &Option<model::Condition>| told.as_ref()?.text.parse().ok();
-    Some(bridge::Notify {
+    Some(asmotion_bridge::Notify {
         reference: told.reference.value.clone(),
         interface: interface.clone(),
         operation,
@@ -143,13 +143,13 @@ fn listener(source: &Source<'_>, told: &model::Notify) -> Option<bridge::Notify>
     })
 }
 
-fn idle(idle: &model::Idle) -> Option<bridge::Idle> {
+fn idle(idle: &model::Idle) -> Option<asmotion_bridge::Idle> {
     let split = |path: &model::Path| {
         let text = path.to_string();
         let (port, field) = text.split_once('.').unwrap_or((&text, ""));
         (port.to_owned(), field.to_owned())
     };
-    Some(bridge::Idle {
+    Some(asmotion_bridge::Idle {
         within: idle.within.value,
         commanded: split(&idle.of),
         measured: split(&idle.on),

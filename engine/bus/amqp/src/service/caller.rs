@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use amqprs::BasicProperties;
 use amqprs::channel::{BasicConsumeArguments, BasicPublishArguments, Channel, ConsumerMessage};
-use bus::{Call, CallFailure, Delivered, Payload};
+use asmotion_bus::{Call, CallFailure, Delivered, Payload};
 use tokio::sync::mpsc::UnboundedReceiver;
 use tokio::time::{Instant, MissedTickBehavior, interval, sleep};
 
@@ -197,7 +197,7 @@ impl Task {
             Word::Ack { tag, multiple } => {
                 for id in session.settle(tag, multiple) {
                     if let Some(open) = self.open.remove(&id) {
-                        open.end(Ok(Payload::of(datum::Datum::Null)));
+                        open.end(Ok(Payload::of(asmotion_datum::Datum::Null)));
                     }
                 }
             }

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use amqprs::BasicProperties;
-use bus::{CallFailure, Origin, Payload, Refusal, Request, Trace};
-use datum::{Codec, Datum, Message};
+use asmotion_bus::{CallFailure, Origin, Payload, Refusal, Request, Trace};
+use asmotion_datum::{Codec, Datum, Message};
 
 use crate::wire::{self, Headers};
 

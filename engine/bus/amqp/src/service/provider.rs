@@ -10,7 +10,7 @@ use amqprs::channel::{
     BasicAckArguments, BasicConsumeArguments, BasicPublishArguments, Channel, ConsumerMessage,
     QueueBindArguments, QueueDeclareArguments,
 };
-use bus::{Bell, CallFailure, Desk, Pending, Request};
+use asmotion_bus::{Bell, CallFailure, Desk, Pending, Request};
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 use tokio::sync::oneshot;
 use tokio::time::{MissedTickBehavior, interval, sleep};
@@ -208,7 +208,7 @@ impl Task {
                 Ok(None) => None,
                 Err(reason) => {
                     let what = self.post.key.clone();
-                    let answer = Answer::of(Err(CallFailure::Refused(bus::Refusal {
+                    let answer = Answer::of(Err(CallFailure::Refused(asmotion_bus::Refusal {
                         code: "UNREADABLE".to_owned(),
                         detail: reason.clone(),
                     })));

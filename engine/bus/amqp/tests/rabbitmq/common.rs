@@ -4,11 +4,11 @@ use std::num::NonZeroUsize;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use amqp::{AmqpBus, Notice, Settings};
-use bus::{
+use asmotion_amqp::{AmqpBus, Notice, Settings};
+use asmotion_bus::{
     Bell, Bus, Link, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription,
 };
-use datum::{Datum, Schema};
+use asmotion_datum::{Datum, Schema};
 
 /// Long enough for anything on a loaded machine.
 pub const LONG: Duration = Duration::from_secs(30);

@@ -2,26 +2,30 @@
 
 use std::sync::Arc;
 
-use bus::Sending;
+use asmotion_bus::Sending;
 
 use crate::common::{LONG, all, connect, number, publisher, settings, subscribe};
 
 #[test]
 fn t29_the_bus_over_rabbitmq_keeps_the_contract() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let mut settings = settings(&vhost.url());
     settings.notices = Arc::new(|notice| println!("{notice}"));
     settings.robot = Some("rover1".to_owned());
     let bus = connect(settings);
-    assert_eq!(bus::contract::violations(&bus, "there"), []);
+    assert_eq!(asmotion_bus::contract::violations(&bus, "there"), []);
     drop(bus);
     assert_eq!(vhost.queues().unwrap(), [""; 0], "it leaves no queues");
 }
 
 #[test]
 fn without_a_robot_a_tool_sees_the_keys_of_all() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let tool = connect(settings(&vhost.url()));
     let subscription = subscribe(&tool, "#.odom", all(10));

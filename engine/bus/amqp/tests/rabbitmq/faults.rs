@@ -3,8 +3,8 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use amqp::{AmqpBus, Notice};
-use bus::{Bell, Bus, BusError, Link, Queue, Sending};
+use asmotion_amqp::{AmqpBus, Notice};
+use asmotion_bus::{Bell, Bus, BusError, Link, Queue, Sending};
 
 use crate::common::{
     LONG, all, connect, events, eventually, is_down, noted, number, numbers, publisher, quick,
@@ -12,8 +12,8 @@ use crate::common::{
 };
 
 /// A life with events before and after a fault: none is lost or repeated.
-fn survives(fault: impl FnOnce(&broker::Broker, &AmqpBus)) {
-    let Some(broker) = broker::alone() else {
+fn survives(fault: impl FnOnce(&asmotion_broker::Broker, &AmqpBus)) {
+    let Some(broker) = asmotion_broker::alone() else {
         return;
     };
     let vhost = broker.vhost().unwrap();
@@ -107,7 +107,7 @@ fn a_broker_frozen_until_it_is_given_up() {
 
 #[test]
 fn a_broker_out_of_memory_takes_nothing_and_nothing_is_buffered_without_bound() {
-    let Some(broker) = broker::alone() else {
+    let Some(broker) = asmotion_broker::alone() else {
         return;
     };
     let vhost = broker.vhost().unwrap();
@@ -121,7 +121,7 @@ fn a_broker_out_of_memory_takes_nothing_and_nothing_is_buffered_without_bound() 
         matches!(bus.health().link, Link::Blocked { .. })
     });
     let memory = memory();
-    let big = bus::Payload::of(datum::Datum::Bytes(vec![0; 16 * 1024].into()));
+    let big = asmotion_bus::Payload::of(asmotion_datum::Datum::Bytes(vec![0; 16 * 1024].into()));
     // The client alone takes 8434 of these, 133 MiB, before it waits.
     for _ in 0..8000 {
         assert!(matches!(
@@ -157,7 +157,9 @@ fn memory() -> usize {
 
 #[test]
 fn a_queue_deleted_under_its_reader_is_made_again() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let (settings, notices) = noted(&vhost.url());
     let bus = connect(settings);
@@ -182,7 +184,9 @@ fn a_queue_deleted_under_its_reader_is_made_again() {
 
 #[test]
 fn a_queue_that_overflows_while_its_reader_is_away_drops_as_declared_and_says_so() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     // A reader that holds a queue as ours do, and does not read.
     let runtime = tokio::runtime::Builder::new_current_thread()
@@ -207,7 +211,9 @@ fn a_queue_that_overflows_while_its_reader_is_away_drops_as_declared_and_says_so
 
 #[test]
 fn who_may_not_is_told_and_others_go_on() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let user = vhost.name().to_owned();
     broker.add_user(&user, "p").unwrap();
@@ -234,7 +240,9 @@ fn who_may_not_is_told_and_others_go_on() {
 
 #[test]
 fn who_may_not_read_is_told_at_once() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let user = vhost.name().to_owned();
     broker.add_user(&user, "p").unwrap();
@@ -242,7 +250,7 @@ fn who_may_not_read_is_told_at_once() {
     let bus = connect(settings(&vhost.url_of(&user, "p")));
     let end = bus.subscribe(
         "Tester",
-        &bus::Pattern::all(),
+        &asmotion_bus::Pattern::all(),
         all(1),
         Arc::new(Bell::new()),
     );
@@ -251,7 +259,9 @@ fn who_may_not_read_is_told_at_once() {
 
 #[test]
 fn a_publication_on_a_channel_that_the_broker_closed_is_not_taken_for_sent() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let (settings, notices) = noted(&vhost.url());
     let bus = connect(settings);
@@ -287,7 +297,9 @@ fn a_publication_on_a_channel_that_the_broker_closed_is_not_taken_for_sent() {
 
 #[test]
 fn a_forged_user_is_found_out_by_the_broker() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let bus = connect(settings(&vhost.url()));
     let subscription = subscribe(&bus, "t", all(10));
@@ -303,7 +315,9 @@ fn a_forged_user_is_found_out_by_the_broker() {
 
 #[test]
 fn what_cannot_be_read_is_counted_and_said_and_never_fatal() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let (settings, notices) = noted(&vhost.url());
     let bus = connect(settings);
@@ -338,7 +352,9 @@ fn what_cannot_be_read_is_counted_and_said_and_never_fatal() {
 
 #[test]
 fn a_message_that_breaks_the_client_does_not_break_it_for_ever() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let (settings, notices) = noted(&vhost.url());
     let bus = connect(settings);
@@ -377,7 +393,7 @@ mod raw {
     use amqprs::connection::{Connection, OpenConnectionArguments};
     use amqprs::{BasicProperties, FieldTable};
 
-    pub async fn open(broker: &broker::Broker, vhost: &str) -> (Connection, Channel) {
+    pub async fn open(broker: &asmotion_broker::Broker, vhost: &str) -> (Connection, Channel) {
         let address = broker.address();
         let mut arguments = OpenConnectionArguments::new(
             "127.0.0.1",
@@ -405,7 +421,7 @@ mod raw {
     }
 
     pub async fn publish(
-        broker: &broker::Broker,
+        broker: &asmotion_broker::Broker,
         vhost: &str,
         key: &str,
         content_type: Option<&str>,
@@ -426,7 +442,12 @@ mod raw {
     }
 
     /// Publishes under a name; whether the channel survived it.
-    pub async fn publish_as(broker: &broker::Broker, vhost: &str, user: &str, key: &str) -> bool {
+    pub async fn publish_as(
+        broker: &asmotion_broker::Broker,
+        vhost: &str,
+        user: &str,
+        key: &str,
+    ) -> bool {
         let (connection, channel) = open(broker, vhost).await;
         let mut properties = BasicProperties::default();
         properties

@@ -4,9 +4,9 @@ use std::net::TcpListener;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use amqp::{AmqpBus, Credentials, Identity, Notice, Settings, Tls};
-use bus::{Bell, Bus, BusError, CallFailure, Link, Origin, Pattern, Request, Sending};
-use datum::{Datum, Message, Schema};
+use asmotion_amqp::{AmqpBus, Credentials, Identity, Notice, Settings, Tls};
+use asmotion_bus::{Bell, Bus, BusError, CallFailure, Link, Origin, Pattern, Request, Sending};
+use asmotion_datum::{Datum, Message, Schema};
 
 use crate::common::{
     LONG, all, connect, events, eventually, noted, number, numbers, publisher, settings, subscribe,
@@ -14,7 +14,9 @@ use crate::common::{
 
 #[test]
 fn a_wrong_password_is_known_at_once_and_in_words() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let begun = Instant::now();
     let end = AmqpBus::connect(settings(&vhost.url_of("tester", "wrong")), LONG);
@@ -33,7 +35,9 @@ fn a_wrong_password_is_known_at_once_and_in_words() {
 
 #[test]
 fn a_missing_virtual_host_is_named() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let mut settings = settings(&broker.vhost().unwrap().url());
     settings.vhost = "nowhere".to_owned();
     let end = AmqpBus::connect(settings, LONG).map(drop);
@@ -74,7 +78,9 @@ fn somebody_else_than_a_broker_is_found_out() {
 
 #[test]
 fn names_that_the_client_breaks_at_are_refused() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let bus = connect(settings(&vhost.url()));
     let (long, origin) = ("x".repeat(256), Origin::new("Tester", 1));
@@ -109,7 +115,9 @@ fn names_that_the_client_breaks_at_are_refused() {
 
 #[test]
 fn a_source_or_an_argument_may_be_of_any_length() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let bus = connect(settings(&vhost.url()));
     let subscription = subscribe(&bus, "t", all(4));
@@ -124,7 +132,9 @@ fn a_source_or_an_argument_may_be_of_any_length() {
 
 #[test]
 fn many_may_declare_at_once() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let bus = connect(settings(&vhost.url()));
     std::thread::scope(|scope| {
@@ -145,7 +155,7 @@ fn many_may_declare_at_once() {
 
 #[test]
 fn without_a_broker_a_bus_waits_for_it_and_keeps_what_it_is_told_to() {
-    let Some(broker) = broker::alone() else {
+    let Some(broker) = asmotion_broker::alone() else {
         return;
     };
     let vhost = broker.vhost().unwrap();
@@ -187,7 +197,9 @@ fn without_a_broker_a_bus_waits_for_it_and_keeps_what_it_is_told_to() {
 
 #[test]
 fn a_bus_that_is_closed_has_sent_what_it_took_and_leaves_nothing() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let reader = connect(settings(&vhost.url()));
     let subscription = subscribe(&reader, "t", all(5000));
@@ -219,7 +231,9 @@ fn a_bus_that_is_closed_has_sent_what_it_took_and_leaves_nothing() {
 
 #[test]
 fn credentials_come_from_a_file_and_are_not_shown() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let file = std::env::temp_dir().join(format!("credentials-{}", std::process::id()));
     std::fs::write(&file, format!("{}\n{}\n", broker.user(), broker.password())).unwrap();
@@ -237,7 +251,7 @@ fn credentials_come_from_a_file_and_are_not_shown() {
 }
 
 /// Settings of an encrypted link to the broker.
-fn encrypted(broker: &broker::Broker, vhost: &broker::Vhost<'_>) -> Settings {
+fn encrypted(broker: &asmotion_broker::Broker, vhost: &asmotion_broker::Vhost<'_>) -> Settings {
     let port = broker.encrypted_port();
     let (certificate, key) = broker.client_identity();
     let mut settings = settings(&format!(
@@ -255,15 +269,19 @@ fn encrypted(broker: &broker::Broker, vhost: &broker::Vhost<'_>) -> Settings {
 
 #[test]
 fn an_encrypted_link_with_certificates_on_both_sides_keeps_the_contract() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let bus = connect(encrypted(&broker, &vhost));
-    assert_eq!(bus::contract::violations(&bus, "secret"), []);
+    assert_eq!(asmotion_bus::contract::violations(&bus, "secret"), []);
 }
 
 #[test]
 fn an_encrypted_link_is_refused_where_the_certificates_do_not_fit() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let right = encrypted(&broker, &vhost);
     let with = |change: fn(&mut Tls)| {
@@ -288,7 +306,7 @@ fn an_encrypted_link_is_refused_where_the_certificates_do_not_fit() {
 #[test]
 fn an_idle_bus_uses_next_to_nothing() {
     // Alone, so that the other tests are not counted.
-    let Some(broker) = broker::alone() else {
+    let Some(broker) = asmotion_broker::alone() else {
         return;
     };
     let vhost = broker.vhost().unwrap();

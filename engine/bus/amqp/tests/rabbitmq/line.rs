@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use bus::{Bus, Queue, Sending};
+use asmotion_bus::{Bus, Queue, Sending};
 
 use crate::common::{
     LONG, all, connect, events, eventually, is_down, number, numbers, publisher, quick, subscribe,
@@ -61,7 +61,9 @@ fn pass_on(mut from: TcpStream, mut to: TcpStream, cut: &AtomicBool) {
 
 #[test]
 fn a_line_that_goes_silent_is_given_up_and_taken_up_again_without_a_loss() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let line = Line::to(broker.address());
     let mut behind = quick(&vhost.url());

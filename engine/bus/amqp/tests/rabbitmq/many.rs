@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
-use component::{
+use asmotion_component::{
     Activity, Component, Cycle, Event, Fault, Flow, In, Out, Policy, Run, Span, System, Time,
 };
-use datum::Datum;
+use asmotion_datum::Datum;
 
 use crate::common::{LONG, connect, settings};
 use crate::systems::Count;
@@ -35,12 +35,14 @@ impl Component for Neighbour {
 
 #[test]
 fn two_hundred_components_talk_over_one_bus() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let mut system = System::new();
     system.topics_abroad();
     for n in 0..MANY {
-        let neighbour = |interface: &mut component::Interface| {
+        let neighbour = |interface: &mut asmotion_component::Interface| {
             Box::new(Neighbour {
                 number: n as i64,
                 from: interface.input("from", "of the one before"),

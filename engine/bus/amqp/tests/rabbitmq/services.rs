@@ -3,10 +3,10 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use amqp::AmqpBus;
-use broker::Vhost;
-use bus::{Bell, Bus, Call, CallFailure, Origin, Payload, Pending, Request, Serving};
-use datum::Datum;
+use asmotion_amqp::AmqpBus;
+use asmotion_broker::Vhost;
+use asmotion_bus::{Bell, Bus, Call, CallFailure, Origin, Payload, Pending, Request, Serving};
+use asmotion_datum::Datum;
 
 use crate::common::{LONG, connect, eventually, number, settings};
 
@@ -37,14 +37,16 @@ fn int(payload: &Payload) -> i64 {
 
 #[test]
 fn a_service_is_called_from_another_process() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let (here, there) = two(&vhost);
     let serving = serve(&there, 8);
     assert!(matches!(
         here.serve("planner.plan", 8, Arc::new(Bell::new()))
             .map(drop),
-        Err(bus::BusError::Served { .. })
+        Err(asmotion_bus::BusError::Served { .. })
     ));
     let pending = call(&here, 20, LONG);
     let request = next(&serving);
@@ -58,7 +60,9 @@ fn a_service_is_called_from_another_process() {
 
 #[test]
 fn a_provider_killed_in_the_middle_of_a_call_is_missed_before_the_deadline() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let (here, there) = two(&vhost);
     let serving = serve(&there, 8);
@@ -75,7 +79,9 @@ fn a_provider_killed_in_the_middle_of_a_call_is_missed_before_the_deadline() {
 
 #[test]
 fn a_provider_that_was_started_again_does_not_know_old_calls() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let (here, there) = two(&vhost);
     let serving = serve(&there, 8);
@@ -90,7 +96,7 @@ fn a_provider_that_was_started_again_does_not_know_old_calls() {
 
 #[test]
 fn a_request_is_executed_once_though_the_link_breaks_and_its_answer_comes() {
-    let Some(broker) = broker::alone() else {
+    let Some(broker) = asmotion_broker::alone() else {
         return;
     };
     let vhost = broker.vhost().unwrap();
@@ -118,7 +124,7 @@ fn a_request_is_executed_once_though_the_link_breaks_and_its_answer_comes() {
 
 #[test]
 fn a_call_outlives_a_restart_of_the_broker() {
-    let Some(broker) = broker::alone() else {
+    let Some(broker) = asmotion_broker::alone() else {
         return;
     };
     let vhost = broker.vhost().unwrap();
@@ -134,7 +140,7 @@ fn a_call_outlives_a_restart_of_the_broker() {
 
 #[test]
 fn c8_a_callback_finds_its_way_after_a_restart_of_the_broker() {
-    let Some(broker) = broker::alone() else {
+    let Some(broker) = asmotion_broker::alone() else {
         return;
     };
     let vhost = broker.vhost().unwrap();
@@ -165,7 +171,7 @@ fn c8_a_callback_finds_its_way_after_a_restart_of_the_broker() {
 
 #[test]
 fn a_frozen_broker_ends_a_call_at_its_deadline() {
-    let Some(broker) = broker::alone() else {
+    let Some(broker) = asmotion_broker::alone() else {
         return;
     };
     let vhost = broker.vhost().unwrap();
@@ -183,12 +189,14 @@ fn a_frozen_broker_ends_a_call_at_its_deadline() {
 
 #[test]
 fn a_fault_keeps_its_code_and_words_and_a_result_its_data() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let bus = connect(settings(&vhost.url()));
     let serving = serve(&bus, 8);
     let pending = call(&bus, 1, LONG);
-    let refusal = bus::Refusal {
+    let refusal = asmotion_bus::Refusal {
         code: "NO_PATH".to_owned(),
         detail: "ü: walls all around".to_owned(),
     };

@@ -2,13 +2,13 @@
 
 use std::time::{Duration, Instant};
 
-use bus::Bus;
+use asmotion_bus::Bus;
 
 use crate::common::{LONG, connect, events, number, publisher, settings, subscribe};
 
 /// Publishes so many events while the broker is killed so many times.
 fn soak(count: i64, restarts: i64) {
-    let Some(broker) = broker::alone() else {
+    let Some(broker) = asmotion_broker::alone() else {
         return;
     };
     let vhost = broker.vhost().unwrap();
@@ -16,9 +16,9 @@ fn soak(count: i64, restarts: i64) {
         connect(settings(&vhost.url())),
         connect(settings(&vhost.url())),
     );
-    let queue = bus::Queue::All {
+    let queue = asmotion_bus::Queue::All {
         size: 200_000,
-        overflow: bus::Overflow::DropNewest,
+        overflow: asmotion_bus::Overflow::DropNewest,
     };
     let subscription = subscribe(&reader, "events", queue);
     let mut events = publisher(&writer, "events", events());

@@ -3,16 +3,16 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use bus::{Payload, Sending};
-use component::{
+use asmotion_bus::{Payload, Sending};
+use asmotion_component::{
     Activity, Component, Cycle, Event, Fault, In, Operation, Out, Policy, Provided, Required, Run,
     Span, System, Time, Wire,
 };
-use datum::{Codec, Datum};
+use asmotion_datum::{Codec, Datum};
 
 use crate::common::{LONG, all, connect, events, eventually, settings, subscribe};
 
-datum::message! {
+asmotion_datum::message! {
     /// A count.
     pub struct Count = "test/Count" {
         /// so far
@@ -50,7 +50,7 @@ impl Component for Teller {
 /// A system that counts, on a bus of its own.
 fn counting(url: &str, sending: Sending) -> System {
     let mut system = System::new();
-    let counter = |interface: &mut component::Interface| {
+    let counter = |interface: &mut asmotion_component::Interface| {
         let out = interface.output("out", "the count");
         Box::new(Counter { count: 0, out }) as Box<dyn Component>
     };
@@ -65,7 +65,7 @@ fn counting(url: &str, sending: Sending) -> System {
 fn telling(url: &str, names: &[&str]) -> System {
     let mut system = System::new();
     for name in names {
-        let teller = |interface: &mut component::Interface| {
+        let teller = |interface: &mut asmotion_component::Interface| {
             Box::new(Teller(interface.input("in", "counts"))) as Box<dyn Component>
         };
         system.add(name, Activity::event(), teller).unwrap();
@@ -128,11 +128,13 @@ impl Component for Sleepy {
 
 #[test]
 fn a_call_is_tried_again_over_the_broker() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let bus = || Arc::new(connect(settings(&vhost.url())));
     let mut on_board = System::new();
-    let sleepy = |interface: &mut component::Interface| {
+    let sleepy = |interface: &mut asmotion_component::Interface| {
         let echo = interface.serve("echoing", "now and then");
         Box::new(Sleepy { echo, requests: 0 }) as Box<dyn Component>
     };
@@ -140,7 +142,7 @@ fn a_call_is_tried_again_over_the_broker() {
     on_board.offer("Sleepy.echoing").unwrap();
     on_board.attach(bus(), 1).unwrap();
     let mut above = System::new();
-    let asker = |interface: &mut component::Interface| {
+    let asker = |interface: &mut asmotion_component::Interface| {
         let echo = interface.require("echo", "a number");
         let asked = false;
         Box::new(Asker { echo, asked }) as Box<dyn Component>
@@ -179,7 +181,9 @@ fn a_call_is_tried_again_over_the_broker() {
 
 #[test]
 fn a_topic_by_cdr_is_read_by_its_type() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let spy = connect(settings(&vhost.url()));
     let seen = subscribe(&spy, "counts", all(1000));
@@ -202,7 +206,9 @@ fn a_topic_by_cdr_is_read_by_its_type() {
 
 #[test]
 fn each_component_has_a_queue_of_its_own_for_a_topic() {
-    let Some(broker) = broker::calm() else { return };
+    let Some(broker) = asmotion_broker::calm() else {
+        return;
+    };
     let vhost = broker.vhost().unwrap();
     let above = telling(&vhost.url(), &["One", "Other"]).live();
     let mut queues = vhost.queues().unwrap();
@@ -217,7 +223,7 @@ fn each_component_has_a_queue_of_its_own_for_a_topic() {
 
 #[test]
 fn events_between_two_systems_outlive_the_broker() {
-    let Some(broker) = broker::alone() else {
+    let Some(broker) = asmotion_broker::alone() else {
         return;
     };
     let vhost = broker.vhost().unwrap();
