@@ -48,13 +48,13 @@ pub const COMPONENTS: &[(&str, Make)] = &[
     ("nav::sim::World", |interface| {
         Box::new(asmotion_world::World::new(interface))
     }),
-    ("asmotion_youbot::DummyDriver", |interface| {
+    ("youbot::DummyDriver", |interface| {
         Box::new(asmotion_youbot::DummyDriver::new(interface))
     }),
-    ("asmotion_youbot::Kinematics", |interface| {
+    ("youbot::Kinematics", |interface| {
         Box::new(asmotion_youbot::Kinematics::new(interface))
     }),
-    ("asmotion_youbot::Operator", |interface| {
+    ("youbot::Operator", |interface| {
         Box::new(asmotion_youbot::Operator::new(interface))
     }),
 ];
