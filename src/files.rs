@@ -1,7 +1,7 @@
 //! Files of the disk, as the language and the composites want them.
 
 use asmotion_lang::Loader;
-use asmotion_lang::source::LoadError;
+use asmotion_lang::diagnostics::LoadError;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -2,7 +2,7 @@
 
 use std::net::SocketAddr;
 
-use asmotion_lang::source::similar;
+use asmotion_lang::diagnostics::similar;
 
 use crate::mission::{Gateways, Told};
 

@@ -20,7 +20,7 @@ use asmotion_assembly::{Opened, Plan, Standard};
 use asmotion_component::{Event, Observer, Pace, Run, Time};
 use asmotion_datum::Datum;
 use asmotion_lang::Loader;
-use asmotion_lang::source::similar;
+use asmotion_lang::diagnostics::similar;
 use asmotion_remote::Contact;
 
 use crate::build;

@@ -4,7 +4,7 @@ use crate::Specification;
 use asmotion_hir::{RuleKind, RuleTerm};
 use asmotion_ir::Part;
 use asmotion_machine::Machine;
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

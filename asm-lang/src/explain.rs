@@ -5,7 +5,7 @@ mod values;
 
 use crate::Specification;
 use asmotion_machine::{Fault, FaultKind, InitialMisfit, Machine, Witness};
-use asmotion_source::{Diagnostic, Report};
+use asmotion_diagnostics::{Diagnostic, Report};
 use asmotion_value::Value;
 
 impl Specification {

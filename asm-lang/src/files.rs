@@ -1,6 +1,6 @@
 //! Files in memory: for tests, and for what is embedded in a binary.
 
-use asmotion_source::{LoadError, Loader};
+use asmotion_diagnostics::{LoadError, Loader};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -4,7 +4,7 @@ use crate::Session;
 use asmotion_ir::{AddedTerm, FunctionId, FunctionKind, Origin, Slot};
 use asmotion_machine::{Environment, Fault, Machine};
 use asmotion_simulate::{Random, Seeded};
-use asmotion_source::Report;
+use asmotion_diagnostics::Report;
 use asmotion_value::Value;
 use std::collections::BTreeMap;
 

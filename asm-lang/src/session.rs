@@ -27,7 +27,7 @@
 use crate::{Failure, Specification};
 use asmotion_hir::AddedTerm;
 use asmotion_machine::{Chooser, Environment, Fault, Machine, Step};
-use asmotion_source::{FileId, Report};
+use asmotion_diagnostics::{FileId, Report};
 use asmotion_value::Value;
 
 /// A specification that runs, and answers meanwhile.

@@ -2,7 +2,7 @@
 //! term and its value, or the code with which it fails.
 
 use asmotion_lang::hir::{Meaning, TermKind};
-use asmotion_lang::source::FileId;
+use asmotion_lang::diagnostics::FileId;
 use asmotion_lang::syntax::parse_term;
 use asmotion_lang::{Model, NoInputs, Session};
 use std::collections::BTreeSet;

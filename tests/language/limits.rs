@@ -1,6 +1,6 @@
 //! Whatever the text: a report, no panic, no overflow of the stack, and in bounded time.
 
-use asmotion_lang::source::{FileId, LoadError};
+use asmotion_lang::diagnostics::{FileId, LoadError};
 use asmotion_lang::value::Value;
 use asmotion_lang::{BackEnd, Failure, Files, First, Loader, NoInputs, Style, render_all};
 use std::sync::Arc;

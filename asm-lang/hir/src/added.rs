@@ -11,7 +11,7 @@ use crate::model::{Body, Expression, FunctionId, Meaning, Model, RuleTerm, Term,
 use crate::resolver::Resolver;
 use crate::scope::Scope;
 use crate::types::{Type, TypeId};
-use asmotion_source::{Report, Span};
+use asmotion_diagnostics::{Report, Span};
 use asmotion_syntax::ast;
 use std::collections::BTreeSet;
 

@@ -11,7 +11,7 @@ use crate::model::{
 use crate::options::Options;
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
-use asmotion_source::{Report, Sources, Span, similar};
+use asmotion_diagnostics::{Report, Sources, Span, similar};
 use asmotion_syntax::ast;
 use asmotion_value::RuleId;
 use std::collections::BTreeSet;

@@ -4,7 +4,7 @@ use crate::error::{HirError, Respelt};
 use crate::model::{DomainKind, FunctionId, Meaning, Term, TermKind};
 use crate::resolver::Resolver;
 use crate::types::{Bindings, Type, TypeId};
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 use asmotion_syntax::ast::{self, Operator};
 use asmotion_value::{RuleId, Value, element_name};
 use std::sync::Arc;

@@ -4,7 +4,7 @@ use crate::error::HirError;
 use crate::model::{Binder, Term, TermKind};
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 use asmotion_syntax::ast;
 
 impl Resolver<'_> {

@@ -8,7 +8,7 @@ use crate::model::{
 };
 use crate::scope::Scope;
 use crate::types::{Type, TypeId, Types};
-use asmotion_source::{Report, Span};
+use asmotion_diagnostics::{Report, Span};
 use asmotion_syntax::ast;
 use asmotion_value::{Atom, RuleId};
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,6 +1,6 @@
 //! What can be wrong with a tree that was read, and how to say it.
 
-use asmotion_source::{Diagnostic, LoadError, Span};
+use asmotion_diagnostics::{Diagnostic, LoadError, Span};
 use std::sync::Arc;
 
 type Name = Arc<str>;

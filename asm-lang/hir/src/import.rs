@@ -5,7 +5,7 @@ use crate::error::HirError;
 use crate::load::Unit;
 use crate::model::Rule;
 use crate::scope::Scope;
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 use asmotion_syntax::ast;
 use asmotion_value::{Atom, RuleId};
 use std::collections::BTreeSet;

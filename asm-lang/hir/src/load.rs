@@ -1,7 +1,7 @@
 //! A file and all that it imports, imported files first.
 
 use crate::error::HirError;
-use asmotion_source::{FileId, Loader, Report, Sources, Span};
+use asmotion_diagnostics::{FileId, Loader, Report, Sources, Span};
 use asmotion_syntax::ast;
 use std::sync::Arc;
 

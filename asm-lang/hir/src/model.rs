@@ -3,7 +3,7 @@
 use crate::added::Added;
 use crate::scope::Scope;
 use crate::types::{TypeId, Types};
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 use asmotion_syntax::ast;
 use asmotion_value::{Atom, RuleId, Value};
 use std::sync::Arc;

@@ -4,7 +4,7 @@ use crate::declare::Declared;
 use crate::error::HirError;
 use crate::model::{Body, FunctionKind, Term, TermKind, VarId, Variable};
 use crate::types::{Type, TypeId};
-use asmotion_source::{Span, similar};
+use asmotion_diagnostics::{Span, similar};
 use asmotion_syntax::ast;
 use asmotion_value::Value;
 use std::sync::Arc;

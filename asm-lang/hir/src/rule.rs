@@ -8,7 +8,7 @@ use crate::model::{
 };
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 use asmotion_syntax::ast;
 use asmotion_value::RuleId;
 

@@ -1,7 +1,7 @@
 //! Which names a file sees.
 
 use crate::model::{DomainId, FunctionId};
-use asmotion_source::similar;
+use asmotion_diagnostics::similar;
 use asmotion_value::{Atom, RuleId};
 use std::collections::BTreeMap;
 use std::sync::Arc;

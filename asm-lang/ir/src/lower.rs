@@ -23,7 +23,7 @@ pub use facts::{visit as visit_terms, walk as visit_rules};
 pub use message::{MessageUse, Role, message_uses};
 
 use asmotion_hir::{Meaning, Model};
-use asmotion_source::{Diagnostic, Report, Span};
+use asmotion_diagnostics::{Diagnostic, Report, Span};
 use asmotion_value::RuleId;
 use facts::Facts;
 use frame::Frame;

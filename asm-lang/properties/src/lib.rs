@@ -5,7 +5,7 @@
 mod faithful;
 
 use asmotion_lang::simulate::{Causes, Random, Simulation, Stopped};
-use asmotion_lang::source::FileId;
+use asmotion_lang::diagnostics::FileId;
 use asmotion_lang::{Files, Report, Specification, Style, render_all, syntax};
 
 /// So many steps are done with what opens.

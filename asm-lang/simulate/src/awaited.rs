@@ -3,7 +3,7 @@
 use crate::literal::Literals;
 use asmotion_ir::{Function, FunctionKind, Program, Shape};
 use asmotion_machine::Machine;
-use asmotion_source::similar;
+use asmotion_diagnostics::similar;
 use std::sync::Arc;
 
 /// A location and a value, written as steps show them.

@@ -20,7 +20,7 @@ use crate::literal::Literals;
 use crate::partner::Answer;
 use asmotion_ir::{FunctionId, FunctionKind, Program, Shape};
 use asmotion_machine::{CallFault, Environment};
-use asmotion_source::{Diagnostic, FileId, Report, Span};
+use asmotion_diagnostics::{Diagnostic, FileId, Report, Span};
 use asmotion_value::{Atom, Value};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -301,7 +301,7 @@ impl Reading<'_> {
             "not a monitored or shared function with so many arguments",
         );
         self.report
-            .push(match asmotion_source::similar(name, names) {
+            .push(match asmotion_diagnostics::similar(name, names) {
                 Some(known) => finding.help(format!("did you mean `{known}`?")),
                 None => {
                     finding.help("only monitored and shared functions take values from outside")
@@ -312,7 +312,7 @@ impl Reading<'_> {
     fn misfit(&mut self, what: &str, text: &str, shape: &Shape, at: Span) {
         let wanted = self.describe(shape);
         let names = self.literals().names(shape).unwrap_or_default();
-        let help = match (asmotion_source::similar(text, names), names) {
+        let help = match (asmotion_diagnostics::similar(text, names), names) {
             (Some(name), _) => format!("did you mean `{name}`?"),
             (None, []) => FORMS.to_owned(),
             (None, names) => {
@@ -409,7 +409,7 @@ fn fault_named(name: &str) -> Option<CallFault> {
 fn no_partner(name: &str, at: Span, atoms: &[Arc<str>]) -> Diagnostic {
     let finding = Diagnostic::error("S006", format!("the specification has no agent `{name}`"))
         .label(at, "no element of this name");
-    match asmotion_source::similar(name, atoms) {
+    match asmotion_diagnostics::similar(name, atoms) {
         Some(known) => finding.help(format!("did you mean `{known}`?")),
         None => finding.help("declare it, as in `static planner: Planner`"),
     }

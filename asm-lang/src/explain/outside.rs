@@ -2,7 +2,7 @@
 
 use crate::Specification;
 use asmotion_machine::Misfit;
-use asmotion_source::{Diagnostic, Span};
+use asmotion_diagnostics::{Diagnostic, Span};
 use asmotion_value::Value;
 
 impl Specification {

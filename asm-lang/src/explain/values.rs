@@ -2,7 +2,7 @@
 
 use crate::Specification;
 use asmotion_machine::{Fault, FaultKind, Machine, Passed, Witness};
-use asmotion_source::{Diagnostic, Label, Span};
+use asmotion_diagnostics::{Diagnostic, Label, Span};
 use asmotion_value::Value;
 
 /// So many values are shown of each place, the nearest ones.

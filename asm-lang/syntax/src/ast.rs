@@ -14,7 +14,7 @@ pub use term::{
     TermKind,
 };
 
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 use std::sync::Arc;
 
 /// A name and where it stands. Variables keep their `$`, rules their `r_`.

@@ -1,7 +1,7 @@
 //! What can be wrong with a text: the facts, then the words.
 
 use crate::lexer::Keyword;
-use asmotion_source::{Applicability, Diagnostic, Edit, Fix, Span};
+use asmotion_diagnostics::{Applicability, Diagnostic, Edit, Fix, Span};
 use thiserror::Error;
 
 /// A word or a sign of the text and where it stands.

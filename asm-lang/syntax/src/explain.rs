@@ -13,7 +13,7 @@ use crate::error::{Place, SyntaxError};
 use crate::findings::Findings;
 use crate::lexer::{Keyword, Lexer, Spanned, Token};
 use crate::nesting::{Nesting, Open, closer};
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 use expected::Expected;
 use lalrpop_util::ParseError;
 use std::convert::Infallible;

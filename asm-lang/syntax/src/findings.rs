@@ -1,7 +1,7 @@
 //! What is wrong with a file, collected while it is read.
 
 use crate::error::SyntaxError;
-use asmotion_source::{Diagnostic, FileId, Report, Severity, Span};
+use asmotion_diagnostics::{Diagnostic, FileId, Report, Severity, Span};
 use std::cell::{Cell, RefCell};
 
 /// A file with so many errors is not read to its end.

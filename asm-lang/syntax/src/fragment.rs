@@ -5,7 +5,7 @@ use crate::findings::Findings;
 use crate::nesting::Tokens;
 use crate::node::Nodes;
 use crate::{ast, grammar};
-use asmotion_source::{Diagnostic, FileId, Report, Span};
+use asmotion_diagnostics::{Diagnostic, FileId, Report, Span};
 use std::ops::Range;
 
 /// Reads one term.

@@ -15,7 +15,7 @@ pub(crate) use word::length as word_length;
 use crate::ast::Annotation;
 use crate::error::SyntaxError;
 use crate::findings::Findings;
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 /// A token and the bytes it covers.
 pub(crate) type Spanned<'input> = (usize, Token<'input>, usize);

@@ -36,7 +36,7 @@ pub use fragment::{
 pub use print::{format, format_scenario};
 pub use scenario::{begins_scenario, parse_scenario};
 
-use asmotion_source::{FileId, Report};
+use asmotion_diagnostics::{FileId, Report};
 use explain::Explainer;
 use findings::Findings;
 use nesting::Tokens;

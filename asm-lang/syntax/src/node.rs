@@ -14,7 +14,7 @@ use crate::error::SyntaxError;
 use crate::explain::{Explainer, Failure};
 use crate::findings::Findings;
 use crate::lexer::Token;
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 use lalrpop_util::ErrorRecovery;
 use std::cell::RefCell;
 use std::convert::Infallible;

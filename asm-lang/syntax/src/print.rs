@@ -15,7 +15,7 @@ mod term;
 mod trivia;
 
 use crate::{parse, parse_scenario};
-use asmotion_source::{FileId, Report};
+use asmotion_diagnostics::{FileId, Report};
 use layout::Layout;
 use pretty::Arena;
 use std::borrow::Cow;

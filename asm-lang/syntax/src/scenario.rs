@@ -20,7 +20,7 @@ use crate::findings::Findings;
 use crate::lexer::Lexer;
 pub(crate) use error::UNENDED;
 
-use asmotion_source::{FileId, Report, Span};
+use asmotion_diagnostics::{FileId, Report, Span};
 use error::ScenarioError;
 use reader::Reader;
 use std::collections::BTreeMap;

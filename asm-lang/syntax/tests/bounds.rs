@@ -2,7 +2,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "how long it takes is the matter")]
 
-use asmotion_source::{FileId, Report};
+use asmotion_diagnostics::{FileId, Report};
 use asmotion_syntax::{parse, parse_term};
 use proptest::prelude::*;
 use std::time::{Duration, Instant};

@@ -4,7 +4,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "the corpus is on the disk")]
 
-use asmotion_source::{FileId, Report, Severity, Sources};
+use asmotion_diagnostics::{FileId, Report, Severity, Sources};
 use asmotion_syntax::parse;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -5,7 +5,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "the texts are on the disk")]
 
-use asmotion_source::{Applicability, Diagnostic, Edit, FileId, Severity, Sources};
+use asmotion_diagnostics::{Applicability, Diagnostic, Edit, FileId, Severity, Sources};
 use asmotion_syntax::parse;
 use std::collections::BTreeSet;
 use std::fs;

@@ -4,7 +4,7 @@
 
 #![allow(clippy::disallowed_methods, reason = "the texts are on the disk")]
 
-use asmotion_source::{FileId, Sources};
+use asmotion_diagnostics::{FileId, Sources};
 use asmotion_syntax::ast::{Command, CommandKind};
 use asmotion_syntax::parse_scenario;
 use std::fs;

@@ -2,7 +2,7 @@
 
 use std::ops::Deref;
 
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 /// A value and its place in a file; reads as the value itself.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! Everything a composite needs from outside its files.
 
-use asmotion_source::Loader;
+use asmotion_diagnostics::Loader;
 
 use crate::catalogue::{Catalogue, Tables};
 use crate::environment::{EmptyEnvironment, Environment};

@@ -4,7 +4,7 @@ mod layers;
 
 use std::collections::BTreeMap;
 
-use asmotion_source::{Diagnostic, Report, Sources, Span};
+use asmotion_diagnostics::{Diagnostic, Report, Sources, Span};
 
 use crate::At;
 use crate::context::Context;
@@ -286,7 +286,7 @@ impl Visit<'_, '_> {
         &mut self,
         path: &str,
         at: Option<Span>,
-    ) -> Option<(asmotion_source::FileId, std::sync::Arc<str>)> {
+    ) -> Option<(asmotion_diagnostics::FileId, std::sync::Arc<str>)> {
         match self.context.loader.read(path) {
             Ok(text) => Some((self.sources.add(path, text.clone()), text)),
             Err(error) => {

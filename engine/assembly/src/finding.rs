@@ -1,6 +1,6 @@
 //! Findings are facts first; their words are made once, here and in the enums of the stages.
 
-use asmotion_source::{Diagnostic, Report};
+use asmotion_diagnostics::{Diagnostic, Report};
 
 /// A finding of a stage, as facts.
 pub(crate) trait Finding {

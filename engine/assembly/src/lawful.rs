@@ -2,7 +2,7 @@
 
 use asmotion_component::declaration::PropertyDeclaration;
 use asmotion_datum::{Datum, Schema, Shape};
-use asmotion_source::{Diagnostic, Span};
+use asmotion_diagnostics::{Diagnostic, Span};
 
 use crate::finding::{Finding, Findings};
 use crate::scope::{Notes, Range, SettingError, within};

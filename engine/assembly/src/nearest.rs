@@ -1,6 +1,6 @@
 //! Did you mean: the known name that a misspelt one resembles.
 
-use asmotion_source::{Diagnostic, Span};
+use asmotion_diagnostics::{Diagnostic, Span};
 
 /// A known name that resembles what was written, and where it was declared if that can be shown.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use asmotion_datum::Schema;
-use asmotion_source::{Diagnostic, Report, Severity, Sources, Span};
+use asmotion_diagnostics::{Diagnostic, Report, Severity, Sources, Span};
 
 use crate::check;
 use crate::context::Context;

@@ -7,7 +7,7 @@
 
 use asmotion_component::declaration::{Declaration, PropertyDeclaration};
 use asmotion_datum::Datum;
-use asmotion_source::{Diagnostic, Report, Sources, Span};
+use asmotion_diagnostics::{Diagnostic, Report, Sources, Span};
 use toml_edit::DocumentMut;
 
 use crate::expand::toml;

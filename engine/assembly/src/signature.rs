@@ -1,6 +1,6 @@
 //! What a composite must know of an `.asm` file: its functions. The language crates stay outside.
 
-use asmotion_source::{Report, Sources, Span};
+use asmotion_diagnostics::{Report, Sources, Span};
 
 /// Opens specifications.
 pub trait Specifications {

@@ -5,7 +5,7 @@ use asmotion_lang::ir::{Role, message_uses};
 use asmotion_lang::stdlib;
 use asmotion_lang::syntax::ast::File;
 use asmotion_lang::value::{Atom, Value};
-use asmotion_source::{Loader, Report, Sources, Span};
+use asmotion_diagnostics::{Loader, Report, Sources, Span};
 
 use crate::signature::{
     Annotated, Annotations, Codomain, FunctionInfo, FunctionKind, Signature, Specifications,

@@ -1,6 +1,6 @@
 //! TOML text as a tree in which every key and every value knows its place.
 
-use asmotion_source::{FileId, Span};
+use asmotion_diagnostics::{FileId, Span};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 

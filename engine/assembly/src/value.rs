@@ -3,7 +3,7 @@
 use std::fmt;
 
 use asmotion_datum::Datum;
-use asmotion_source::FileId;
+use asmotion_diagnostics::FileId;
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 

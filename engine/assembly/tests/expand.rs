@@ -6,7 +6,7 @@ mod support;
 use std::sync::Arc;
 
 use asmotion_assembly::{AsmFiles, Context, Opened, Tables, expand};
-use asmotion_source::{LoadError, Loader};
+use asmotion_diagnostics::{LoadError, Loader};
 use support::{Files, Variables};
 
 /// The files of a folder, and one more.

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use asmotion_assembly::{AsmFiles, Context, Opened, Tables};
-use asmotion_source::{LoadError, Loader, Severity};
+use asmotion_diagnostics::{LoadError, Loader, Severity};
 use support::{Files, Variables};
 
 const FOLDER: &str = "../../../shared/specs";

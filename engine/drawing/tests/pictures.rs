@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use asmotion_assembly::{AsmFiles, Context, EmptyEnvironment, Opened, Tables};
-use asmotion_source::{LoadError, Loader};
+use asmotion_diagnostics::{LoadError, Loader};
 
 /// The files of `specs`.
 struct Specs;

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use asmotion_component::{Declaration, State, Transition};
 use asmotion_datum::Datum;
-use asmotion_source::similar;
+use asmotion_diagnostics::similar;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 

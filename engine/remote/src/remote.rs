@@ -9,7 +9,7 @@ use asmotion_bus::{
     Subscription,
 };
 use asmotion_datum::Datum;
-use asmotion_source::similar;
+use asmotion_diagnostics::similar;
 
 use crate::roster::{Found, Roster, WORDS, named};
 use crate::{Component, Order, RemoteError, Sent, Wish, Word, control_address, key};

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use asmotion_bus::Subscription;
-use asmotion_source::similar;
+use asmotion_diagnostics::similar;
 
 use crate::{Presence, Present, RemoteError, Word};
 

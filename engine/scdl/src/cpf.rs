@@ -2,7 +2,7 @@
 
 use asmotion_assembly::At;
 use asmotion_assembly::tree::{Branch, Entry, Node, Table};
-use asmotion_source::{Report, Sources, Span};
+use asmotion_diagnostics::{Report, Sources, Span};
 
 use crate::finding::ScdlError;
 use crate::xml::{self, Element};

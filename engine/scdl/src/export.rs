@@ -5,7 +5,7 @@ mod component;
 use asmotion_assembly::At;
 use asmotion_assembly::model::{self as here, Amount, Piece, Promoted, Template, Transport};
 use asmotion_assembly::tree::Node;
-use asmotion_source::{Report, Span};
+use asmotion_diagnostics::{Report, Span};
 
 use crate::finding::ScdlError;
 use crate::model::{Binding, Bound, Composite, Contract, Multiplicity, Property, Target};

@@ -2,7 +2,7 @@
 
 use asmotion_assembly::At;
 use asmotion_lang::codes::Code;
-use asmotion_source::{Diagnostic, Span};
+use asmotion_diagnostics::{Diagnostic, Span};
 
 macro_rules! codes {
     ($($name:ident)*) => {

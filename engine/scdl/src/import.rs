@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use asmotion_assembly::Catalogue;
-use asmotion_source::{Report, Sources};
+use asmotion_diagnostics::{Report, Sources};
 
 use crate::finding::ScdlError;
 use crate::model::{Composite, Implementation};

@@ -1,7 +1,7 @@
 //! XML → [`Composite`]. Whatever is not asked for is a finding, and kept as it is written.
 
 use asmotion_assembly::At;
-use asmotion_source::{FileId, Report};
+use asmotion_diagnostics::{FileId, Report};
 
 use crate::finding::ScdlError;
 use crate::model::{
@@ -256,7 +256,7 @@ fn target(text: At<String>) -> Target {
     let at = |part: &str| {
         let start = text.find(part).unwrap_or(0);
         let start = text.span.start as usize + start;
-        let span = asmotion_source::Span::new(text.span.file, start, start + part.len());
+        let span = asmotion_diagnostics::Span::new(text.span.file, start, start + part.len());
         At::new(part.to_owned(), span)
     };
     let component = at(parts.next().unwrap_or(""));
@@ -356,7 +356,7 @@ impl<'e, 'r> Asked<'e, 'r> {
             position = start + word.len();
             let offset = text.span.start as usize;
             let span =
-                asmotion_source::Span::new(text.span.file, offset + start, offset + position);
+                asmotion_diagnostics::Span::new(text.span.file, offset + start, offset + position);
             targets.push(target(At::new(word.to_owned(), span)));
         }
         targets
@@ -402,7 +402,7 @@ impl<'e, 'r> Asked<'e, 'r> {
     }
 
     /// This has no counterpart.
-    fn keep(&mut self, what: &str, at: asmotion_source::Span) {
+    fn keep(&mut self, what: &str, at: asmotion_diagnostics::Span) {
         let what = what.to_owned();
         self.notes.push(what.clone());
         self.report

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use asmotion_assembly::{At, Catalogue};
-use asmotion_source::{Report, similar};
+use asmotion_diagnostics::{Report, similar};
 
 use crate::finding::ScdlError;
 use crate::model::{

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use asmotion_assembly::At;
-use asmotion_source::Report;
+use asmotion_diagnostics::Report;
 
 use crate::finding::ScdlError;
 use crate::model::{Composite, Contract, Implementation, Interface, Target, Wire};

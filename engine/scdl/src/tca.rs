@@ -4,7 +4,7 @@
 //! `useJMS`, `user`, `password` and `url` say which broker; `topicRename` has pairs of names.
 
 use asmotion_assembly::At;
-use asmotion_source::{Report, Span};
+use asmotion_diagnostics::{Report, Span};
 
 use crate::finding::ScdlError;
 use crate::model::{Component, Property};

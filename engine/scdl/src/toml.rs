@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use asmotion_assembly::model::Scalar;
 use asmotion_assembly::{At, Catalogue};
-use asmotion_source::Report;
+use asmotion_diagnostics::Report;
 use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table, Value, value as item};
 
 use self::doors::{listening, word};
@@ -264,7 +264,7 @@ impl Writer<'_> {
             return value;
         }
         let names: Vec<&String> = known.clone().map(|name| &name.value).collect();
-        let near = asmotion_source::similar(&source.value, &names).copied();
+        let near = asmotion_diagnostics::similar(&source.value, &names).copied();
         let finding = ScdlError::Unknown {
             what: "property",
             name: source.value.clone(),

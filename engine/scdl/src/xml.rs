@@ -1,6 +1,6 @@
 //! XML as a tree in which every element and every attribute knows its place.
 
-use asmotion_source::{FileId, Span};
+use asmotion_diagnostics::{FileId, Span};
 use quick_xml::XmlVersion;
 use quick_xml::events::{BytesRef, BytesStart, Event};
 use quick_xml::name::ResolveResult;

@@ -1,6 +1,6 @@
 //! Findings for tools.
 
-use asmotion_lang::source::{Applicability, Fix, Label, Span};
+use asmotion_lang::diagnostics::{Applicability, Fix, Label, Span};
 use asmotion_lang::{Diagnostic, Severity, Sources};
 use serde_json::{Value, json};
 
@@ -26,7 +26,7 @@ fn labelled(label: &Label, sources: &Sources) -> Value {
 }
 
 fn fix(fix: &Fix, sources: &Sources) -> Value {
-    let edit = |edit: &asmotion_lang::source::Edit| {
+    let edit = |edit: &asmotion_lang::diagnostics::Edit| {
         let mut place = place(edit.span, sources);
         place["text"] = edit.text.as_str().into();
         place

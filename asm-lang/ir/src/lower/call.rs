@@ -6,7 +6,7 @@ use super::{Lowering, facts};
 use crate::code::{Kind, Node, RuleNode, Term};
 use crate::program::{Local, Origin, RoutineId};
 use asmotion_hir::{TermKind, VarId};
-use asmotion_source::{Diagnostic, Span};
+use asmotion_diagnostics::{Diagnostic, Span};
 use asmotion_value::RuleId;
 use std::rc::Rc;
 

@@ -4,7 +4,7 @@
 use super::facts::walk;
 use crate::program::{FunctionId, Messages};
 use asmotion_hir::{Domain, Function, FunctionKind, Model, RuleKind, Term, TermKind, Type, TypeId};
-use asmotion_source::{Diagnostic, Report, Span};
+use asmotion_diagnostics::{Diagnostic, Report, Span};
 use asmotion_value::{Atom, Value};
 
 /// A rule of the library applied: who it speaks to about what.
@@ -168,7 +168,7 @@ impl<'a> Interface<'a> {
                 "its operations are the out functions here",
             );
         let names = self.operations.iter().map(|known| &known.name);
-        match asmotion_source::similar(name, names.clone()) {
+        match asmotion_diagnostics::similar(name, names.clone()) {
             Some(known) => finding.help(format!("did you mean `{known}`?")),
             None => {
                 let known: Vec<String> = names.map(|name| format!("`{name}`")).collect();

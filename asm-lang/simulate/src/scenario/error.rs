@@ -1,6 +1,6 @@
 //! What may be wrong with a scenario, given its specification.
 
-use asmotion_source::{Diagnostic, Span};
+use asmotion_diagnostics::{Diagnostic, Span};
 use std::sync::Arc;
 
 #[derive(Debug, thiserror::Error)]

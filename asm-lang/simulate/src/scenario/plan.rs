@@ -2,7 +2,7 @@
 
 use super::error::PlanError;
 use asmotion_hir::{AddedRule, AddedTerm, Assignment, Model, RuleKind, TermKind};
-use asmotion_source::{Report, Span, similar};
+use asmotion_diagnostics::{Report, Span, similar};
 use asmotion_syntax::ast::{Command, CommandKind, Name, Pick, PickedRule, Scenario};
 use asmotion_value::Value;
 use std::collections::BTreeSet;

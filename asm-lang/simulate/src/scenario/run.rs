@@ -7,7 +7,7 @@ use super::verdict::{Failed, Failure, Outcome, Seen, Verdict};
 use asmotion_hir::{AddedRule, AddedTerm, Assignment};
 use asmotion_ir::{FunctionKind, Origin};
 use asmotion_machine::{Fault, Machine};
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 use asmotion_value::Value;
 use std::collections::{BTreeMap, BTreeSet};
 

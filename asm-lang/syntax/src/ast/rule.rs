@@ -1,7 +1,7 @@
 //! Rules as written.
 
 use super::{Binder, Name, Term};
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 /// A rule and where it stands.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! Scenarios (Avalla): what is done to a specification, and what is expected of it.
 
 use super::{Assignee, Name, Rule, Term};
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 /// A scenario file.
 #[derive(Clone, Debug, Default)]

@@ -1,7 +1,7 @@
 //! Terms as written.
 
 use super::{Name, Type};
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 use std::sync::Arc;
 
 /// A term and where it stands.

@@ -4,7 +4,7 @@ use super::{Nodes, order};
 use crate::ast::*;
 use crate::error::SyntaxError;
 use crate::findings::Findings;
-use asmotion_source::{Edit, Span};
+use asmotion_diagnostics::{Edit, Span};
 
 /// What a file consists of; a section is opened by its heading and ends with the next one.
 pub(crate) enum Item {

@@ -3,7 +3,7 @@
 use crate::ast::{Name, Rule, RuleDeclaration, RuleKind};
 use crate::error::SyntaxError;
 use crate::findings::Findings;
-use asmotion_source::{Edit, Span};
+use asmotion_diagnostics::{Edit, Span};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 

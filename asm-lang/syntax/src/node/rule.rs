@@ -6,7 +6,7 @@ use crate::MAX_DEPTH;
 use crate::ast::*;
 use crate::error::{Place, SyntaxError};
 use crate::spelling::nearest;
-use asmotion_source::{Edit, Span};
+use asmotion_diagnostics::{Edit, Span};
 
 /// `choose` up to its `do`.
 pub(crate) struct Choose {

@@ -5,7 +5,7 @@ use crate::MAX_DEPTH;
 use crate::ast::*;
 use crate::error::SyntaxError;
 use crate::lexer;
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 /// What stands between the brackets of a set, a sequence or a bag.
 pub(crate) enum Elements {

@@ -3,7 +3,7 @@
 use super::layout::{Break, Layout};
 use crate::ast::*;
 use crate::lexer::{Keyword, Token};
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 /// What is chosen between.
 pub(super) trait Branch: Sized {

@@ -3,7 +3,7 @@
 use super::layout::{Break, Layout};
 use crate::ast::*;
 use crate::lexer::{Keyword, Sign, Token};
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 /// What a section consists of, in the order of the text.
 enum Item<'tree> {

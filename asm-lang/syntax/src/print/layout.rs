@@ -4,7 +4,7 @@
 use super::trivia::Tokens;
 use super::{INDENT, WIDTH};
 use crate::lexer::{Keyword, Sign, Token};
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 use pretty::{Arena, BuildDoc, Doc, DocAllocator, DocBuilder, RefDoc};
 use std::borrow::Cow;
 

@@ -6,7 +6,7 @@ use crate::findings::Findings;
 use crate::lexer::{Lexer, Sign, Spanned, Token};
 use crate::parse_scenario;
 use crate::scenario::UNENDED;
-use asmotion_source::{Diagnostic, FileId, Span};
+use asmotion_diagnostics::{Diagnostic, FileId, Span};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What ends a command; a sign of scenarios, and none of the language.
@@ -141,7 +141,7 @@ pub(super) fn with_ends(file: FileId, text: &str) -> String {
         .filter(|finding| finding.code == UNENDED)
         .cloned()
         .collect();
-    asmotion_source::apply(text, file, &missing).text
+    asmotion_diagnostics::apply(text, file, &missing).text
 }
 
 /// The tokens of a scenario. Names and paths are whole, whatever the language makes of their letters;

@@ -2,7 +2,7 @@
 
 use crate::findings::Findings;
 use crate::lexer::{Lexer, Sign, Spanned, Token};
-use asmotion_source::FileId;
+use asmotion_diagnostics::FileId;
 use std::collections::VecDeque;
 
 /// A tab is as wide as this when indentations are compared.

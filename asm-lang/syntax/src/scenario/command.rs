@@ -5,7 +5,7 @@ use super::reader::Reader;
 use crate::ast::{Block, Command, CommandKind, Name, Pick, PickedRule};
 use crate::fragment::{parse_assignment_in, parse_rule_in};
 use crate::spelling::nearest;
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 /// The words that commands begin with.
 pub(super) const COMMANDS: &[&str] = &[

@@ -1,6 +1,6 @@
 //! What may be wrong with the text of a scenario.
 
-use asmotion_source::{Diagnostic, Span};
+use asmotion_diagnostics::{Diagnostic, Span};
 
 /// The code of a command without `;`, which is a warning that can be mended.
 pub(crate) const UNENDED: &str = "V005";

@@ -5,7 +5,7 @@ use super::error::ScenarioError;
 use crate::ast::{Name, Term};
 use crate::fragment::parse_term_in;
 use crate::lexer::{Lexer, word_length};
-use asmotion_source::{FileId, Report, Span};
+use asmotion_diagnostics::{FileId, Report, Span};
 use std::ops::Range;
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! Files, whole and in parts.
 
 use super::file;
-use asmotion_source::FileId;
+use asmotion_diagnostics::FileId;
 use asmotion_syntax::parse;
 
 #[test]

@@ -11,7 +11,7 @@ mod terms;
 #[path = "../shared/tree.rs"]
 mod tree;
 
-use asmotion_source::FileId;
+use asmotion_diagnostics::FileId;
 use asmotion_syntax::ast::{Rule, Term};
 use asmotion_syntax::{parse, parse_term};
 

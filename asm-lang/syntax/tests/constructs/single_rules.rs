@@ -1,6 +1,6 @@
 //! Rules read by themselves.
 
-use asmotion_source::FileId;
+use asmotion_diagnostics::FileId;
 use asmotion_syntax::{parse_assignment, parse_rule, parse_term_in};
 
 #[test]

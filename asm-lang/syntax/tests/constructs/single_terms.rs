@@ -1,6 +1,6 @@
 //! Terms read by themselves.
 
-use asmotion_source::FileId;
+use asmotion_diagnostics::FileId;
 use asmotion_syntax::parse_term;
 
 #[track_caller]

@@ -6,7 +6,7 @@
 #[path = "../shared/faithful.rs"]
 mod faithful;
 
-use asmotion_source::FileId;
+use asmotion_diagnostics::FileId;
 use asmotion_syntax::format;
 use faithful::{formatted, formatted_scenario, quoted};
 use proptest::prelude::*;

@@ -4,7 +4,7 @@
 #[path = "tree.rs"]
 mod tree;
 
-use asmotion_source::{FileId, Report};
+use asmotion_diagnostics::{FileId, Report};
 use asmotion_syntax::{format, format_scenario, parse, parse_scenario};
 
 /// The text in canonical layout, which says what the text says; `None` where it has errors.

@@ -1,7 +1,7 @@
 //! What the annotations of a specification say of its services and references (SCA-ASM), held against the
 //! composite: both describe one component.
 
-use asmotion_source::{Diagnostic, Report, Span};
+use asmotion_diagnostics::{Diagnostic, Report, Span};
 
 use super::scene::Part;
 use crate::At;

@@ -1,6 +1,6 @@
 //! The built-ins that have a map: port-proxy and ros-bridge.
 
-use asmotion_source::Report;
+use asmotion_diagnostics::Report;
 
 use super::component::unknown;
 use super::face::{Face, Kind};

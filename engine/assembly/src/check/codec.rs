@@ -1,7 +1,7 @@
 //! What goes by CDR, because its topic or its broker says so, is of a type that CDR can carry.
 
 use asmotion_datum::{DatumError, Schema};
-use asmotion_source::{Diagnostic, Report, Span};
+use asmotion_diagnostics::{Diagnostic, Report, Span};
 
 use asmotion_component::HEALTH_TOPIC;
 

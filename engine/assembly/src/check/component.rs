@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
-use asmotion_source::{Report, Span};
+use asmotion_diagnostics::{Report, Span};
 
 use super::component_error::ComponentError;
 use super::declared::declared;

@@ -1,6 +1,6 @@
 //! What can be wrong with a component.
 
-use asmotion_source::{Diagnostic, Span};
+use asmotion_diagnostics::{Diagnostic, Span};
 
 use super::face::Named;
 use crate::finding::Finding;

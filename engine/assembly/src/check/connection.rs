@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use asmotion_source::{Report, Span};
+use asmotion_diagnostics::{Report, Span};
 
 use super::connection_error::ConnectionError;
 use super::face::{Kind, Way};

@@ -1,6 +1,6 @@
 //! What can be wrong with a connection.
 
-use asmotion_source::{Diagnostic, Span};
+use asmotion_diagnostics::{Diagnostic, Span};
 
 use super::face::Kind;
 use crate::finding::Finding;

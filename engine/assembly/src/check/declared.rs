@@ -3,7 +3,7 @@
 use asmotion_component::declaration::{
     Declaration, PortDeclaration, ReferenceDeclaration, ServiceDeclaration,
 };
-use asmotion_source::Report;
+use asmotion_diagnostics::Report;
 
 use super::component_error::ComponentError;
 use super::face::{Face, Kind, Named, Port, Service, Way};

@@ -1,6 +1,6 @@
 //! Brokers and bridges.
 
-use asmotion_source::Report;
+use asmotion_diagnostics::Report;
 
 use super::scene::Scene;
 use crate::finding::Findings;

@@ -1,6 +1,6 @@
 //! What a component shows to the wires and connections around it.
 
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 use crate::nearest::{Nearest, nearest};
 

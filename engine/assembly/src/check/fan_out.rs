@@ -1,7 +1,7 @@
 //! A wire to several services: each is told, so nobody may wait for an answer.
 
 use asmotion_datum::Shape;
-use asmotion_source::{Diagnostic, Report, Span};
+use asmotion_diagnostics::{Diagnostic, Report, Span};
 
 use super::face::Service;
 use super::scene::{Part, Scene};

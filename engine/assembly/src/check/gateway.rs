@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use asmotion_source::{Diagnostic, Report, Span};
+use asmotion_diagnostics::{Diagnostic, Report, Span};
 
 use super::across::processes;
 use super::scene::{NameError, Scene};

@@ -1,6 +1,6 @@
 //! What can be wrong with the map of a built-in.
 
-use asmotion_source::{Diagnostic, Span};
+use asmotion_diagnostics::{Diagnostic, Span};
 
 use crate::finding::Finding;
 use crate::model::ProxyMode;

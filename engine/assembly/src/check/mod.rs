@@ -29,7 +29,7 @@ mod wire;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use asmotion_source::Report;
+use asmotion_diagnostics::Report;
 
 pub(crate) use self::binding::chosen_field;
 pub(crate) use self::component::topic;

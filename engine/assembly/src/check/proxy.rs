@@ -2,7 +2,7 @@
 
 use asmotion_component::declaration::OperationDeclaration;
 use asmotion_datum::{Schema, Shape};
-use asmotion_source::{Report, Span};
+use asmotion_diagnostics::{Report, Span};
 
 use super::builtin::missing;
 use super::component::unknown;

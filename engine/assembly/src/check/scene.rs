@@ -1,6 +1,6 @@
 //! A composite in one profile: which components take part, and what they show.
 
-use asmotion_source::{Diagnostic, Report, Span};
+use asmotion_diagnostics::{Diagnostic, Report, Span};
 
 use super::component_error::ComponentError;
 use super::face::{Face, Named, Port, Service, Way, find, nearest_service};

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use asmotion_component::{BusHealth, HEALTH_TOPIC};
 use asmotion_datum::Message;
-use asmotion_source::{Diagnostic, Report, Span};
+use asmotion_diagnostics::{Diagnostic, Report, Span};
 
 use super::codec;
 use super::component::topic;

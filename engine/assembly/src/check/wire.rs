@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use asmotion_source::{Diagnostic, Report, Span};
+use asmotion_diagnostics::{Diagnostic, Report, Span};
 
 use super::face::{Kind, Service, nearest_service};
 use super::fan_out;

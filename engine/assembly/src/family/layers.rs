@@ -1,7 +1,7 @@
 //! What a composite file is laid over, and what its components load: several files become one tree, in which every
 //! key and value keeps the place it comes from.
 
-use asmotion_source::{Diagnostic, Span};
+use asmotion_diagnostics::{Diagnostic, Span};
 
 use super::Visit;
 use crate::At;

@@ -1,6 +1,6 @@
 //! The binding of an ASM component as written; [`crate::binding`] is the same without places.
 
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 use super::{End, Path};
 use crate::At;

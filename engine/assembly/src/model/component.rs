@@ -1,6 +1,6 @@
 //! A component as the composite describes it.
 
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 use super::binding::Bind;
 use super::{End, Implementation, Lifecycle, Pace, Setting};

@@ -1,6 +1,6 @@
 //! The file as a whole.
 
-use asmotion_source::FileId;
+use asmotion_diagnostics::FileId;
 
 use super::{
     Bridge, Broker, Component, Connection, Deploy, Gateway, Promotion, Property, Topic, Wire,

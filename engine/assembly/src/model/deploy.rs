@@ -1,6 +1,6 @@
 //! Deployment: which process runs what, what is written down, who is started again.
 
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 use super::pace::Scheduler;
 use crate::At;

@@ -1,6 +1,6 @@
 //! What a component is made of.
 
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 use crate::At;
 

@@ -1,6 +1,6 @@
 //! When a component cycles and how its life goes: the two tables `task` (TCA) and `activity` (RTT).
 
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 use super::Amount;
 use crate::At;

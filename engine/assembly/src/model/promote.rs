@@ -1,6 +1,6 @@
 //! Promotion: what the outside sees.
 
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 use super::End;
 use super::wiring::Transport;

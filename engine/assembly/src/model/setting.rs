@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 use crate::At;
 use crate::choice::choice;

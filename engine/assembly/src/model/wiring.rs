@@ -1,6 +1,6 @@
 //! Wires join a reference to services; connections join ports and topics.
 
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 use crate::At;
 use crate::choice::choice;

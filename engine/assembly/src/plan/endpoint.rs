@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 use serde::{Serialize, Serializer};
 
 use super::fill::{given, number};

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use asmotion_source::{Diagnostic, Sources, Span};
+use asmotion_diagnostics::{Diagnostic, Sources, Span};
 
 use super::{Plan, Settings, order, part, place};
 use crate::check::{self, Faces};

@@ -1,6 +1,6 @@
 //! Connections, wires and promotions, followed down to the components that run.
 
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 use super::fill::{given, number};
 use super::flatten::{FlattenError, Flattener};

@@ -100,8 +100,8 @@ fn receive(keys: &mut Keys<'_, '_, '_>, function: &At<String>) -> At<Receive> {
 
 fn excluded(
     keys: &mut Keys<'_, '_, '_>,
-    (first, first_at): (&str, asmotion_source::Span),
-    (second, at): (&str, asmotion_source::Span),
+    (first, first_at): (&str, asmotion_diagnostics::Span),
+    (second, at): (&str, asmotion_diagnostics::Span),
     reason: &'static str,
 ) {
     let (first, second) = (first.to_owned(), second.to_owned());

@@ -1,6 +1,6 @@
 //! `[components.<name>]`.
 
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 use super::endpoint::DAY_MS;
 use super::error::ReadError;

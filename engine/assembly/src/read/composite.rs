@@ -1,6 +1,6 @@
 //! The file as a whole.
 
-use asmotion_source::FileId;
+use asmotion_diagnostics::FileId;
 
 use super::error::ReadError;
 use super::keys::{Keys, Reader};

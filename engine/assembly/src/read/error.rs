@@ -1,6 +1,6 @@
 //! What can be wrong with a composite file before its meaning is looked at.
 
-use asmotion_source::{Diagnostic, Span};
+use asmotion_diagnostics::{Diagnostic, Span};
 
 use crate::finding::Finding;
 use crate::nearest::{Nearest, Suggest};

@@ -5,7 +5,7 @@
 
 use std::ops::RangeInclusive;
 
-use asmotion_source::{Report, Span};
+use asmotion_diagnostics::{Report, Span};
 
 use super::error::ReadError;
 use super::outline::{Asked, Fields, Way};

@@ -18,7 +18,7 @@ mod topic;
 mod types;
 mod wiring;
 
-use asmotion_source::{FileId, Report, Span};
+use asmotion_diagnostics::{FileId, Report, Span};
 
 pub(crate) use self::endpoint::DAY_MS;
 use self::error::ReadError;

@@ -1,6 +1,6 @@
 //! `${properties.x}`, `${VARIABLE}` and `${VARIABLE:-default}` in texts.
 
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 use crate::model::{Piece, Template};
 
@@ -82,7 +82,7 @@ fn piece(inner: &str, place: impl Fn(usize, usize) -> Span) -> Result<Piece, (&'
 
 #[cfg(test)]
 mod tests {
-    use asmotion_source::{FileId, Span};
+    use asmotion_diagnostics::{FileId, Span};
 
     use super::parse;
     use crate::model::Piece;

@@ -1,6 +1,6 @@
 //! A file of message types.
 
-use asmotion_source::FileId;
+use asmotion_diagnostics::FileId;
 
 use super::composite::schema;
 use super::error::ReadError;

@@ -2,7 +2,7 @@
 
 use std::net::SocketAddr;
 
-use asmotion_source::{Diagnostic, Span};
+use asmotion_diagnostics::{Diagnostic, Span};
 
 use super::Range;
 use crate::environment::is_secret;

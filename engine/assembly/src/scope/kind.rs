@@ -1,6 +1,6 @@
 //! The types of properties and their ranges.
 
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 use super::{Notes, SettingError};
 use crate::finding::Findings;

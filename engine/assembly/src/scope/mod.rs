@@ -6,7 +6,7 @@ mod kind;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use asmotion_source::{Report, Sources, Span};
+use asmotion_diagnostics::{Report, Sources, Span};
 
 pub(crate) use self::error::SettingError;
 use self::kind::accept;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use asmotion_component::{Component, Interface};
 use asmotion_coordinator::{Coordinator, Interfaces};
 use asmotion_datum::Schema;
-use asmotion_source::Loader;
+use asmotion_diagnostics::Loader;
 
 use super::Make;
 use crate::Value;

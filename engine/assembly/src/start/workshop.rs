@@ -2,7 +2,7 @@
 
 use asmotion_bridge::PortProxy;
 use asmotion_component::{Component, Interface};
-use asmotion_source::Loader;
+use asmotion_diagnostics::Loader;
 
 use super::{coordinator, of_build};
 use crate::catalogue::Catalogue;

@@ -1,6 +1,6 @@
 //! A file of message types by itself, as `asmotion check` takes it.
 
-use asmotion_source::{Loader, Report, Sources};
+use asmotion_diagnostics::{Loader, Report, Sources};
 
 use super::Types;
 use crate::catalogue::Catalogue;

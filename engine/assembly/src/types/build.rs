@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use asmotion_datum::{Field, Schema, Shape};
-use asmotion_source::{Report, Span};
+use asmotion_diagnostics::{Report, Span};
 
 use super::{Definition, PRIMITIVES, TypeError, TypeText, many, primitive};
 use crate::At;

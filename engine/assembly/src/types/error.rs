@@ -1,6 +1,6 @@
 //! What can be wrong with a type.
 
-use asmotion_source::{Diagnostic, Span};
+use asmotion_diagnostics::{Diagnostic, Span};
 
 use super::build::{MAX_DEPTH, MAX_FIELDS};
 use crate::finding::Finding;

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use asmotion_component::BusHealth;
 use asmotion_datum::{Field, Message, Schema, Shape};
-use asmotion_source::{Report, Span};
+use asmotion_diagnostics::{Report, Span};
 
 pub use self::alone::open_types;
 use self::build::Builder;

@@ -3,7 +3,7 @@
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
-use asmotion_source::{LoadError, Loader};
+use asmotion_diagnostics::{LoadError, Loader};
 
 /// Files of one folder.
 pub struct Files {

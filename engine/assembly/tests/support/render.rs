@@ -1,7 +1,7 @@
 //! Findings as people see them.
 
 use asmotion_lang::Style;
-use asmotion_source::{Report, Sources};
+use asmotion_diagnostics::{Report, Sources};
 
 /// All findings of a report.
 pub fn report(sources: &Sources, report: &Report) -> String {

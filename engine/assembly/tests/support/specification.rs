@@ -5,7 +5,7 @@ use asmotion_assembly::AsmFiles;
 use asmotion_assembly::signature::{
     Codomain, FunctionInfo, FunctionKind, Signature, Specifications,
 };
-use asmotion_source::{Loader, Report, Sources, Span};
+use asmotion_diagnostics::{Loader, Report, Sources, Span};
 
 use super::Files;
 

@@ -3,7 +3,7 @@
 use asmotion_assembly::At;
 use asmotion_assembly::model::{self as here, Implementation as Made};
 use asmotion_assembly::tree::Branch;
-use asmotion_source::Span;
+use asmotion_diagnostics::Span;
 
 use super::{Exporter, contract, target, written};
 use crate::model::{

@@ -4,7 +4,7 @@
 use asmotion_assembly::{Context, Opened, Tables};
 use asmotion_lang::{Files, Style};
 use asmotion_scdl::Imported;
-use asmotion_source::{Report, Sources};
+use asmotion_diagnostics::{Report, Sources};
 
 /// The text of a file of `tests/scdl`.
 pub fn text(file: &str) -> String {

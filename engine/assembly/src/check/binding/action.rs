@@ -1,7 +1,7 @@
 //! What an update of an out function does: calls and messages.
 
 use asmotion_datum::Schema;
-use asmotion_source::{Report, Span};
+use asmotion_diagnostics::{Report, Span};
 
 use super::error::BindingError;
 use super::{Bound, argument, function};

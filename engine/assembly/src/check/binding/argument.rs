@@ -1,7 +1,7 @@
 //! Messages and arguments that are put together.
 
 use asmotion_datum::{Schema, Shape};
-use asmotion_source::Report;
+use asmotion_diagnostics::Report;
 
 use super::error::BindingError;
 use super::{Bound, action, function};
@@ -93,7 +93,7 @@ fn asked(bound: &Bound<'_>, name: &str) -> Option<Option<Schema>> {
 fn record(
     bound: &Bound<'_>,
     what: &At<String>,
-    (span, fields): (asmotion_source::Span, &[(At<String>, Argument)]),
+    (span, fields): (asmotion_diagnostics::Span, &[(At<String>, Argument)]),
     wanted: Option<&Schema>,
     report: &mut Report,
 ) {
@@ -166,7 +166,7 @@ fn wrong(
     wanted: &Schema,
     given: &str,
     found: String,
-    at: asmotion_source::Span,
+    at: asmotion_diagnostics::Span,
     report: &mut Report,
 ) {
     report.found(BindingError::WrongArgument {

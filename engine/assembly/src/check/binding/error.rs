@@ -1,6 +1,6 @@
 //! What can be wrong between a composite and the `.asm` file it binds.
 
-use asmotion_source::{Diagnostic, Span};
+use asmotion_diagnostics::{Diagnostic, Span};
 
 use crate::finding::Finding;
 use crate::nearest::{Nearest, Suggest, nearest_name};

@@ -1,7 +1,7 @@
 //! Functions and the fields of messages that are their values.
 
 use asmotion_datum::{Schema, Shape};
-use asmotion_source::{Report, Span};
+use asmotion_diagnostics::{Report, Span};
 
 use super::error::BindingError;
 use super::{Bound, action};

@@ -5,7 +5,7 @@ mod argument;
 mod error;
 mod function;
 
-use asmotion_source::Report;
+use asmotion_diagnostics::Report;
 
 use self::error::BindingError;
 use super::annotation;
@@ -61,7 +61,7 @@ pub(crate) struct Bound<'b> {
 fn unbound(
     bound: &Bound<'_>,
     signature: &dyn Signature,
-    file: asmotion_source::Span,
+    file: asmotion_diagnostics::Span,
     report: &mut Report,
 ) {
     let bind = &bound.part.component.bind;

@@ -2,7 +2,10 @@
 
 use annotate_snippets::renderer::DecorStyle;
 use annotate_snippets::{Annotation, AnnotationKind, Group, Level, Patch, Renderer, Snippet};
-use asmotion_source::{Diagnostic, Edit, FileId, Fix, Label, Report, Severity, Sources};
+use crate::diagnostic::{Diagnostic, Label, Report, Severity};
+use crate::fix::{Edit, Fix};
+use crate::sources::Sources;
+use crate::span::FileId;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 

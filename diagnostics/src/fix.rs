@@ -1,6 +1,7 @@
 //! Ways out that a machine can take.
 
-use crate::{Diagnostic, FileId, Span};
+use crate::diagnostic::Diagnostic;
+use crate::span::{FileId, Span};
 
 /// Whether a machine may take the way out without asking.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -1,48 +1,8 @@
-//! Texts and places in them.
+//! The texts of one run of the tools.
 
+use crate::span::{FileId, Span};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-
-/// Names one text of a [`Sources`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
-pub struct FileId(pub u32);
-
-/// A half-open range of bytes in one text.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
-pub struct Span {
-    /// The text the range lies in.
-    pub file: FileId,
-    /// First byte.
-    pub start: u32,
-    /// One past the last byte.
-    pub end: u32,
-}
-
-impl Span {
-    /// The range `start..end` of `file`, in bytes.
-    pub fn new(file: FileId, start: usize, end: usize) -> Self {
-        let clamp = |offset: usize| u32::try_from(offset).unwrap_or(u32::MAX);
-        Self {
-            file,
-            start: clamp(start),
-            end: clamp(end.max(start)),
-        }
-    }
-
-    /// The smallest span that covers both; both lie in one file.
-    pub fn to(self, other: Self) -> Self {
-        Self {
-            file: self.file,
-            start: self.start.min(other.start),
-            end: self.end.max(other.end),
-        }
-    }
-
-    /// The range as the standard library wants it.
-    pub fn range(self) -> std::ops::Range<usize> {
-        self.start as usize..self.end as usize
-    }
-}
 
 /// A text and the path it was read from.
 #[derive(Clone, Debug)]
@@ -121,27 +81,4 @@ impl Sources {
         let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
         (line, column)
     }
-}
-
-/// Where texts come from. The language wing has no other door to files.
-pub trait Loader {
-    /// The text at `path`, which is as [`Loader::resolve`] returned it.
-    ///
-    /// # Errors
-    /// The text cannot be had: missing, unreadable, too large or not UTF-8.
-    fn read(&self, path: &str) -> Result<Arc<str>, LoadError>;
-
-    /// The canonical path of `import`, as written in the file `from`: the same text always has the
-    /// same path. `None` where no such text exists.
-    fn resolve(&self, from: &str, import: &str) -> Option<String>;
-}
-
-/// Why a text cannot be had.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("cannot read `{path}`: {reason}")]
-pub struct LoadError {
-    /// The path asked for.
-    pub path: String,
-    /// What the operating system, or the loader, said.
-    pub reason: String,
 }

@@ -1,6 +1,8 @@
 //! What a stage has to say about places in the sources.
 
-use crate::{Fix, Span};
+use crate::code::Code;
+use crate::fix::Fix;
+use crate::span::Span;
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -44,15 +46,20 @@ pub struct Diagnostic {
 impl Diagnostic {
     /// An error with a code and the fact.
     pub fn error(code: &'static str, message: impl ToString) -> Self {
-        Self::new(Severity::Error, code, message)
+        Self::of(Severity::Error, code, message)
     }
 
     /// A warning with a code and the fact.
     pub fn warning(code: &'static str, message: impl ToString) -> Self {
-        Self::new(Severity::Warning, code, message)
+        Self::of(Severity::Warning, code, message)
     }
 
-    fn new(severity: Severity, code: &'static str, message: impl ToString) -> Self {
+    /// A message with its code, and no place yet.
+    pub fn new(code: &'static Code, message: impl ToString) -> Self {
+        Self::of(code.severity, code.name, message)
+    }
+
+    fn of(severity: Severity, code: &'static str, message: impl ToString) -> Self {
         Self {
             severity,
             code,
