@@ -1,10 +1,10 @@
 //! Which rules, branches, updates and rounds of a specification ran.
 
 use crate::Specification;
+use asmotion_diagnostics::Span;
 use asmotion_hir::{RuleKind, RuleTerm};
 use asmotion_ir::Part;
 use asmotion_machine::Machine;
-use asmotion_diagnostics::Span;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

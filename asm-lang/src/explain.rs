@@ -4,8 +4,8 @@ mod outside;
 mod values;
 
 use crate::Specification;
-use asmotion_machine::{Fault, FaultKind, InitialMisfit, Machine, Witness};
 use asmotion_diagnostics::{Diagnostic, Report};
+use asmotion_machine::{Fault, FaultKind, InitialMisfit, Machine, Witness};
 use asmotion_value::Value;
 
 impl Specification {

@@ -1,10 +1,10 @@
 //! A session with a past: any number of events can be undone, and a location says who wrote it last.
 
 use crate::Session;
+use asmotion_diagnostics::Report;
 use asmotion_ir::{AddedTerm, FunctionId, FunctionKind, Origin, Slot};
 use asmotion_machine::{Environment, Fault, Machine};
 use asmotion_simulate::{Random, Seeded};
-use asmotion_diagnostics::Report;
 use asmotion_value::Value;
 use std::collections::BTreeMap;
 

@@ -25,20 +25,20 @@ mod history;
 pub mod scenario;
 mod session;
 
+pub use asmotion_diagnostics::{
+    Diagnostic, Loader, Report, Severity, Sources, Span, Style, concise, render, render_all,
+};
 pub use asmotion_hir::{FunctionKind, Model, Options};
 pub use asmotion_machine::{
     BackEnd, Chooser, Environment, Fault, FaultKind, First, Machine, NoInputs, Step, Update,
-};
-pub use asmotion_diagnostics::{
-    Diagnostic, Loader, Report, Severity, Sources, Span, Style, concise, render, render_all,
 };
 pub use asmotion_value::Value;
 pub use files::Files;
 pub use history::{Event, History, Written};
 pub use session::Session;
 pub use {
-    asmotion_hir as hir, asmotion_ir as ir, asmotion_machine as machine,
-    asmotion_simulate as simulate, asmotion_diagnostics as diagnostics, asmotion_stdlib as stdlib,
+    asmotion_diagnostics as diagnostics, asmotion_hir as hir, asmotion_ir as ir,
+    asmotion_machine as machine, asmotion_simulate as simulate, asmotion_stdlib as stdlib,
     asmotion_syntax as syntax, asmotion_value as value,
 };
 

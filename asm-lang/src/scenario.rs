@@ -2,9 +2,9 @@
 
 use crate::coverage::Coverage;
 use crate::{Failure, Specification, open_in};
+use asmotion_diagnostics::{Diagnostic, Loader, Report, Sources, Span};
 use asmotion_machine::{Fault, Machine};
 use asmotion_simulate::scenario::{self, Failed, Options, Outcome, Plan};
-use asmotion_diagnostics::{Diagnostic, Loader, Report, Sources, Span};
 use asmotion_syntax::ast::{Name, Scenario};
 use std::collections::BTreeMap;
 use std::sync::Arc;

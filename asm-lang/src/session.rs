@@ -25,9 +25,9 @@
 //! ```
 
 use crate::{Failure, Specification};
+use asmotion_diagnostics::{FileId, Report};
 use asmotion_hir::AddedTerm;
 use asmotion_machine::{Chooser, Environment, Fault, Machine, Step};
-use asmotion_diagnostics::{FileId, Report};
 use asmotion_value::Value;
 
 /// A specification that runs, and answers meanwhile.

@@ -1,11 +1,11 @@
 //! Diagnostics as text: the one place where words get their layout.
 
-use annotate_snippets::renderer::DecorStyle;
-use annotate_snippets::{Annotation, AnnotationKind, Group, Level, Patch, Renderer, Snippet};
 use crate::diagnostic::{Diagnostic, Label, Report, Severity};
 use crate::fix::{Edit, Fix};
 use crate::sources::Sources;
 use crate::span::FileId;
+use annotate_snippets::renderer::DecorStyle;
+use annotate_snippets::{Annotation, AnnotationKind, Group, Level, Patch, Renderer, Snippet};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 

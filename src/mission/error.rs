@@ -1,7 +1,7 @@
 //! Why a mission cannot begin.
 
-use asmotion_lang::simulate::Unawaited;
 use asmotion_lang::diagnostics::similar;
+use asmotion_lang::simulate::Unawaited;
 use asmotion_lang::{Report, Sources};
 use std::fmt;
 

@@ -1,8 +1,8 @@
 //! What every function of the libraries is: a table with a section for each signature, and rows of a
 //! term and its value, or the code with which it fails.
 
-use asmotion_lang::hir::{Meaning, TermKind};
 use asmotion_lang::diagnostics::FileId;
+use asmotion_lang::hir::{Meaning, TermKind};
 use asmotion_lang::syntax::parse_term;
 use asmotion_lang::{Model, NoInputs, Session};
 use std::collections::BTreeSet;

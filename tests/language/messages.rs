@@ -4,8 +4,8 @@
 //!
 //! What opens is run with an environment that answers nothing, until it fails.
 
-use asmotion_lang::simulate::Script;
 use asmotion_lang::diagnostics::FileId;
+use asmotion_lang::simulate::Script;
 use asmotion_lang::{Diagnostic, First, Report, Sources, Specification, Style, render, render_all};
 use std::collections::BTreeSet;
 

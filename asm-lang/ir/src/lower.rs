@@ -22,8 +22,8 @@ pub use facts::{visit as visit_terms, walk as visit_rules};
 
 pub use message::{MessageUse, Role, message_uses};
 
-use asmotion_hir::{Meaning, Model};
 use asmotion_diagnostics::{Diagnostic, Report, Span};
+use asmotion_hir::{Meaning, Model};
 use asmotion_value::RuleId;
 use facts::Facts;
 use frame::Frame;

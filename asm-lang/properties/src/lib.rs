@@ -4,8 +4,8 @@
 #[path = "../../syntax/tests/shared/faithful.rs"]
 mod faithful;
 
-use asmotion_lang::simulate::{Causes, Random, Simulation, Stopped};
 use asmotion_lang::diagnostics::FileId;
+use asmotion_lang::simulate::{Causes, Random, Simulation, Stopped};
 use asmotion_lang::{Files, Report, Specification, Style, render_all, syntax};
 
 /// So many steps are done with what opens.

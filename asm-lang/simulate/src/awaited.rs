@@ -1,9 +1,9 @@
 //! An update that a run waits for, as a person names it: `mode=ARRIVED`.
 
 use crate::literal::Literals;
+use asmotion_diagnostics::similar;
 use asmotion_ir::{Function, FunctionKind, Program, Shape};
 use asmotion_machine::Machine;
-use asmotion_diagnostics::similar;
 use std::sync::Arc;
 
 /// A location and a value, written as steps show them.

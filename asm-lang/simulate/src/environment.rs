@@ -18,9 +18,9 @@
 
 use crate::literal::Literals;
 use crate::partner::Answer;
+use asmotion_diagnostics::{Diagnostic, FileId, Report, Span};
 use asmotion_ir::{FunctionId, FunctionKind, Program, Shape};
 use asmotion_machine::{CallFault, Environment};
-use asmotion_diagnostics::{Diagnostic, FileId, Report, Span};
 use asmotion_value::{Atom, Value};
 use std::borrow::Cow;
 use std::collections::BTreeMap;

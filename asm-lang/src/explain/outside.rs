@@ -1,8 +1,8 @@
 //! Values outside the domains of their functions.
 
 use crate::Specification;
-use asmotion_machine::Misfit;
 use asmotion_diagnostics::{Diagnostic, Span};
+use asmotion_machine::Misfit;
 use asmotion_value::Value;
 
 impl Specification {

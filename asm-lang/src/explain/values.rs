@@ -1,8 +1,8 @@
 //! The values at hand where a step failed.
 
 use crate::Specification;
-use asmotion_machine::{Fault, FaultKind, Machine, Passed, Witness};
 use asmotion_diagnostics::{Diagnostic, Label, Span};
+use asmotion_machine::{Fault, FaultKind, Machine, Passed, Witness};
 use asmotion_value::Value;
 
 /// So many values are shown of each place, the nearest ones.

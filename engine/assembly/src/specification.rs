@@ -1,11 +1,11 @@
 //! Signatures of `.asm` files, as the language crates read them.
 
+use asmotion_diagnostics::{Loader, Report, Sources, Span};
 use asmotion_lang::hir::{self, DomainKind, Model, Type, TypeId};
 use asmotion_lang::ir::{Role, message_uses};
 use asmotion_lang::stdlib;
 use asmotion_lang::syntax::ast::File;
 use asmotion_lang::value::{Atom, Value};
-use asmotion_diagnostics::{Loader, Report, Sources, Span};
 
 use crate::signature::{
     Annotated, Annotations, Codomain, FunctionInfo, FunctionKind, Signature, Specifications,

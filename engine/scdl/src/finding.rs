@@ -1,8 +1,8 @@
 //! What can be found while SCDL is read or written.
 
 use asmotion_assembly::At;
-use asmotion_lang::codes::Code;
 use asmotion_diagnostics::{Diagnostic, Span};
+use asmotion_lang::codes::Code;
 
 macro_rules! codes {
     ($($name:ident)*) => {

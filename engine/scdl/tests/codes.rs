@@ -4,9 +4,9 @@
 mod support;
 
 use asmotion_assembly::Tables;
+use asmotion_diagnostics::{Diagnostic, Report, Severity};
 use asmotion_lang::codes::Code;
 use asmotion_scdl::CODES;
-use asmotion_diagnostics::{Diagnostic, Report, Severity};
 
 /// What is found in an example: SCDL that comes in, or a composite file that goes out.
 fn found(code: &Code, which: &str) -> Report {

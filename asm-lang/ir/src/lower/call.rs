@@ -5,8 +5,8 @@ use super::frame::{Binding, Closed, Frame, close};
 use super::{Lowering, facts};
 use crate::code::{Kind, Node, RuleNode, Term};
 use crate::program::{Local, Origin, RoutineId};
-use asmotion_hir::{TermKind, VarId};
 use asmotion_diagnostics::{Diagnostic, Span};
+use asmotion_hir::{TermKind, VarId};
 use asmotion_value::RuleId;
 use std::rc::Rc;
 

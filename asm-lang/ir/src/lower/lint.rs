@@ -1,10 +1,10 @@
 //! What only shows when all definitions are known.
 
 use super::facts::{Facts, visit};
+use asmotion_diagnostics::{Diagnostic, Report, Span};
 use asmotion_hir::{
     DomainId, Function, FunctionKind, Meaning, Model, Term, TermKind, Type, TypeId,
 };
-use asmotion_diagnostics::{Diagnostic, Report, Span};
 
 /// The functions that are not of the kind they are declared.
 pub(super) fn warnings(model: &Model, facts: &Facts) -> Report {

@@ -3,8 +3,8 @@
 
 use super::facts::walk;
 use crate::program::{FunctionId, Messages};
-use asmotion_hir::{Domain, Function, FunctionKind, Model, RuleKind, Term, TermKind, Type, TypeId};
 use asmotion_diagnostics::{Diagnostic, Report, Span};
+use asmotion_hir::{Domain, Function, FunctionKind, Model, RuleKind, Term, TermKind, Type, TypeId};
 use asmotion_value::{Atom, Value};
 
 /// A rule of the library applied: who it speaks to about what.

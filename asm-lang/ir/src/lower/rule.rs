@@ -4,8 +4,8 @@ use super::frame::{Binding, Frame};
 use super::{Lowering, domain};
 use crate::code::{Endless, Kind, Node, Place, Rule, RuleNode, Term};
 use crate::program::{Local, Origin};
-use asmotion_hir::{RuleKind, RuleTerm, TermKind, Type, VarId};
 use asmotion_diagnostics::Span;
+use asmotion_hir::{RuleKind, RuleTerm, TermKind, Type, VarId};
 use asmotion_value::{RuleId, Value};
 
 impl Lowering<'_> {

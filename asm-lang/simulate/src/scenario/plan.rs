@@ -1,8 +1,8 @@
 //! From a scenario's tree to actions: blocks written out, terms resolved in the specification.
 
 use super::error::PlanError;
-use asmotion_hir::{AddedRule, AddedTerm, Assignment, Model, RuleKind, TermKind};
 use asmotion_diagnostics::{Report, Span, similar};
+use asmotion_hir::{AddedRule, AddedTerm, Assignment, Model, RuleKind, TermKind};
 use asmotion_syntax::ast::{Command, CommandKind, Name, Pick, PickedRule, Scenario};
 use asmotion_value::Value;
 use std::collections::BTreeSet;

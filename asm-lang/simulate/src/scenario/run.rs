@@ -4,10 +4,10 @@ use super::choices::Choices;
 use super::inputs::Held;
 use super::plan::{Action, ActionKind, Condition, Plan};
 use super::verdict::{Failed, Failure, Outcome, Seen, Verdict};
+use asmotion_diagnostics::Span;
 use asmotion_hir::{AddedRule, AddedTerm, Assignment};
 use asmotion_ir::{FunctionKind, Origin};
 use asmotion_machine::{Fault, Machine};
-use asmotion_diagnostics::Span;
 use asmotion_value::Value;
 use std::collections::{BTreeMap, BTreeSet};
 

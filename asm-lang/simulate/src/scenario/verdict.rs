@@ -1,7 +1,7 @@
 //! How a scenario ended, and why.
 
-use asmotion_machine::{Fault, FaultKind};
 use asmotion_diagnostics::{Diagnostic, Span};
+use asmotion_machine::{Fault, FaultKind};
 
 /// The end of a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Connections to message queues, beyond which there is an Orocos component.
 
-use asmotion_mqueue::{Layout, LayoutError};
 use asmotion_diagnostics::{Diagnostic, Report, Span};
+use asmotion_mqueue::{Layout, LayoutError};
 
 use super::connection_error::ConnectionError;
 use super::face::{Kind, Way};

@@ -1,7 +1,7 @@
 //! Findings as people see them.
 
-use asmotion_lang::Style;
 use asmotion_diagnostics::{Report, Sources};
+use asmotion_lang::Style;
 
 /// All findings of a report.
 pub fn report(sources: &Sources, report: &Report) -> String {

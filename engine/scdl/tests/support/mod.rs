@@ -2,9 +2,9 @@
 #![allow(dead_code, reason = "not every test uses all of it")]
 
 use asmotion_assembly::{Context, Opened, Tables};
+use asmotion_diagnostics::{Report, Sources};
 use asmotion_lang::{Files, Style};
 use asmotion_scdl::Imported;
-use asmotion_diagnostics::{Report, Sources};
 
 /// The text of a file of `tests/scdl`.
 pub fn text(file: &str) -> String {
