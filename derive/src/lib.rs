@@ -1,1 +1,139 @@
 //! Derive macros: a fact about a field is written once, on the field, and every list that repeats it is generated.
+//!
+//! The macros are used through the crates whose traits they implement, where they are documented with examples.
+
+mod duration;
+mod field;
+mod ports;
+mod properties;
+mod word;
+
+use proc_macro::TokenStream;
+use syn::{DeriveInput, Error, Result, parse_macro_input};
+
+/// Declares each field of a struct as a property: its doc comment is the description.
+///
+/// `#[property(unit = "m/s", range = 0.0..=5.0, default = 0.5)]` on a field gives the rest, and each part may be
+/// missing. Without a default the value is the type's own (`0`, `false`, empty). See the trait for an example and for
+/// the types a field may have.
+#[proc_macro_derive(Properties, attributes(property))]
+pub fn properties(input: TokenStream) -> TokenStream {
+    expand(&parse_macro_input!(input), properties::derive)
+}
+
+/// Declares each field of a struct of `In`, `Out`, `Provided` and `Required` handles: its doc comment is the
+/// description, its name the port's unless `#[port(name = "…")]` gives another.
+///
+/// `#[port(optional)]` marks a reference that the component can do without.
+#[proc_macro_derive(Ports, attributes(port))]
+pub fn ports(input: TokenStream) -> TokenStream {
+    expand(&parse_macro_input!(input), ports::derive)
+}
+
+/// Gives each variant of an enum its word: `InPlace` is written `in_place`.
+#[proc_macro_derive(Word)]
+pub fn word(input: TokenStream) -> TokenStream {
+    expand(&parse_macro_input!(input), word::derive)
+}
+
+/// Runs a derive; its errors become compile errors at the places they are about.
+fn expand(
+    input: &DeriveInput,
+    derive: fn(&DeriveInput) -> Result<proc_macro2::TokenStream>,
+) -> TokenStream {
+    derive(input)
+        .unwrap_or_else(Error::into_compile_error)
+        .into()
+}
+
+#[cfg(test)]
+mod tests {
+    use syn::parse_quote;
+
+    use super::*;
+
+    /// What a derive says about an input it refuses.
+    fn refusal(
+        derive: fn(&DeriveInput) -> Result<proc_macro2::TokenStream>,
+        input: &DeriveInput,
+    ) -> String {
+        derive(input).err().map_or_else(String::new, |error| {
+            let lines: Vec<_> = error.into_iter().map(|one| one.to_string()).collect();
+            lines.join("\n")
+        })
+    }
+
+    #[test]
+    fn every_mistake_in_properties_is_reported_at_once() {
+        let input = parse_quote! {
+            struct Wrong {
+                max_speed: f64,
+                /// A duration.
+                timeout: Duration,
+                /// Another one.
+                #[property(unit = "h", range = "0s"..="1s")]
+                rest: Duration,
+                /// With a misspelt part.
+                #[property(maximum = 3)]
+                count: u32,
+                /// A struct, and more.
+                #[property(flatten, unit = "m")]
+                limits: Limits,
+            }
+        };
+        let refusal = refusal(properties::derive, &input);
+        let lines: Vec<_> = refusal.lines().collect();
+        assert_eq!(
+            lines,
+            [
+                "a duration needs a range: `range = \"0s\"..=\"10s\"`",
+                "the unit of a duration is `s`, `ms` or `us`",
+                "a property has `unit`, `range`, `default`, `choices`, `words` or `flatten`",
+                "`flatten` stands alone: the struct's own fields say the rest",
+            ]
+        );
+    }
+
+    #[test]
+    fn a_field_without_a_doc_comment_is_refused() {
+        let input = parse_quote!(
+            struct Wrong {
+                max_speed: f64,
+            }
+        );
+        assert!(refusal(properties::derive, &input).contains("needs a doc comment"));
+        let input = parse_quote!(
+            struct Wrong {
+                path: In<Path>,
+            }
+        );
+        assert!(refusal(ports::derive, &input).contains("needs a doc comment"));
+    }
+
+    #[test]
+    fn a_port_is_one_of_four_handles_and_only_a_reference_is_optional() {
+        let input = parse_quote! {
+            struct Wrong {
+                /// A number.
+                count: u32,
+                /// An input.
+                #[port(optional)]
+                path: In<Path>,
+            }
+        };
+        let refusal = refusal(ports::derive, &input);
+        assert!(refusal.starts_with("a port is an `In<T>`"), "{refusal}");
+        assert!(refusal.ends_with("a port has `name`, and a reference may be `optional`"));
+    }
+
+    #[test]
+    fn a_word_carries_nothing() {
+        let input = parse_quote!(
+            enum Wrong {
+                Plain,
+                Carrying(u32),
+            }
+        );
+        assert!(refusal(word::derive, &input).contains("no fields"));
+    }
+}

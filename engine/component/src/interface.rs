@@ -1,7 +1,7 @@
 //! The interface: a component's constructor declares here, and keeps the handles.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 use asmotion_datum::{Datum, Message, Sample, Schema};
 
@@ -23,6 +23,8 @@ pub struct Interface {
     pub(crate) inputs: Vec<Box<dyn AnyInput>>,
     pub(crate) outputs: Vec<Box<dyn AnyOutput>>,
     pub(crate) properties: Vec<Box<dyn AnyProperty>>,
+    /// Counts the changes of properties; each property's slot increments it, a `PropertySet` compares it.
+    revision: Arc<AtomicU64>,
     /// What each `Provided` handle stands for.
     pub(crate) provided: Vec<Slot>,
     /// For each service and its operations, what serves them in the caller's thread.
@@ -42,6 +44,7 @@ impl Interface {
             inputs: Vec::new(),
             outputs: Vec::new(),
             properties: Vec::new(),
+            revision: Arc::default(),
             provided: Vec::new(),
             handlers: Vec::new(),
             required: Vec::new(),
@@ -154,6 +157,11 @@ impl Interface {
         doc: &str,
     ) -> Setting<'_, T> {
         Setting::new(self, name, default, doc)
+    }
+
+    /// The counter of changes of properties.
+    pub(crate) fn revision(&self) -> &Arc<AtomicU64> {
+        &self.revision
     }
 
     fn add_input<T: Message>(&mut self, name: &str, schema: Schema, doc: &str) -> In<T> {

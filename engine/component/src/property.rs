@@ -3,6 +3,8 @@
 use std::any::Any;
 use std::fmt::Debug;
 use std::ops::RangeInclusive;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use asmotion_datum::{Datum, DatumError, Described};
 use serde::Serialize;
@@ -169,6 +171,7 @@ impl<'a, T: PropertyValue> Setting<'a, T> {
             value: self.value,
             next: None,
             check: self.check,
+            revision: Arc::clone(self.interface.revision()),
         };
         self.interface.add_property(slot)
     }
@@ -181,6 +184,8 @@ pub(crate) struct Slot<T> {
     /// The value after the present cycle.
     next: Option<T>,
     check: Check<T>,
+    /// Incremented with each change, for all properties of the component.
+    revision: Arc<AtomicU64>,
 }
 
 /// A property whose type is not known here.
@@ -244,6 +249,7 @@ impl<T: PropertyValue> AnyProperty for Slot<T> {
             return false;
         };
         self.value = next;
+        self.revision.fetch_add(1, Ordering::Relaxed);
         true
     }
 }

@@ -1,0 +1,107 @@
+//! `#[derive(Ports)]`: a plain struct of handles becomes the declaration of ports, services and references.
+
+use proc_macro2::TokenStream;
+use quote::quote;
+use syn::{DeriveInput, Error, Field, GenericArgument, Ident, LitStr, PathArguments, Result, Type};
+
+use crate::field::{documentation, each, named, plain};
+
+/// One field and what `#[port(…)]` says about it.
+struct Port<'a> {
+    field: &'a Field,
+    handle: &'a Ident,
+    /// What passes, or the operation.
+    of: &'a Type,
+    name: &'a Ident,
+    /// The name in composites, where it is not the field's.
+    renamed: Option<LitStr>,
+    /// A reference the component can do without.
+    optional: bool,
+}
+
+pub fn derive(input: &DeriveInput) -> Result<TokenStream> {
+    let ports = each(named(input, "Ports")?, Port::parse)?;
+    let of = &input.ident;
+    let names = ports.iter().map(|it| it.name);
+    let declares = ports.iter().map(Port::declare);
+    let declares = declares.collect::<Result<Vec<_>>>()?;
+    Ok(quote! {
+        const _: () = {
+            use ::asmotion_component as component;
+
+            #[automatically_derived]
+            impl component::Ports for #of {
+                fn declare(interface: &mut component::Interface) -> Self {
+                    Self { #(#names: #declares,)* }
+                }
+            }
+        };
+    })
+}
+
+impl<'a> Port<'a> {
+    fn parse(field: &'a Field, name: &'a Ident) -> Result<Self> {
+        let (handle, of) = handle(&field.ty)?;
+        let mut port = Self {
+            field,
+            handle,
+            of,
+            name,
+            renamed: None,
+            optional: false,
+        };
+        for attribute in &field.attrs {
+            if attribute.path().is_ident("port") {
+                attribute.parse_nested_meta(|meta| {
+                    if meta.path.is_ident("name") {
+                        port.renamed = Some(meta.value()?.parse()?);
+                    } else if meta.path.is_ident("optional") && handle == "Required" {
+                        port.optional = true;
+                    } else {
+                        let known = "a port has `name`, and a reference may be `optional`";
+                        return Err(meta.error(known));
+                    }
+                    Ok(())
+                })?;
+            }
+        }
+        Ok(port)
+    }
+
+    fn declare(&self) -> Result<TokenStream> {
+        let Self { handle, of, .. } = self;
+        let renamed = self.renamed.as_ref().map(LitStr::value);
+        let name = renamed.unwrap_or_else(|| plain(self.name));
+        let doc = documentation(self.field)?;
+        Ok(if *handle == "In" {
+            quote!(interface.input::<#of>(#name, #doc))
+        } else if *handle == "Out" {
+            quote!(interface.output::<#of>(#name, #doc))
+        } else if *handle == "Provided" {
+            quote!(interface.serve::<#of>(#name, #doc))
+        } else if self.optional {
+            quote!({
+                let required = interface.require::<#of>(#name, #doc);
+                interface.optional(required)
+            })
+        } else {
+            quote!(interface.require::<#of>(#name, #doc))
+        })
+    }
+}
+
+/// The kind of a handle, and what it is of.
+fn handle(written: &Type) -> Result<(&Ident, &Type)> {
+    if let Type::Path(path) = written
+        && let Some(last) = path.path.segments.last()
+        && ["In", "Out", "Provided", "Required"]
+            .iter()
+            .any(|known| last.ident == known)
+        && let PathArguments::AngleBracketed(arguments) = &last.arguments
+        && let Some(GenericArgument::Type(of)) = arguments.args.first()
+    {
+        return Ok((&last.ident, of));
+    }
+    let message = "a port is an `In<T>`, `Out<T>`, `Provided<Operation>` or `Required<Operation>`";
+    Err(Error::new_spanned(written, message))
+}

@@ -1,0 +1,254 @@
+//! `#[derive(Properties)]`: a plain struct becomes the declaration, the handles and the snapshot of properties.
+
+use proc_macro2::{Span, TokenStream};
+use quote::quote;
+use syn::meta::ParseNestedMeta;
+use syn::{DeriveInput, Error, Field, Ident, LitStr, PathArguments, Result, Type};
+
+use crate::duration;
+use crate::field::{documentation, each, named, plain, range, text, value};
+
+/// One field and what `#[property(…)]` says about it.
+struct Property<'a> {
+    field: &'a Field,
+    name: &'a Ident,
+    options: Options,
+    /// How many of its unit make a second, if the field is a `Duration`: composites write it as a number.
+    per_second: Option<f64>,
+}
+
+#[derive(Default)]
+struct Options {
+    unit: Option<LitStr>,
+    /// Least and greatest value, both lawful.
+    range: Option<(TokenStream, TokenStream)>,
+    default: Option<TokenStream>,
+    /// An iterator over all lawful values.
+    choices: Option<TokenStream>,
+    /// The type's own words are its lawful values.
+    words: bool,
+    /// The field is itself a struct of properties, declared as if its fields stood here.
+    flatten: bool,
+}
+
+pub fn derive(input: &DeriveInput) -> Result<TokenStream> {
+    let properties = each(named(input, "Properties")?, Property::parse)?;
+    let of = &input.ident;
+    let names: Vec<_> = properties.iter().map(|it| it.name).collect();
+    let handles = properties.iter().map(Property::handle);
+    let reads = properties.iter().map(Property::read);
+    let defaults = properties.iter().map(Property::default);
+    let defaults = defaults.collect::<Result<Vec<_>>>()?;
+    let declares = properties.iter().map(Property::declare);
+    let declares = declares.collect::<Result<Vec<_>>>()?;
+    Ok(quote! {
+        const _: () = {
+            use ::asmotion_component as component;
+
+            #[doc(hidden)]
+            #[derive(Clone, Copy)]
+            pub struct Handles {
+                #(#names: #handles,)*
+            }
+
+            #[automatically_derived]
+            impl component::Properties for #of {
+                type Handles = Handles;
+
+                fn declare(interface: &mut component::Interface) -> Handles {
+                    let default = <Self as ::core::default::Default>::default();
+                    Handles { #(#names: #declares,)* }
+                }
+
+                fn read(handles: &Handles, from: &impl component::PropertySource) -> Self {
+                    Self { #(#names: #reads,)* }
+                }
+            }
+
+            #[automatically_derived]
+            impl ::core::default::Default for #of {
+                fn default() -> Self {
+                    Self { #(#names: #defaults,)* }
+                }
+            }
+        };
+    })
+}
+
+impl<'a> Property<'a> {
+    fn parse(field: &'a Field, name: &'a Ident) -> Result<Self> {
+        let mut options = Options::default();
+        for attribute in &field.attrs {
+            if attribute.path().is_ident("property") {
+                attribute.parse_nested_meta(|meta| options.parse(&meta))?;
+            }
+        }
+        let mut property = Self {
+            field,
+            name,
+            options,
+            per_second: None,
+        };
+        property.check()?;
+        Ok(property)
+    }
+
+    /// Refuses what would be ignored in silence.
+    fn check(&mut self) -> Result<()> {
+        let Options {
+            unit,
+            range,
+            default,
+            choices,
+            words,
+            flatten,
+        } = &mut self.options;
+        let says_more =
+            unit.is_some() || range.is_some() || default.is_some() || choices.is_some() || *words;
+        if *flatten && says_more {
+            let message = "`flatten` stands alone: the struct's own fields say the rest";
+            return Err(Error::new_spanned(self.name, message));
+        }
+        if is_duration(&self.field.ty) {
+            let unit = unit.get_or_insert_with(|| LitStr::new("s", Span::call_site()));
+            let per_second = duration::per_second(&unit.value());
+            let unknown = || Error::new(unit.span(), "the unit of a duration is `s`, `ms` or `us`");
+            self.per_second = Some(per_second.ok_or_else(unknown)?);
+            if range.is_none() {
+                let message = "a duration needs a range: `range = \"0s\"..=\"10s\"`";
+                return Err(Error::new_spanned(self.name, message));
+            }
+        }
+        Ok(())
+    }
+
+    fn handle(&self) -> TokenStream {
+        let of = &self.field.ty;
+        match self.per_second {
+            _ if self.options.flatten => quote!(<#of as component::Properties>::Handles),
+            Some(_) => quote!(component::Property<f64>),
+            None if self.options.words => {
+                quote!(component::Property<::std::string::String>)
+            }
+            None => quote!(component::Property<#of>),
+        }
+    }
+
+    fn read(&self) -> TokenStream {
+        let (name, of) = (self.name, &self.field.ty);
+        let value = quote!(component::PropertySource::property(from, handles.#name));
+        match self.per_second {
+            _ if self.options.flatten => {
+                quote!(<#of as component::Properties>::read(&handles.#name, from))
+            }
+            // the range, which is mandatory, has refused what is no duration
+            Some(per_second) => quote! {
+                ::core::time::Duration::try_from_secs_f64(#value / #per_second).unwrap_or_default()
+            },
+            // the choices have refused what is no word
+            None if self.options.words => {
+                quote!(<#of as component::Word>::of(&#value).unwrap_or_default())
+            }
+            None => value,
+        }
+    }
+
+    fn default(&self) -> Result<TokenStream> {
+        let Some(default) = &self.options.default else {
+            return Ok(quote!(::core::default::Default::default()));
+        };
+        Ok(match (text(default), self.per_second) {
+            (Some(text), Some(_)) => {
+                let nanos = duration::nanos(&text)?;
+                quote!(::core::time::Duration::from_nanos(#nanos))
+            }
+            (Some(text), None) => quote!(::core::convert::From::from(#text)),
+            (None, _) => default.clone(),
+        })
+    }
+
+    fn declare(&self) -> Result<TokenStream> {
+        let (field, of, name) = (self.name, &self.field.ty, plain(self.name));
+        if self.options.flatten {
+            return Ok(quote!(<#of as component::Properties>::declare(interface)));
+        }
+        let doc = documentation(self.field)?;
+        let default = match self.per_second {
+            Some(per_second) => quote!(default.#field.as_secs_f64() * #per_second),
+            None if self.options.words => {
+                quote!(component::Word::word(&default.#field).to_owned())
+            }
+            None => quote!(default.#field),
+        };
+        let Options {
+            unit,
+            range,
+            choices,
+            words,
+            ..
+        } = &self.options;
+        let range = range.as_ref().map(|(least, greatest)| {
+            Ok::<_, Error>(match self.per_second {
+                Some(scale) => {
+                    let (least, greatest) = (number(least, scale)?, number(greatest, scale)?);
+                    quote!(.range(#least..=#greatest))
+                }
+                None => quote!(.range((#least)..=(#greatest))),
+            })
+        });
+        let range = range.transpose()?;
+        let unit = unit.as_ref().map(|unit| quote!(.unit(#unit)));
+        let choices = choices.as_ref().map(|choices| quote!(.choices(#choices)));
+        let words = words.then(|| {
+            quote! {
+                .choices(<#of as component::Word>::ALL.iter().map(component::Word::word))
+            }
+        });
+        Ok(quote! {
+            interface.setting(#name, #default, #doc) #range #unit #choices #words .declare()
+        })
+    }
+}
+
+impl Options {
+    fn parse(&mut self, meta: &ParseNestedMeta<'_>) -> Result<()> {
+        if meta.path.is_ident("unit") {
+            self.unit = Some(meta.value()?.parse()?);
+        } else if meta.path.is_ident("range") {
+            self.range = Some(range(meta.value()?)?);
+        } else if meta.path.is_ident("default") {
+            self.default = Some(value(meta.value()?)?);
+        } else if meta.path.is_ident("choices") {
+            self.choices = Some(value(meta.value()?)?);
+        } else if meta.path.is_ident("words") {
+            self.words = true;
+        } else if meta.path.is_ident("flatten") {
+            self.flatten = true;
+        } else {
+            let known =
+                "a property has `unit`, `range`, `default`, `choices`, `words` or `flatten`";
+            return Err(meta.error(known));
+        }
+        Ok(())
+    }
+}
+
+/// Whether a type is `Duration`, by the name it is written with.
+fn is_duration(of: &Type) -> bool {
+    let Type::Path(path) = of else {
+        return false;
+    };
+    let last = path.path.segments.last();
+    last.is_some_and(|last| {
+        last.ident == "Duration" && matches!(last.arguments, PathArguments::None)
+    })
+}
+
+/// A written duration as a number of the property's unit.
+fn number(written: &TokenStream, per_second: f64) -> Result<f64> {
+    let text = text(written).ok_or_else(|| {
+        let message = "the range of a duration is written `\"0s\"..=\"10s\"`";
+        Error::new_spanned(written, message)
+    })?;
+    Ok(duration::nanos(&text)? as f64 / 1e9 * per_second)
+}
