@@ -43,6 +43,8 @@ const FLOORS: &[&[&str]] = &[
     &["asmotion-components"],
     // the front door
     &["asmotion"],
+    // chores
+    &["xtask"],
 ];
 
 fn floor(package: &str) -> Option<usize> {

@@ -1,0 +1,120 @@
+//! Files that a commit touched to add one thing of a kind.
+//!
+//! A commit that adds one key of the composite dialect, one property of a component or one component,
+//! and nothing else, says so in a trailer: `Adds: key`, `Adds: property` or `Adds: component`. The
+//! figure is read from the latest such commit, so it is the cost of a real change, not an estimate.
+
+use crate::checkout::{CheckoutError, run};
+use std::fmt;
+use std::path::Path;
+
+/// Something that a recipe in `ARCHITECTURE.md` tells how to add.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Addition {
+    /// A key of the composite dialect.
+    Key,
+    /// A property of a component.
+    Property,
+    /// A component.
+    Component,
+}
+
+/// Commits that add one thing and are older than the trailers.
+const WITHOUT_TRAILER: &[(Addition, &str)] = &[
+    // `unavailable` of a call
+    (Addition::Key, "c12f19de80791da1e2d1ef02ca5772dff0c8c58f"),
+];
+
+impl Addition {
+    /// Each of them.
+    pub const ALL: [Self; 3] = [Self::Key, Self::Property, Self::Component];
+
+    /// As it stands in a trailer.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Key => "key",
+            Self::Property => "property",
+            Self::Component => "component",
+        }
+    }
+}
+
+/// The files of one commit, tests, documentation and the lock file left out.
+#[derive(Clone, Debug)]
+pub struct MarkedCommit {
+    /// Abbreviated hash.
+    pub hash: String,
+    /// Existing files that it changed.
+    pub changed: Vec<String>,
+    /// Files that it added.
+    pub added: Vec<String>,
+}
+
+impl fmt::Display for MarkedCommit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.changed.len())?;
+        if !self.added.is_empty() {
+            write!(f, " + {} new", self.added.len())?;
+        }
+        write!(f, " ({})", self.hash)
+    }
+}
+
+/// The latest commit up to a revision that adds one thing of this kind; `None` if there is none.
+///
+/// # Errors
+/// `git` fails: the revision is unknown, or the history is not there.
+pub fn latest(
+    root: &Path,
+    revision: &str,
+    addition: Addition,
+) -> Result<Option<MarkedCommit>, CheckoutError> {
+    let pattern = format!("^Adds: {}$", addition.name());
+    let found = run(
+        "git",
+        &["log", "-1", "--format=%H", "--grep", &pattern, revision],
+        root,
+    )?;
+    let mut hash = found.trim().to_owned();
+    if hash.is_empty() {
+        let older = WITHOUT_TRAILER.iter().find(|(kind, hash)| {
+            *kind == addition
+                && run(
+                    "git",
+                    &["merge-base", "--is-ancestor", hash, revision],
+                    root,
+                )
+                .is_ok()
+        });
+        match older {
+            Some((_, older)) => (*older).clone_into(&mut hash),
+            None => return Ok(None),
+        }
+    }
+    let files = run(
+        "git",
+        &["show", "--format=", "--name-status", "--no-renames", &hash],
+        root,
+    )?;
+    let mut commit = MarkedCommit {
+        hash: hash.chars().take(7).collect(),
+        changed: Vec::new(),
+        added: Vec::new(),
+    };
+    for line in files.lines() {
+        let Some((status, path)) = line.split_once('\t') else {
+            continue;
+        };
+        if path.split('/').any(|folder| folder == "tests")
+            || path.ends_with(".md")
+            || path.ends_with(".lock")
+        {
+            continue;
+        }
+        match status {
+            "A" => commit.added.push(path.to_owned()),
+            _ => commit.changed.push(path.to_owned()),
+        }
+    }
+    Ok(Some(commit))
+}

@@ -1,0 +1,130 @@
+//! Chores of this repository: `cargo xtask --help`.
+
+use clap::{Parser, Subcommand};
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use xtask::checkout::Checkout;
+use xtask::modules::{self, CrateModules};
+use xtask::{graph, report, table, type_names};
+
+#[derive(Parser)]
+#[command(name = "cargo xtask", about = "Chores of this repository")]
+struct Arguments {
+    #[command(subcommand)]
+    chore: Chore,
+}
+
+#[derive(Subcommand)]
+enum Chore {
+    /// Prints the figures of the source: sizes, cycles, names, docs
+    House {
+        /// Also measure this revision; can be repeated
+        #[arg(long, value_name = "REVISION")]
+        at: Vec<String>,
+    },
+    /// Lists the cycles of files and of first-level modules, and the arrows that climb
+    Cycles {
+        /// Only of this package
+        package: Option<String>,
+    },
+    /// Lists the uses of names through `lib.rs` or `main.rs`
+    Hubs {
+        /// Only of this package
+        package: Option<String>,
+    },
+    /// Lists the type names with several meanings, the most frequent first
+    Names,
+}
+
+fn main() -> ExitCode {
+    match run(Arguments::parse().chore) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(chore: Chore) -> Result<(), Box<dyn Error>> {
+    let root = root();
+    match chore {
+        Chore::House { at } => house(&root, &at),
+        Chore::Cycles { package } => cycles(&root, package.as_deref()),
+        Chore::Hubs { package } => hubs(&root, package.as_deref()),
+        Chore::Names => names(&root),
+    }
+}
+
+/// The root of the repository: the folder above this crate.
+fn root() -> PathBuf {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.parent().unwrap_or(here).to_owned()
+}
+
+fn house(root: &Path, revisions: &[String]) -> Result<(), Box<dyn Error>> {
+    let mut columns = Vec::new();
+    for revision in revisions {
+        columns.push((revision.clone(), report::rows(root, Some(revision))?));
+    }
+    columns.push(("now".to_owned(), report::rows(root, None)?));
+    print!("{}", table::markdown(&columns));
+    Ok(())
+}
+
+fn names(root: &Path) -> Result<(), Box<dyn Error>> {
+    let checkout = Checkout::working_tree(root)?;
+    let mut reused: Vec<_> = type_names::definitions(&checkout).into_iter().collect();
+    reused.retain(|(_, paths)| paths.len() > 1);
+    reused.sort_by_key(|(_, paths)| std::cmp::Reverse(paths.len()));
+    for (name, paths) in reused {
+        println!("{name} {}", paths.len());
+        for path in paths {
+            println!("    {path}");
+        }
+    }
+    Ok(())
+}
+
+/// The modules of every crate, or of those of one package.
+fn crates(root: &Path, package: Option<&str>) -> Result<Vec<CrateModules>, Box<dyn Error>> {
+    let mut crates = modules::of(&Checkout::working_tree(root)?);
+    crates.retain(|it| package.is_none_or(|package| it.name == package));
+    Ok(crates)
+}
+
+fn cycles(root: &Path, package: Option<&str>) -> Result<(), Box<dyn Error>> {
+    for it in crates(root, package)? {
+        let between = it.room_arrows();
+        for cycle in graph::cycles(&between) {
+            println!(
+                "{}: {} first-level modules in a cycle: {}",
+                it.name,
+                cycle.len(),
+                cycle.join(" ")
+            );
+        }
+        for (from, to) in graph::climbing(&between) {
+            println!("{}: up: {from} -> {to}", it.name);
+        }
+        for cycle in graph::cycles(&it.arrows) {
+            println!(
+                "{}: {} files in a cycle: {}",
+                it.name,
+                cycle.len(),
+                cycle.join(" ")
+            );
+        }
+    }
+    Ok(())
+}
+
+fn hubs(root: &Path, package: Option<&str>) -> Result<(), Box<dyn Error>> {
+    for it in crates(root, package)? {
+        for hub in it.hub_uses {
+            println!("{}:{}: {}", hub.path, hub.line, hub.name);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,496 @@
+//! Which file of a crate uses which other one, with re-exports followed to the definition.
+//!
+//! Names are resolved as the compiler does for paths between modules: `crate`, `self` and `super`,
+//! child modules, items, imports and globs. Types of expressions are not inferred, so a method call
+//! makes no arrow; the type had to be named somewhere to be called on.
+
+use crate::checkout::{Checkout, SourceFile, child_folder};
+use crate::test_code::{attributes, is_cfg_test};
+use proc_macro2::{TokenStream, TokenTree};
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
+use syn::spanned::Spanned;
+use syn::visit::{self, Visit};
+
+/// The files of one crate and the arrows between them; code of tests left out.
+#[derive(Debug)]
+pub struct CrateModules {
+    /// The package's name.
+    pub name: String,
+    /// Path of the crate's root, `lib.rs` or `main.rs`.
+    pub root: String,
+    /// Every file below the root.
+    pub files: BTreeSet<String>,
+    /// First-level module of each file but the root.
+    pub rooms: BTreeMap<String, String>,
+    /// From a file that names something to the file that defines it.
+    pub arrows: BTreeSet<(String, String)>,
+    /// Where something is named through the crate's root: file, line and path.
+    pub hub_uses: Vec<HubUse>,
+}
+
+/// A path that leads through the root of the crate to something that is no module.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct HubUse {
+    /// The file with the path.
+    pub path: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// As written: `crate::Time`.
+    pub name: String,
+}
+
+impl CrateModules {
+    /// Arrows between first-level modules of the crate.
+    pub fn room_arrows(&self) -> BTreeSet<(String, String)> {
+        let pairs = self.arrows.iter().filter_map(|(from, to)| {
+            let (from, to) = (self.rooms.get(from)?, self.rooms.get(to)?);
+            (from != to).then(|| (from.clone(), to.clone()))
+        });
+        pairs.collect()
+    }
+
+    /// First-level modules.
+    pub fn room_names(&self) -> BTreeSet<String> {
+        self.rooms.values().cloned().collect()
+    }
+}
+
+/// The modules of every crate: one entry for each library and each `main.rs`.
+pub fn of(checkout: &Checkout) -> Vec<CrateModules> {
+    let by_path: BTreeMap<&str, &SourceFile> = checkout
+        .files
+        .iter()
+        .map(|file| (file.path.as_str(), file))
+        .collect();
+    let mut found = Vec::new();
+    for package in &checkout.crates {
+        for root in ["src/lib.rs", "src/main.rs"] {
+            let root = match package.folder.as_str() {
+                "" => root.to_owned(),
+                folder => format!("{folder}/{root}"),
+            };
+            if by_path.contains_key(root.as_str()) {
+                found.push(Resolver::new(&by_path, &root).finish(package.name.clone(), root));
+            }
+        }
+    }
+    found
+}
+
+#[derive(Debug)]
+struct ModuleScope {
+    parent: Option<usize>,
+    file: String,
+    children: BTreeMap<String, usize>,
+    items: BTreeSet<String>,
+    imports: Vec<Import>,
+    /// Paths in code, each with its line.
+    paths: Vec<(Vec<String>, usize)>,
+}
+
+#[derive(Clone, Debug)]
+struct Import {
+    /// The name it brings into scope; empty for `*`.
+    name: String,
+    path: Vec<String>,
+    line: usize,
+}
+
+/// Where a path leads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Target {
+    Module(usize),
+    /// Something defined in this module.
+    Item(usize),
+}
+
+struct Resolver {
+    scopes: Vec<ModuleScope>,
+    macros: BTreeSet<String>,
+    /// Names looked up before. `None` while a look-up is under way, which ends circular imports.
+    known: RefCell<BTreeMap<(usize, String), Option<Target>>>,
+}
+
+impl Resolver {
+    fn new(files: &BTreeMap<&str, &SourceFile>, root: &str) -> Self {
+        let mut resolver = Self {
+            scopes: Vec::new(),
+            macros: BTreeSet::new(),
+            known: RefCell::default(),
+        };
+        if let Some(file) = files.get(root) {
+            resolver.add(files, &file.tree.items, None, root, &child_folder(root));
+        }
+        resolver
+    }
+
+    /// Adds a module and those below it.
+    fn add(
+        &mut self,
+        files: &BTreeMap<&str, &SourceFile>,
+        items: &[syn::Item],
+        parent: Option<usize>,
+        file: &str,
+        folder: &str,
+    ) -> usize {
+        let this = self.scopes.len();
+        self.scopes.push(ModuleScope {
+            parent,
+            file: file.to_owned(),
+            children: BTreeMap::new(),
+            items: BTreeSet::new(),
+            imports: Vec::new(),
+            paths: Vec::new(),
+        });
+        for item in items.iter().filter(|item| !is_cfg_test(attributes(item))) {
+            match item {
+                syn::Item::Mod(module) => self.add_child(files, module, this, file, folder),
+                syn::Item::Use(import) => {
+                    let mut found = Vec::new();
+                    flatten(&import.tree, &mut Vec::new(), &mut found);
+                    self.scopes[this].imports.extend(found);
+                }
+                _ => self.add_item(item, this),
+            }
+        }
+        this
+    }
+
+    fn add_child(
+        &mut self,
+        files: &BTreeMap<&str, &SourceFile>,
+        module: &syn::ItemMod,
+        parent: usize,
+        file: &str,
+        folder: &str,
+    ) {
+        let name = module.ident.to_string();
+        let name = name.trim_start_matches("r#");
+        let below = format!("{folder}{name}/");
+        let child = match &module.content {
+            Some((_, items)) => Some(self.add(files, items, Some(parent), file, &below)),
+            None => {
+                let places = match path_attribute(&module.attrs) {
+                    Some(path) => vec![format!(
+                        "{}/{path}",
+                        file.rsplit_once('/').map_or("", |(folder, _)| folder)
+                    )],
+                    None => vec![format!("{folder}{name}.rs"), format!("{below}mod.rs")],
+                };
+                let place = places
+                    .into_iter()
+                    .find_map(|place| files.get(place.as_str()));
+                place.map(|file| {
+                    let below = child_folder(&file.path);
+                    self.add(files, &file.tree.items, Some(parent), &file.path, &below)
+                })
+            }
+        };
+        if let Some(child) = child {
+            self.scopes[parent].children.insert(name.to_owned(), child);
+        }
+    }
+
+    fn add_item(&mut self, item: &syn::Item, module: usize) {
+        if let syn::Item::Macro(definition) = item
+            && let Some(name) = &definition.ident
+        {
+            self.macros.insert(name.to_string());
+        }
+        let scope = &mut self.scopes[module];
+        scope.items.extend(item_name(item));
+        let mut visitor = PathVisitor {
+            paths: &mut scope.paths,
+            imports: &mut scope.imports,
+        };
+        visitor.visit_item(item);
+    }
+
+    /// Follows a path from a module; `None` if it leaves the crate.
+    fn resolve(&self, module: usize, path: &[String]) -> Option<Target> {
+        let (first, rest) = path.split_first()?;
+        let start = match first.as_str() {
+            "crate" => Target::Module(0),
+            "self" => Target::Module(module),
+            "super" => Target::Module(self.scopes[module].parent?),
+            name => self.lookup(module, name)?,
+        };
+        self.walk(start, rest)
+    }
+
+    fn walk(&self, start: Target, rest: &[String]) -> Option<Target> {
+        let mut at = start;
+        for name in rest {
+            let Target::Module(module) = at else {
+                return Some(at);
+            };
+            at = match name.as_str() {
+                "self" => at,
+                "super" => Target::Module(self.scopes[module].parent?),
+                name => self.lookup(module, name)?,
+            };
+        }
+        Some(at)
+    }
+
+    fn lookup(&self, module: usize, name: &str) -> Option<Target> {
+        let key = (module, name.to_owned());
+        if let Some(known) = self.known.borrow().get(&key) {
+            return *known;
+        }
+        self.known.borrow_mut().insert(key.clone(), None);
+        let found = self.search(module, name);
+        self.known.borrow_mut().insert(key, found);
+        found
+    }
+
+    fn search(&self, module: usize, name: &str) -> Option<Target> {
+        let scope = &self.scopes[module];
+        if let Some(child) = scope.children.get(name) {
+            return Some(Target::Module(*child));
+        }
+        if scope.items.contains(name) {
+            return Some(Target::Item(module));
+        }
+        // an import that begins with the name itself leads out of the crate: `use log::log`
+        let other = |import: &&Import| import.path.first().is_none_or(|first| first != name);
+        for import in scope.imports.iter().filter(other) {
+            if import.name == name
+                && let Some(found) = self.resolve(module, &import.path)
+            {
+                return Some(found);
+            }
+        }
+        let globs = scope.imports.iter().filter(|import| import.name.is_empty());
+        for glob in globs.filter(other) {
+            if let Some(Target::Module(inner)) = self.resolve(module, &glob.path)
+                && inner != module
+                && let Some(found) = self.lookup(inner, name)
+            {
+                return Some(found);
+            }
+        }
+        None
+    }
+
+    /// Whether a path passes through the root to something that is no module and no macro.
+    fn is_hub_use(&self, module: usize, path: &[String]) -> bool {
+        let mut at = match path.first().map(String::as_str) {
+            Some("crate") => Some(0),
+            Some("super") => self.scopes[module].parent,
+            _ => None,
+        };
+        let mut rest = path.iter().skip(1).peekable();
+        while rest.next_if(|name| *name == "super").is_some() {
+            at = at.and_then(|module| self.scopes[module].parent);
+        }
+        match (at, rest.next()) {
+            (Some(0), Some(name)) => {
+                !self.scopes[0].children.contains_key(name) && !self.macros.contains(name)
+            }
+            _ => false,
+        }
+    }
+
+    fn finish(self, name: String, root: String) -> CrateModules {
+        let mut modules = CrateModules {
+            name,
+            root: root.clone(),
+            files: self.scopes.iter().map(|scope| scope.file.clone()).collect(),
+            rooms: self.rooms(),
+            arrows: BTreeSet::new(),
+            hub_uses: Vec::new(),
+        };
+        for (module, scope) in self.scopes.iter().enumerate() {
+            let imports = scope
+                .imports
+                .iter()
+                .map(|import| (&import.path, import.line));
+            let paths = scope.paths.iter().map(|(path, line)| (path, *line));
+            for (path, line) in imports.chain(paths) {
+                if scope.file != root && self.is_hub_use(module, path) {
+                    modules.hub_uses.push(HubUse {
+                        path: scope.file.clone(),
+                        line,
+                        name: path.join("::"),
+                    });
+                }
+                // naming a module is no use of its file: what is named through it counts
+                let Some(Target::Item(target)) = self.resolve(module, path) else {
+                    continue;
+                };
+                let to = &self.scopes[target].file;
+                if *to != scope.file {
+                    modules.arrows.insert((scope.file.clone(), to.clone()));
+                }
+            }
+        }
+        modules
+    }
+
+    fn rooms(&self) -> BTreeMap<String, String> {
+        let mut rooms = BTreeMap::new();
+        let Some(root) = self.scopes.first() else {
+            return rooms;
+        };
+        for (name, child) in &root.children {
+            let mut open = vec![*child];
+            while let Some(module) = open.pop() {
+                let scope = &self.scopes[module];
+                if scope.file != root.file {
+                    rooms.insert(scope.file.clone(), name.clone());
+                }
+                open.extend(scope.children.values());
+            }
+        }
+        rooms
+    }
+}
+
+fn path_attribute(attributes: &[syn::Attribute]) -> Option<String> {
+    attributes
+        .iter()
+        .find_map(|attribute| match &attribute.meta {
+            syn::Meta::NameValue(pair) if pair.path.is_ident("path") => match &pair.value {
+                syn::Expr::Lit(syn::ExprLit {
+                    lit: syn::Lit::Str(text),
+                    ..
+                }) => Some(text.value()),
+                _ => None,
+            },
+            _ => None,
+        })
+}
+
+fn item_name(item: &syn::Item) -> Option<String> {
+    let name = match item {
+        syn::Item::Const(it) => &it.ident,
+        syn::Item::Enum(it) => &it.ident,
+        syn::Item::Fn(it) => &it.sig.ident,
+        syn::Item::Static(it) => &it.ident,
+        syn::Item::Struct(it) => &it.ident,
+        syn::Item::Trait(it) => &it.ident,
+        syn::Item::TraitAlias(it) => &it.ident,
+        syn::Item::Type(it) => &it.ident,
+        syn::Item::Union(it) => &it.ident,
+        syn::Item::Macro(it) => it.ident.as_ref()?,
+        _ => return None,
+    };
+    Some(name.to_string())
+}
+
+/// The leaves of a `use` tree.
+fn flatten(tree: &syn::UseTree, before: &mut Vec<String>, found: &mut Vec<Import>) {
+    let line = tree.span().start().line;
+    match tree {
+        syn::UseTree::Path(it) => {
+            before.push(it.ident.to_string());
+            flatten(&it.tree, before, found);
+            before.pop();
+        }
+        syn::UseTree::Group(it) => {
+            for inner in &it.items {
+                flatten(inner, before, found);
+            }
+        }
+        syn::UseTree::Glob(_) => found.push(Import {
+            name: String::new(),
+            path: before.clone(),
+            line,
+        }),
+        syn::UseTree::Name(it) => found.push(import(before, &it.ident, &it.ident, line)),
+        syn::UseTree::Rename(it) => found.push(import(before, &it.ident, &it.rename, line)),
+    }
+}
+
+fn import(before: &[String], last: &syn::Ident, name: &syn::Ident, line: usize) -> Import {
+    let mut path = before.to_vec();
+    let mut name = name.to_string();
+    if last == "self" {
+        // `use a::b::{self}` is `use a::b`
+        if name == "self" {
+            name = path.last().cloned().unwrap_or_default();
+        }
+    } else {
+        path.push(last.to_string());
+    }
+    Import { name, path, line }
+}
+
+/// Collects the paths and inner imports of an item.
+struct PathVisitor<'a> {
+    paths: &'a mut Vec<(Vec<String>, usize)>,
+    imports: &'a mut Vec<Import>,
+}
+
+impl<'ast> Visit<'ast> for PathVisitor<'_> {
+    fn visit_path(&mut self, path: &'ast syn::Path) {
+        if path.leading_colon.is_none() {
+            let names = path
+                .segments
+                .iter()
+                .map(|segment| segment.ident.to_string());
+            self.paths.push((names.collect(), path.span().start().line));
+        }
+        visit::visit_path(self, path);
+    }
+
+    /// `pub(super)` is a path, but no use of anything.
+    fn visit_visibility(&mut self, _: &'ast syn::Visibility) {}
+
+    fn visit_item_use(&mut self, import: &'ast syn::ItemUse) {
+        let mut found = Vec::new();
+        flatten(&import.tree, &mut Vec::new(), &mut found);
+        // the names are the function's, so only the paths count
+        self.imports.extend(found.into_iter().map(|import| Import {
+            name: "_".to_owned(),
+            ..import
+        }));
+    }
+
+    fn visit_macro(&mut self, call: &'ast syn::Macro) {
+        self.visit_path(&call.path);
+        token_paths(call.tokens.clone(), self.paths);
+    }
+}
+
+/// Paths in the arguments of a macro: `name::name` and longer.
+fn token_paths(tokens: TokenStream, found: &mut Vec<(Vec<String>, usize)>) {
+    let mut path: Vec<String> = Vec::new();
+    let mut colons = 0;
+    let mut line = 0;
+    let mut flush = |path: &mut Vec<String>, line: usize| {
+        let path = std::mem::take(path);
+        if path.len() > 1 {
+            found.push((path, line));
+        }
+    };
+    let mut inner = Vec::new();
+    for token in tokens {
+        match token {
+            TokenTree::Ident(name) => {
+                if colons != 2 {
+                    flush(&mut path, line);
+                    line = name.span().start().line;
+                }
+                path.push(name.to_string());
+                colons = 0;
+            }
+            TokenTree::Punct(mark) if mark.as_char() == ':' => colons += 1,
+            TokenTree::Group(group) => {
+                flush(&mut path, line);
+                colons = 0;
+                inner.push(group.stream());
+            }
+            TokenTree::Punct(_) | TokenTree::Literal(_) => {
+                flush(&mut path, line);
+                colons = 0;
+            }
+        }
+    }
+    flush(&mut path, line);
+    for stream in inner {
+        token_paths(stream, found);
+    }
+}
