@@ -1,4 +1,4 @@
-//! The commands, one file each.
+//! The subcommands, one file each.
 
 mod call;
 mod check;
@@ -29,55 +29,55 @@ use crate::exit::Exit;
 use crate::terminal::Terminal;
 use clap::Subcommand;
 
-/// What to do.
+/// A subcommand of `asmotion`.
 #[derive(Subcommand)]
 pub enum Command {
-    /// Shows a rover being coordinated to its goal, in a simulated world
+    /// Runs a mission in which a specification coordinates a simulated rover
     Demo(demo::Demo),
     /// Runs a composite
     Run(Box<run::Run>),
-    /// Runs the processes of a composite that are of this machine, and starts them again as it says
+    /// Starts the processes of a composite that belong to this machine, and restarts them as it prescribes
     Up(up::Up),
-    /// Says what is wrong with specifications, scenarios and composites, before anything runs
+    /// Checks specifications, scenarios and composites without running them
     Check(check::Check),
-    /// Shows what a composite is to the outside: components, topics, services
+    /// Shows the components, topics and services of a composite
     Describe(describe::Describe),
-    /// Shows a composite opened up, with everything filled in
+    /// Shows a composite with nested composites and defaults expanded
     Expand(expand::Expand),
     /// Draws a composite
     Graph(graph::Graph),
-    /// Reads composites of the Service Component Architecture (SCDL), and writes them
+    /// Converts composites from and to the XML of the Service Component Architecture (SCDL)
     Scdl(scdl::Scdl),
-    /// Shows the JSON Schema of composite files, for editors
+    /// Prints the JSON Schema of composite files, for editors
     Schema(schema::Schema),
-    /// Puts specifications and scenarios into the one layout
+    /// Formats specifications and scenarios
     Fmt(fmt::Fmt),
-    /// Runs a specification alone, with scripted or random inputs
+    /// Simulates a specification with scripted or random inputs
     Sim(sim::Sim),
-    /// Steps a specification by hand: sets inputs, asks for values, goes back
+    /// Steps a specification interactively: sets inputs, evaluates terms, undoes steps
     Repl(repl::Repl),
     /// Runs scenarios
     Test(test::Test),
-    /// Shows what goes over a broker's topics, and publishes
+    /// Lists, shows and publishes messages of topics on a broker
     Topic(topic::Topic),
-    /// Shows the components that are there on a broker, starts and stops them
+    /// Lists, inspects and controls live components on a broker
     Component(component::Component),
-    /// Makes what runs what its composite says now, without a new start
+    /// Applies the current version of a composite to the running system without a restart
     Reconfigure(reconfigure::Reconfigure),
-    /// Shows a running system on the terminal, as it changes
+    /// Shows a running system on the terminal, updated continuously
     Top(top::Top),
     /// Reads and writes ports of live components
     Port(port::Port),
     /// Calls an operation of a live component
     Call(call::Call),
-    /// Talks with a running system: looks around in its components, calls, reads, writes, watches
+    /// Opens a prompt in a running system: inspects, calls, reads, writes, watches
     Shell(shell::Shell),
-    /// Says what is wrong with a broker, and how to mend it
+    /// Diagnoses a broker and says how to repair it
     Doctor(doctor::Doctor),
 }
 
 impl Command {
-    /// Does it.
+    /// Executes the command and returns its exit code.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         match self {
             Self::Demo(demo) => demo.run(terminal),

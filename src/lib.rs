@@ -1,7 +1,7 @@
-//! The front door of asmotion: the command line, one file a command, and what the commands share.
+//! The command line of asmotion: one file for each command, and their shared parts.
 //!
-//! This is the one crate that prints. [`mission`] puts a composite together and runs it; [`story`]
-//! tells what happens, [`trace`] and [`record`] write it down.
+//! This is the only crate that prints. [`mission`] assembles and runs a composite; [`story`] prints its events, [`trace`]
+//! and [`record`] write them to files.
 
 mod books;
 mod broker;
@@ -38,7 +38,7 @@ struct Arguments {
     #[command(subcommand)]
     command: Command,
 
-    /// When to use colour: `auto` follows the terminal, `NO_COLOR` and `FORCE_COLOR`.
+    /// When to use colour: `auto` follows the terminal, `NO_COLOR` and `FORCE_COLOR`
     #[arg(long, global = true, value_enum, default_value_t = Colour::Auto)]
     color: Colour,
 }
@@ -49,12 +49,12 @@ First steps:
   asmotion check specs/navigation/navigation.composite.toml  what is wrong, before anything starts
   asmotion sim specs/patrol/patrol.asm --steps 20            a specification alone";
 
-/// Carries out the command line.
+/// Parses the command line and executes the command.
 pub fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => {
-            // help and version are no errors; a failing standard output has nobody to tell
+            // help and version are not errors; a failing standard output cannot be reported anywhere
             let _ = error.print();
             return if error.use_stderr() {
                 Exit::Usage.into()

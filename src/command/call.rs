@@ -11,15 +11,14 @@ use std::time::Duration;
 /// Calls an operation of a live component.
 #[derive(Args)]
 pub struct Call {
-    /// The operation: `navigation.TrajectoryPlanner.planning.plan`, that is robot, component, service,
-    /// operation.
+    /// Operation as `ROBOT.COMPONENT.SERVICE.OPERATION`, for example `navigation.TrajectoryPlanner.planning.plan`
     operation: String,
 
-    /// What is asked, as JSON; fields left out have their initial values.
+    /// Argument as JSON; omitted fields have their default values
     #[arg(default_value = "{}")]
     argument: String,
 
-    /// Gives up after so many seconds.
+    /// Deadline of the call in seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 5.0)]
     timeout: f64,
 
@@ -28,7 +27,7 @@ pub struct Call {
 }
 
 impl Call {
-    /// Calls, and shows the answer as JSON.
+    /// Makes the call and prints the reply as JSON.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         match self.call() {
             Ok(Ok(answer)) => {
@@ -46,7 +45,7 @@ impl Call {
         }
     }
 
-    /// What is answered; or why there is no answer; or why it is not even asked.
+    /// Makes the call. The outer error says why the call could not be made, the inner one why it failed.
     fn call(&self) -> Result<Result<String, RemoteError>, String> {
         let argument: Datum = asmotion_datum::json::decode(&self.argument)
             .map_err(|error| format!("`{}` is no JSON: {error}", self.argument))?;

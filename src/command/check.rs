@@ -1,4 +1,4 @@
-//! `asmotion check`: what is wrong, before anything runs.
+//! `asmotion check`: reports errors and warnings before anything runs.
 
 mod explain;
 mod findings;
@@ -17,30 +17,30 @@ use findings::findings;
 use mend::Mended;
 use serde_json::{Value, json};
 
-/// Says what is wrong with specifications, scenarios and composites, before anything runs.
+/// Checks specifications, scenarios and composites without running them.
 #[derive(Args)]
 pub struct Check {
     /// Specifications (`.asm`), scenarios (`.avalla`, `.env.toml`), composites and message types (`.toml`).
     #[arg(required_unless_present = "explain")]
     files: Vec<String>,
 
-    /// What a code means, with an example and the same one mended; without a code, all of them.
+    /// Explains a code, with a faulty example and its correction; without a code, lists all codes
     #[arg(long, value_name = "CODE", num_args = 0..=1, conflicts_with_all = ["files", "fix"])]
     explain: Option<Option<String>>,
 
-    /// How findings are written.
+    /// Output format of the findings
     #[arg(long, value_enum, default_value_t = Format::Full)]
     format: Format,
 
-    /// The same as `--format json`.
+    /// Same as `--format json`
     #[arg(long, conflicts_with = "format")]
     json: bool,
 
-    /// Applies the fixes that are sure, rewrites the files, and says what is left.
+    /// Applies all safe fixes, rewrites the files, and reports the remaining findings
     #[arg(long)]
     fix: bool,
 
-    /// With `--fix`: shows the changes as a diff and leaves the files alone.
+    /// With `--fix`: prints the changes as a diff and leaves the files unchanged
     #[arg(
         long,
         visible_alias = "dry-run",
@@ -49,36 +49,33 @@ pub struct Check {
     )]
     diff: bool,
 
-    /// Of composites: what joins their components, and whether that is inside a process, in real time, or over a broker,
-    /// which is not.
+    /// Lists the connections of composites: within a process (real time) or over a broker (not real time)
     #[arg(long, conflicts_with_all = ["json", "explain"])]
     connections: bool,
 
-    /// Where it observably differs from the textbook, reads specifications as these tools do.
+    /// Follows this tool where it observably differs from the textbook
     #[arg(long, value_enum, value_name = "TOOLS")]
     compat: Option<Tool>,
 }
 
-/// How findings are written.
+/// Output format of the findings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// With the lines they speak of, on standard error.
+    /// Findings with source lines, on standard error
     Full,
-    /// One line each, on standard output.
+    /// One line for each finding, on standard output
     Concise,
-    /// One JSON document, on standard output.
+    /// One JSON document, on standard output
     Json,
 }
 
-/// What was seen in all files.
+/// Results of all files.
 #[derive(Default)]
 struct Seen {
     report: Report,
-    /// Findings as JSON.
     findings: Vec<Value>,
-    /// Applied fixes as JSON.
     fixed: Vec<Value>,
-    /// The worst so far.
+    /// The most severe exit code so far.
     exit: Exit,
 }
 
@@ -96,7 +93,7 @@ impl Check {
             }
             let (report, sources) = match self.fix.then(|| mend::mend(path, &options)) {
                 Some(Ok(mended)) => self.mended(path, mended, &mut seen, terminal),
-                // a file that cannot be read is a finding like any other
+                // a file that cannot be read is reported like any other finding
                 Some(Err(_)) | None => findings(path, &options, &Disk),
             };
             self.show(&report, &sources, &mut seen, terminal);
@@ -131,7 +128,7 @@ impl Check {
         if self.json { Format::Json } else { self.format }
     }
 
-    /// Writes a mended file, or shows what would be written; what is left to find.
+    /// Writes the fixed file, or prints its diff. Returns the remaining findings.
     fn mended(
         &self,
         path: &str,
@@ -193,7 +190,7 @@ impl Check {
     }
 }
 
-/// Whether a machine can mend it.
+/// Returns `true` if the finding has a fix that can be applied automatically.
 fn is_sure(finding: &Diagnostic) -> bool {
     let fix = finding.fix.as_ref();
     fix.is_some_and(|fix| fix.applicability == Applicability::Sure)

@@ -1,4 +1,4 @@
-//! `asmotion component`: who is there on a broker, how they are, and what they shall do.
+//! `asmotion component`: lists, inspects and controls live components.
 
 mod properties;
 
@@ -14,7 +14,7 @@ use asmotion_remote::{Present, Remote, Typed};
 use clap::{Args, Subcommand};
 use std::error::Error;
 
-/// Shows the components that are there on a broker, starts and stops them.
+/// Lists, inspects and controls live components on a broker.
 #[derive(Args)]
 pub struct Component {
     #[command(flatten)]
@@ -26,45 +26,45 @@ pub struct Component {
 
 #[derive(Subcommand)]
 enum What {
-    /// All components: process, state, rate
+    /// Lists all components with process, state and rate
     List,
-    /// One component: ports, services, references, properties
+    /// Shows ports, services, references and properties of a component
     Info {
-        /// Its name
+        /// Name of the component
         name: String,
 
-        /// What it declares, with the shape of every port and operation, as JSON
+        /// Prints the declaration as JSON, with the schema of every port and operation
         #[arg(long)]
         json: bool,
     },
-    /// Configures a component that has been cleaned up, or anew
+    /// Configures a component that is not configured, or configures it again
     Configure {
-        /// Its name
+        /// Name of the component
         name: String,
     },
-    /// Starts a component that is stopped
+    /// Starts a stopped component
     Start {
-        /// Its name
+        /// Name of the component
         name: String,
     },
     /// Stops a component
     Stop {
-        /// Its name
+        /// Name of the component
         name: String,
     },
-    /// Has a component that is stopped give everything back
+    /// Cleans up a stopped component, which releases its resources
     Cleanup {
-        /// Its name
+        /// Name of the component
         name: String,
     },
-    /// Leads a component out of an exception
+    /// Resets a component after an exception
     Reset {
-        /// Its name
+        /// Name of the component
         name: String,
     },
-    /// Sets properties of a component, all or none, from its next cycle on
+    /// Sets properties of a component before its next cycle: all of them or none
     Set {
-        /// Its name
+        /// Name of the component
         name: String,
 
         /// `PROPERTY=VALUE`
@@ -76,7 +76,7 @@ enum What {
 }
 
 impl Component {
-    /// Does it.
+    /// Executes the subcommand.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         let done = self.broker.remote().and_then(|remote| {
             let done = self.what.run(&remote, terminal);

@@ -1,4 +1,4 @@
-//! `asmotion demo`: a rover is coordinated to its goal, with nothing to install.
+//! `asmotion demo`: a simulated rover is coordinated to its goal.
 
 use asmotion_datum::Datum;
 use clap::{Args, ValueEnum};
@@ -9,7 +9,7 @@ use crate::exit::Exit;
 use crate::mission::Mission;
 use crate::terminal::Terminal;
 
-/// What the demo needs, so that the binary needs no other file.
+/// Files of the demo, embedded so that the binary needs no others.
 const FILES: &[(&str, &str)] = &[
     (
         "navigation.composite.toml",
@@ -25,14 +25,14 @@ const FILES: &[(&str, &str)] = &[
     ),
 ];
 
-/// Shows a rover being coordinated to its goal, in a simulated world.
+/// Runs a mission in which a specification coordinates a simulated rover.
 #[derive(Args)]
 pub struct Demo {
-    /// Virtual seconds in one second of the wall; 0 is as fast as possible.
+    /// Virtual seconds per second of real time; 0 is as fast as possible
     #[arg(long, default_value_t = 8.0)]
     speed: f64,
 
-    /// What the world has in store.
+    /// Obstacles that the map does not show
     #[arg(long, value_enum, default_value_t = World::Blocked)]
     world: World,
 
@@ -40,19 +40,19 @@ pub struct Demo {
     common: Common,
 }
 
-/// What the world has in store, beyond the map.
+/// Obstacles that the map does not show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum World {
-    /// Nothing but what the map shows.
+    /// None
     Plain,
-    /// Things in the way that can be passed.
+    /// Obstacles that can be passed
     Cluttered,
-    /// The corridor is closed while the rover is in it.
+    /// An obstacle that closes the corridor while the rover is in it
     Blocked,
 }
 
 impl World {
-    /// The obstacles that no map shows.
+    /// The obstacles, as a value of the property `World.obstacles`.
     fn obstacles(self) -> &'static str {
         match self {
             Self::Plain => "[]",
@@ -68,14 +68,13 @@ const CLUTTERED: &str = r#"[
     { "at_s": 0.0, "disc": [23.5, 7.4, 0.25] }
 ]"#;
 
-/// What closes the corridor of the demo, and something on the way around.
+/// Obstacles that close the corridor of the demo, and one on the detour.
 pub const BLOCKED_CORRIDOR: &str = r#"[
     { "at_s": 0.0, "disc": [20.0, 12.8, 0.25] },
     { "at_s": 12.0, "block": [17.0, 7.0, 0.4, 2.0, 0.0] }
 ]"#;
 
 impl Demo {
-    /// Runs it.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         let folder = match unpack() {
             Ok(folder) => folder,
@@ -104,7 +103,7 @@ impl Demo {
     }
 }
 
-/// Writes the demo's files into a temporary folder, which is removed when the demo is over.
+/// Writes the demo's files into a temporary folder, which is deleted at the end of the demo.
 fn unpack() -> std::io::Result<tempfile::TempDir> {
     let folder = tempfile::Builder::new()
         .prefix("asmotion-demo-")

@@ -1,4 +1,4 @@
-//! `asmotion describe`: what a composite is to the outside.
+//! `asmotion describe`: the external interface of a composite.
 
 use asmotion_assembly::Plan;
 use asmotion_assembly::model::Transport;
@@ -13,30 +13,30 @@ use crate::mission::MissionError;
 use crate::table;
 use crate::terminal::Terminal;
 
-/// Shows the components, topics and services of a composite, for people or for their tools.
+/// Shows the components, topics and services of a composite, for people or for tools.
 #[derive(Args)]
 pub struct Describe {
-    /// The composite.
+    /// Composite file
     composite: String,
 
-    /// Which of its profiles.
+    /// Profile of the composite
     #[arg(long)]
     profile: Option<String>,
 
-    /// As an AsyncAPI 3.0.0 document: what stands on the wire of RabbitMQ, with every message's schema.
+    /// Prints an AsyncAPI 3.0.0 document: exchanges, channels and the schema of every message
     #[arg(long)]
     asyncapi: bool,
 
-    /// How the document is written.
+    /// Format of the AsyncAPI document
     #[arg(long, value_enum, default_value_t = Format::Json, requires = "asyncapi")]
     format: Format,
 
-    /// Whose topics these are on the broker: keys are `ROBOT.TOPIC`; the composite's name without it.
+    /// Robot name, used as the routing-key prefix [default: the composite's name]
     #[arg(long, requires = "asyncapi")]
     robot: Option<String>,
 }
 
-/// How a document is written.
+/// Format of a document.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Format {
     Json,
@@ -44,7 +44,6 @@ enum Format {
 }
 
 impl Describe {
-    /// Describes it.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         let opened = build::open(&self.composite, &[], &Disk);
         terminal.report(&opened.report, &opened.sources);
@@ -106,7 +105,7 @@ fn tables(description: &Description<'_>, terminal: &mut Terminal) {
     show(&["from outside", "what", "over"], doors, terminal);
 }
 
-/// The ways from outside to what is promoted.
+/// The addresses under which a promoted service can be called.
 fn doors(promoted: &Promoted, plan: &Plan) -> Vec<Vec<String>> {
     let listens = |name: &String| {
         let gateway = plan.gateways.iter().find(|it| it.name == *name)?;

@@ -1,4 +1,4 @@
-//! `asmotion doctor`: what is wrong with a broker, and how to mend it.
+//! `asmotion doctor`: diagnoses a broker.
 
 use crate::broker::Broker;
 use crate::exit::Exit;
@@ -12,20 +12,20 @@ use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Says what is wrong with a broker, and how to mend it.
+/// Diagnoses a broker and says how to repair it.
 #[derive(Args)]
 pub struct Doctor {
     #[command(flatten)]
     broker: Broker,
 }
 
-/// How long anything may take.
+/// Time limit of each test.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// The topic and the service that are tried.
+/// Name of the topic and the service used by the tests.
 const TRIED: &str = "asmotion.doctor";
 
-/// Something that is wrong.
+/// A defect of the broker, with its remedy.
 struct Ailment {
     what: String,
     mend: String,
@@ -41,7 +41,7 @@ impl Ailment {
 }
 
 impl Doctor {
-    /// Tries what a system does, one thing after the other, until one does not work.
+    /// Tests what a system needs, step by step, until a step fails.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         let settings = match self.broker.settings() {
             Ok(settings) => settings,
@@ -82,7 +82,7 @@ fn examine(settings: &Settings, terminal: &mut Terminal) -> Result<(), Ailment> 
     Ok(())
 }
 
-/// Whether anything listens there.
+/// Tests whether a TCP connection can be opened.
 fn reach(settings: &Settings) -> Result<(), Ailment> {
     let (host, port) = (&settings.host, settings.port);
     let addresses = (host.as_str(), port).to_socket_addrs().map_err(|error| {
@@ -105,7 +105,7 @@ fn reach(settings: &Settings) -> Result<(), Ailment> {
     ))
 }
 
-/// Whether we may come in.
+/// Tests whether the broker accepts the credentials and the virtual host.
 fn enter(settings: &Settings) -> Result<AmqpBus, Ailment> {
     AmqpBus::connect(settings.clone(), PATIENCE).map_err(|error| {
         let (user, vhost) = (settings.credentials.user(), &settings.vhost);
@@ -131,15 +131,15 @@ fn enter(settings: &Settings) -> Result<AmqpBus, Ailment> {
     })
 }
 
-/// What lets the user do everything in the virtual host.
+/// The command that grants the user all permissions in the virtual host.
 fn permit(settings: &Settings) -> String {
     let (user, vhost) = (settings.credentials.user(), &settings.vhost);
     format!("rabbitmqctl set_permissions -p {vhost} {user} '.*' '.*' '.*'")
 }
 
-/// Whether the broker takes anything.
+/// Tests whether the broker accepts messages.
 fn take(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
-    // an alarm is noticed by a pulse that is not answered
+    // a memory or disk alarm shows as a probe without a reply
     std::thread::sleep(settings.timing.silent + 2 * settings.timing.pulse);
     match bus.health().link {
         Link::Up => Ok(()),
@@ -151,7 +151,7 @@ fn take(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
     }
 }
 
-/// Whether topics work.
+/// Tests whether a message published on a topic arrives.
 fn exchange(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
     let read = asmotion_remote::listen(bus, TRIED)
         .map_err(|error| forbidden("a topic cannot be read", &error.to_string(), settings))?;
@@ -164,18 +164,18 @@ fn exchange(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
     if published && read.next_within(PATIENCE).is_some() {
         return Ok(());
     }
-    // an alarm may be noticed only now
+    // an alarm can become visible only now
     take(bus, settings)?;
     let what = "a topic cannot be written";
     Err(forbidden(what, "what was published has not come", settings))
 }
 
-/// Whether services work.
+/// Tests whether a service can be offered and called.
 fn serve(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
     let ill = |what: String| forbidden("a service cannot be offered or called", &what, settings);
     let serving = match bus.serve(TRIED, 1, Arc::new(Bell::new())) {
         Ok(serving) => serving,
-        // another doctor is at work
+        // another `asmotion doctor` is running
         Err(BusError::Served { .. }) => return Ok(()),
         Err(error) => return Err(ill(error.to_string())),
     };

@@ -1,4 +1,4 @@
-//! `asmotion expand`: a composite opened up, with everything filled in.
+//! `asmotion expand`: a composite with nested composites and defaults expanded.
 
 use clap::Args;
 
@@ -8,19 +8,18 @@ use crate::files::Disk;
 use crate::mission::MissionError;
 use crate::terminal::Terminal;
 
-/// Shows a composite opened up: nested ones in their places, defaults filled in, secrets left out.
+/// Prints a composite with nested composites expanded, defaults filled in and secrets masked.
 #[derive(Args)]
 pub struct Expand {
-    /// The composite.
+    /// Composite file
     composite: String,
 
-    /// Which of its profiles.
+    /// Profile of the composite
     #[arg(long)]
     profile: Option<String>,
 }
 
 impl Expand {
-    /// Expands it.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         let opened = build::open(&self.composite, &[], &Disk);
         terminal.report(&opened.report, &opened.sources);

@@ -1,4 +1,4 @@
-//! `asmotion fmt`: every specification and scenario in the one layout.
+//! `asmotion fmt`: formats specifications and scenarios.
 
 use crate::diff;
 use crate::exit::Exit;
@@ -11,35 +11,34 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Puts specifications and scenarios into the one layout; see docs/formatting.md.
+/// Formats specifications and scenarios; see docs/formatting.md.
 #[derive(Args)]
 pub struct Fmt {
-    /// Specifications, scenarios, and folders with such; `-` is standard input to standard output.
+    /// Specifications, scenarios, and folders that contain them; `-` formats standard input
     #[arg(required = true)]
     paths: Vec<String>,
 
-    /// Changes nothing; lists what has another layout, and fails where there is some.
+    /// Lists files that are not formatted, changes nothing, and fails if there are any
     #[arg(long)]
     check: bool,
 
-    /// Changes nothing; shows what would change.
+    /// Prints the changes as a diff and changes nothing
     #[arg(long)]
     diff: bool,
 }
 
-/// What became of the files.
+/// Numbers of files by result.
 #[derive(Default)]
 struct Tally {
     changed: usize,
     unchanged: usize,
-    /// With errors in them, so left alone.
+    /// Files with errors, left unchanged.
     wrong: usize,
-    /// Neither read nor written.
+    /// Files that could not be read or written.
     failed: usize,
 }
 
 impl Fmt {
-    /// Formats all files.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         let mut tally = Tally::default();
         for path in &self.paths {
@@ -98,7 +97,7 @@ impl Fmt {
         }
     }
 
-    /// Writes the new text, or says what it would be.
+    /// Writes the formatted text, or prints the difference.
     fn change(
         &self,
         path: &str,
@@ -149,7 +148,7 @@ fn count(files: usize) -> String {
     }
 }
 
-/// The file, or the specifications and scenarios in the folder.
+/// The file itself, or the specifications and scenarios in a folder.
 fn files_at(path: &str) -> std::io::Result<Vec<String>> {
     if path == "-" || !std::fs::metadata(path)?.is_dir() {
         return Ok(vec![path.to_owned()]);

@@ -1,4 +1,4 @@
-//! `asmotion graph`: a picture of a composite.
+//! `asmotion graph`: draws a composite.
 
 use std::path::PathBuf;
 
@@ -10,38 +10,37 @@ use crate::files::{Disk, reason};
 use crate::mission::MissionError;
 use crate::terminal::Terminal;
 
-/// Draws a composite: components, topics, services and references, and what joins them.
+/// Draws a composite: components, topics, services, references and their connections.
 #[derive(Args)]
 pub struct Graph {
-    /// The composite.
+    /// Composite file
     composite: String,
 
-    /// Which of its profiles.
+    /// Profile of the composite
     #[arg(long)]
     profile: Option<String>,
 
-    /// How it is drawn.
+    /// Output format
     #[arg(long, value_enum, default_value_t = Format::Svg)]
     format: Format,
 
-    /// The file that the picture goes to; without it, it is shown.
+    /// Output file [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
 
-/// How a composite is drawn.
+/// Format of a drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// For Graphviz.
+    /// Graphviz
     Dot,
-    /// For Mermaid.
+    /// Mermaid
     Mermaid,
-    /// As a picture.
+    /// SVG image
     Svg,
 }
 
 impl Graph {
-    /// Draws it.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         let opened = build::open(&self.composite, &[], &Disk);
         terminal.report(&opened.report, &opened.sources);

@@ -7,7 +7,7 @@ use asmotion_datum::Datum;
 use asmotion_remote::RemoteError;
 use clap::{Args, Subcommand};
 
-/// Reads what left an output port last, and writes to an input port.
+/// Reads output ports and writes input ports of live components.
 #[derive(Args)]
 pub struct Port {
     #[command(flatten)]
@@ -19,23 +19,22 @@ pub struct Port {
 
 #[derive(Subcommand)]
 enum What {
-    /// Shows what left an output port last, as JSON
+    /// Prints the last value written to an output port, as JSON
     Read {
-        /// `Component.port`; before it may stand the robot
+        /// `COMPONENT.PORT`, or `ROBOT.COMPONENT.PORT`
         port: String,
     },
-    /// Writes a message to an input port; it is checked against the port's type
+    /// Writes a message to an input port after checking it against the port's type
     Write {
-        /// `Component.port`; before it may stand the robot
+        /// `COMPONENT.PORT`, or `ROBOT.COMPONENT.PORT`
         port: String,
 
-        /// The message as JSON; fields left out have their initial values
+        /// Message as JSON; omitted fields have their default values
         message: String,
     },
 }
 
 impl Port {
-    /// Does it.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         match self.ask() {
             Ok(None) => Exit::Ok,

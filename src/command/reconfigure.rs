@@ -1,4 +1,4 @@
-//! `asmotion reconfigure`: a running composite becomes its next version.
+//! `asmotion reconfigure`: applies a new version of a composite to the running system.
 
 use crate::broker::Broker;
 use crate::build;
@@ -12,21 +12,21 @@ use asmotion_remote::{Remote, RemoteError, Word};
 use clap::Args;
 use std::time::Duration;
 
-/// Makes the running processes of a composite what its file says now, all of them or none, without a new start.
+/// Applies the composite's current version to the running system without a restart: in all its processes or in none.
 #[derive(Args)]
 pub struct Reconfigure {
-    /// The composite.
+    /// Composite file
     composite: String,
 
-    /// Says what would change, and changes nothing.
+    /// Lists the changes without applying them
     #[arg(long = "try")]
     only_try: bool,
 
-    /// Of several robots that run it, the one that is meant.
+    /// Robot name, if several robots run the composite
     #[arg(long)]
     robot: Option<String>,
 
-    /// Sets a property of the composite (`place=lab`), as for `asmotion run`.
+    /// Sets a property of the composite (`place=lab`), as for `asmotion run`
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
 
@@ -34,11 +34,10 @@ pub struct Reconfigure {
     broker: Broker,
 }
 
-/// How long a process may take to check a version.
+/// Time limit for a process to check a version.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 impl Reconfigure {
-    /// Does it.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         let files = Remembering::new(&Disk);
         let settings = self.set.iter().filter_map(|set| set.split_once('='));
@@ -68,7 +67,7 @@ impl Reconfigure {
         })
     }
 
-    /// Asks every process whether it can, and then to do it.
+    /// Asks every process whether it can apply the version, then tells all of them to do so.
     fn change(
         &self,
         remote: &Remote,
@@ -106,14 +105,14 @@ impl Reconfigure {
     }
 }
 
-/// Has a process take over a version, or try; says what changes.
+/// Asks one process to check or apply a version; returns the list of changes.
 fn ask(remote: &Remote, process: &Word, version: &Version) -> Result<Vec<String>, RemoteError> {
     let address = process.key(&reconfigure_address(&process.presence.process));
     let answer = remote.call(&address, Datum::of(version)?, PATIENCE)?;
     Ok(answer.to()?)
 }
 
-/// Tells what every process answered.
+/// Prints the replies of all processes.
 fn tell(
     processes: &[Word],
     answers: Vec<Result<Vec<String>, RemoteError>>,

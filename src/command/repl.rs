@@ -1,4 +1,4 @@
-//! `asmotion repl`: a specification at a prompt.
+//! `asmotion repl`: interactive simulation of a specification.
 
 mod save;
 mod talk;
@@ -13,23 +13,23 @@ use clap::Args;
 use talk::Talk;
 use verb::VERBS;
 
-/// Steps a specification by hand: sets inputs, asks for values, goes back, says who wrote what.
+/// Steps a specification interactively: sets inputs, evaluates terms, undoes steps, finds the writer of a location.
 #[derive(Args)]
 pub struct Repl {
-    /// The specification.
+    /// Specification file
     spec: String,
 
-    /// Inputs that nobody set are random; they are undef without it.
+    /// Uses random values for inputs that are not set; without this option they are undef
     #[arg(long)]
     random: bool,
 
-    /// Decides `choose`, and inputs with `--random`.
+    /// Seed for `choose`, and for inputs with `--random`
     #[arg(long, default_value_t = 1)]
     seed: u64,
 }
 
 impl Repl {
-    /// Talks until the input ends.
+    /// Reads and executes commands until the end of input.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         let session = asmotion_lang::open(&self.spec, &Disk).and_then(Session::new);
         let session = match session {
@@ -67,7 +67,7 @@ impl Repl {
     }
 }
 
-/// The names of a specification.
+/// The names in a specification, for completion.
 fn names(session: &Session) -> Vec<String> {
     let model = &session.specification.model;
     let functions = model

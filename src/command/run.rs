@@ -1,4 +1,4 @@
-//! `asmotion run`: a composite.
+//! `asmotion run`: runs a composite.
 
 mod told;
 mod watched;
@@ -26,102 +26,98 @@ use told::{event_json, summarise, summary_json};
 /// Runs a composite.
 #[derive(Args)]
 pub struct Run {
-    /// The composite.
+    /// Composite file
     composite: String,
 
-    /// Which of its profiles.
+    /// Profile of the composite
     #[arg(long)]
     profile: Option<String>,
 
-    /// In virtual time (one thread, the same way each time) or as time passes on the wall; over a
-    /// broker or a gateway it is the wall's.
+    /// Clock: `virtual` (one thread, deterministic) or `wall` [default: `wall` over a broker or gateway, else `virtual`]
     #[arg(long, value_enum)]
     clock: Option<ClockKind>,
 
-    /// Virtual seconds in one second of the wall; 0, as without it, is as fast as possible.
+    /// Virtual seconds per second of real time; 0 is as fast as possible [default: 0]
     #[arg(long)]
     speed: Option<f64>,
 
-    /// Over which bus topics and services go: `local`, within this process, or a broker's address,
-    /// `amqp://user@host:port/vhost`; without it, over the broker that the composite names, if it names
-    /// one. The password comes from ASMOTION_PASSWORD, or `--credentials`.
+    /// Bus for topics and services: `local` (within this process) or the address of a broker,
+    /// `amqp://user@host:port/vhost` [default: the broker named by the composite, else `local`]. The password is
+    /// read from ASMOTION_PASSWORD or `--credentials`.
     #[arg(long, value_name = "URL")]
     bus: Option<String>,
 
     #[command(flatten)]
     access: Access,
 
-    /// Whose topics these are on the broker: keys are `ROBOT.TOPIC`; the composite's name without it.
+    /// Robot name, used as the routing-key prefix [default: the composite's name]
     #[arg(long)]
     robot: Option<String>,
 
-    /// Where the gateway listens through which services are called over HTTP, `127.0.0.1:8080` or, of
-    /// several, `NAME=127.0.0.1:8080` (port 0 is a free one), or `off`; without it, where the composite
-    /// says.
+    /// Listening address of the HTTP gateway: `127.0.0.1:8080`, `NAME=127.0.0.1:8080` if there are several (port 0
+    /// chooses a free port), or `off` [default: the address in the composite]
     #[arg(long, value_name = "ADDRESS")]
     http: Vec<String>,
 
-    /// Runs one of the processes that the composite is deployed to; the others run elsewhere.
+    /// Runs only this process of the composite's deployment
     #[arg(long, value_name = "NAME")]
     process: Option<String>,
 
     #[command(flatten)]
     common: Common,
 
-    /// Ends well when a location gets a value; without it, with `mode=ARRIVED`.
+    /// Ends the run successfully when a location has a value [default: mode=ARRIVED]
     #[arg(long, value_name = "LOCATION=VALUE")]
     until: Vec<String>,
 
-    /// Ends badly when a location gets a value; without it, with `mode=FAILED`.
+    /// Ends the run as failed when a location has a value [default: mode=FAILED]
     #[arg(long, value_name = "LOCATION=VALUE")]
     unless: Vec<String>,
 }
 
-/// In which time.
+/// Kind of clock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum ClockKind {
     Virtual,
     Wall,
 }
 
-/// What `run` and `demo` have in common.
+/// Options common to `run` and `demo`.
 #[derive(Args, Clone)]
 pub struct Common {
-    /// Decides what is left to chance: noise, slip, `choose`.
+    /// Seed for noise, slip and `choose`
     #[arg(long)]
     pub seed: Option<u64>,
 
-    /// Sends the rover here instead of where the composite says; metres on the map.
+    /// Goal of the rover in metres on the map, instead of the goal in the composite
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
     pub goal: Option<String>,
 
-    /// Ends after so many seconds of its own time; without it after 600, or never where it is one
-    /// process of several.
+    /// Ends the run after this many seconds of its own clock [default: 600, or unlimited for one process of several]
     #[arg(long = "for", value_name = "SECONDS")]
     pub limit: Option<f64>,
 
-    /// Sets a property of the composite (`place=lab`) or of a component (`World.slip=0.01`).
+    /// Sets a property of the composite (`place=lab`) or of a component (`World.slip=0.01`)
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
 
     #[command(flatten)]
     books: Wanted,
 
-    /// Steps, calls, faults and the summary as JSON, one object a line, on standard output.
+    /// Prints steps, calls, faults and the summary as JSON, one object a line, on standard output
     #[arg(long)]
     pub json: bool,
 
-    /// The summary alone.
+    /// Prints only the summary
     #[arg(long, short)]
     pub quiet: bool,
 
-    /// Shows the system on the terminal while it runs, as `asmotion top` does; `q` ends both.
+    /// Shows the system on the terminal while it runs, as `asmotion top` does; `q` ends both
     #[arg(long, conflicts_with = "json")]
     pub top: bool,
 }
 
 impl Run {
-    /// Runs it.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         if self.composite.ends_with(".asm") {
             terminal.error(format_args!(
@@ -182,7 +178,7 @@ impl Run {
         Ok(mission)
     }
 
-    /// Says where gateways listen.
+    /// Returns the printer of gateway addresses.
     fn told(&self) -> Told {
         let (quiet, as_json) = (self.common.quiet, self.common.json);
         Told::new(move |name, at| {
@@ -197,7 +193,7 @@ impl Run {
         })
     }
 
-    /// The brokers, if the bus is not that within the process.
+    /// The brokers of the run, or none for the local bus.
     fn brokers(&self, mission: &Mission) -> Result<Brokers, String> {
         let named = |broker: &_| broker::named(broker, &self.access);
         Ok(match self.bus.as_deref() {
@@ -216,7 +212,7 @@ impl Run {
     }
 }
 
-/// Virtual time at this speed.
+/// The virtual clock at this speed.
 pub fn virtual_clock(speed: f64) -> Result<Clock, String> {
     match speed.is_finite() && speed >= 0.0 {
         true => Ok(Clock::Virtual(speed)),
@@ -224,12 +220,12 @@ pub fn virtual_clock(speed: f64) -> Result<Clock, String> {
     }
 }
 
-/// A property's value as it was written: TOML, and what is none is text.
+/// Parses the value of a property as TOML; any other text is a string.
 pub fn property_value(written: &str) -> Datum {
     Value::from_toml(written).map_or_else(|| Datum::text(written), |value| value.datum())
 }
 
-/// `location=value`, split; nothing where nothing was written.
+/// Splits `location=value` options; `None` if there are none.
 fn ends(written: &[String]) -> Result<Option<Vec<(String, String)>>, String> {
     if written.is_empty() {
         return Ok(None);
@@ -248,7 +244,7 @@ fn ends(written: &[String]) -> Result<Option<Vec<(String, String)>>, String> {
 }
 
 impl Common {
-    /// Applies the options and runs a mission that goes by this title.
+    /// Applies the options and runs a mission with this title.
     pub fn run(&self, title: &str, mut mission: Mission, terminal: &mut Terminal) -> Exit {
         if let Err(problem) = self.apply(&mut mission) {
             terminal.error(problem);
@@ -258,7 +254,7 @@ impl Common {
         self.run_applied(title, &mission, terminal)
     }
 
-    /// Runs a mission that has the options already.
+    /// Runs a mission to which the options have been applied.
     fn run_applied(&self, title: &str, mission: &Mission, terminal: &mut Terminal) -> Exit {
         let clock = match mission.clock {
             Clock::Wall => "wall clock".to_owned(),
@@ -319,14 +315,14 @@ impl Common {
         }
         match ended.outcome {
             Outcome::Reached => Exit::Ok,
-            // one process of several runs until it is told to end
+            // one process of several runs until it is told to stop
             Outcome::Stopped if mission.process.is_some() => Exit::Ok,
             Outcome::Failed | Outcome::TimeUp | Outcome::Stopped => Exit::Findings,
             Outcome::Fault => Exit::Fault,
         }
     }
 
-    /// Whoever looks on needs a bus, where there is no broker.
+    /// Gives the mission a local bus for `--top` if there is no broker.
     fn open_to_spectators(&self, mission: &mut Mission) {
         if let (true, Brokers::Nothing) = (self.top, &mission.brokers) {
             mission.brokers = Brokers::Inside(Local::new());
@@ -387,7 +383,7 @@ impl Common {
         Ok(())
     }
 
-    /// Who hears the events: the person at the terminal, or a program.
+    /// The listener for events: prints text for people or JSON for programs.
     fn listener(
         &self,
         books: Arc<Mutex<Books>>,
@@ -405,15 +401,15 @@ impl Common {
     }
 }
 
-/// What a panicking listener left behind is still in the books.
+/// Locks the books; they are consistent even if a listener panicked while it held the lock.
 fn lock(books: &Mutex<Books>) -> MutexGuard<'_, Books> {
     books.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The first Ctrl-C ends the run in order, the second at once.
+/// Installs a handler: the first Ctrl-C stops the run in order, the second one at once.
 fn on_interrupt(stop: &Arc<AtomicBool>) {
     let stop = stop.clone();
-    // without the handler, Ctrl-C ends the process at once, as everywhere
+    // without the handler, Ctrl-C ends the process at once
     let _ = ctrlc::set_handler(move || {
         if stop.swap(true, Ordering::Relaxed) {
             std::process::exit(130);

@@ -1,4 +1,4 @@
-//! `asmotion scdl`: composites from and to the XML of the Service Component Architecture.
+//! `asmotion scdl`: converts composites from and to the XML of the Service Component Architecture.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use crate::exit::Exit;
 use crate::files::{Disk, reason};
 use crate::terminal::Terminal;
 
-/// Reads composites of the Service Component Architecture, and writes them.
+/// Converts composites from and to the XML of the Service Component Architecture (SCDL).
 #[derive(Args)]
 pub struct Scdl {
     #[command(subcommand)]
@@ -20,34 +20,33 @@ pub struct Scdl {
 
 #[derive(Subcommand)]
 enum What {
-    /// Makes composite files of an SCDL file
+    /// Converts an SCDL file into composite files
     Import(Import),
-    /// Writes a composite as SCDL
+    /// Converts a composite into SCDL
     Export(Export),
 }
 
 #[derive(Args)]
 struct Import {
-    /// The SCDL file; the composites that it nests are looked for beside it.
+    /// SCDL file; nested composites are looked up in the same folder
     file: String,
 
-    /// The folder that the composite files go to; without it, the first is shown.
+    /// Folder for the composite files [default: prints the first one]
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
 }
 
 #[derive(Args)]
 struct Export {
-    /// The composite.
+    /// Composite file
     composite: String,
 
-    /// The file that the SCDL goes to; without it, it is shown.
+    /// SCDL file to write [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
 
 impl Scdl {
-    /// Does it.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         match self.what {
             What::Import(import) => import.run(terminal),
@@ -88,7 +87,7 @@ impl Import {
     }
 }
 
-/// A file and the SCDL files beside it, with their texts.
+/// Reads a file and the SCDL files in its folder; returns their paths and texts.
 fn read(file: &str) -> Result<Vec<(String, String)>, (String, String)> {
     let read = |path: &str| match Disk.read(path) {
         Ok(text) => Ok((path.to_owned(), text.to_string())),

@@ -1,4 +1,4 @@
-//! `asmotion shell`: a running system at a prompt, as Orocos' TaskBrowser shows one.
+//! `asmotion shell`: a prompt in a running system, modelled on Orocos' TaskBrowser.
 
 mod browser;
 mod peers;
@@ -12,9 +12,10 @@ use browser::Browser;
 use clap::Args;
 use verb::VERBS;
 
-/// Talks with a running system: looks around in its components, calls, reads, writes, watches.
+/// Opens a prompt in a running system: inspects components, calls, reads, writes, watches.
 ///
-/// `ls` shows the components, `cd RoverDriver` enters one, `help` tells the rest. Tab completes; lines are remembered.
+/// `ls` lists the components, `cd RoverDriver` enters one, `help` lists all commands. Tab completes names; the history is
+/// kept.
 #[derive(Args)]
 pub struct Shell {
     #[command(flatten)]
@@ -22,7 +23,7 @@ pub struct Shell {
 }
 
 impl Shell {
-    /// Talks until the input ends.
+    /// Reads and executes commands until the end of input.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         let prompt = Prompt::new(VERBS, "_./-", "shell_history")
             .map_err(|error| format!("cannot read the input: {error}"));

@@ -1,4 +1,4 @@
-//! `asmotion sim`: specifications alone.
+//! `asmotion sim`: simulates specifications.
 
 mod folder;
 mod single;
@@ -12,55 +12,55 @@ use asmotion_lang::{Diagnostic, Failure, Fault, Loader, Options, Report, Specifi
 use clap::Args;
 use std::path::Path;
 
-/// Runs a specification alone, with scripted, recorded or random inputs.
+/// Simulates a specification with scripted, recorded or random inputs.
 #[derive(Args)]
 pub struct Sim {
-    /// The specification; of a folder, every specification in it.
+    /// Specification, or a folder to simulate all its specifications
     spec: String,
 
-    /// How many steps; as many as the script or the recording has, or 20 without one.
+    /// Number of steps [default: the length of the script or recording, else 20]
     #[arg(long)]
     steps: Option<u64>,
 
-    /// Inputs by name, step by step (TOML: `[default]` and `[[step]]` tables); random ones without.
+    /// Script with the inputs of each step (TOML with `[default]` and `[[step]]` tables) [default: random inputs]
     #[arg(long, value_name = "FILE")]
     env: Option<String>,
 
-    /// Inputs, choices and times of a trace; of a folder, the trace of the same name for each.
+    /// Trace whose inputs, choices and times are replayed; for a folder, a folder with a trace for each specification
     #[arg(long, value_name = "TRACE", conflicts_with = "env")]
     replay_inputs: Option<String>,
 
-    /// Writes down what was read, chosen and written, one fact a line; for a folder, into a folder.
+    /// Writes inputs, choices and updates to a file, one a line; for a folder, into a folder
     #[arg(long, value_name = "FILE")]
     trace: Option<String>,
 
-    /// Begins in the initial state of this name instead of the default one.
+    /// Name of the initial state [default: the default one]
     #[arg(long, value_name = "NAME")]
     init: Option<String>,
 
-    /// Where it observably differs from the textbook, does what these tools do.
+    /// Follows this tool where it observably differs from the textbook
     #[arg(long, value_enum, value_name = "TOOLS")]
     compat: Option<Tool>,
 
-    /// What time it is: `virtual` stands still, `wall` passes, `stepped` or `stepped:ns|us|ms|s|min|h`
-    /// passes by one unit a step.
+    /// Clock of the time functions: `virtual` stands still, `wall` is the system clock, `stepped` or
+    /// `stepped:ns|us|ms|s|min|h` advances by one unit each step
     #[arg(long, value_name = "CLOCK", default_value = "virtual", value_parser = ticking)]
     clock: Ticking,
 
-    /// Decides random inputs and `choose`.
+    /// Seed for random inputs and `choose`
     #[arg(long, default_value_t = 1)]
     seed: u64,
 
-    /// One JSON object a line: each step, then the final state.
+    /// Prints JSON, one object a line: each step, then the final state
     #[arg(long)]
     json: bool,
 
-    /// The final state alone; of a folder, the summary alone.
+    /// Prints only the final state; for a folder, only the summary
     #[arg(long, short)]
     quiet: bool,
 }
 
-/// What time it is.
+/// Clock of the time functions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Ticking {
     Virtual,
@@ -101,22 +101,21 @@ impl Ticking {
     }
 }
 
-/// How many steps a run takes whose inputs have no end.
+/// Number of steps if the inputs have no end.
 const STEPS: u64 = 20;
 
-/// No initial state has the name that was asked for.
+/// Code of an unknown initial state.
 const NO_SUCH_STATE: &str = "A027";
 
-/// Why a run does not begin.
+/// Reasons why a run cannot start.
 enum Unbegun {
     /// The inputs cannot be read.
     Inputs(Report),
-    /// There is no initial state.
+    /// The initial state cannot be computed.
     Fault(Box<Fault>),
 }
 
 impl Sim {
-    /// Runs it.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         let path = Path::new(&self.spec);
         if path.is_dir() {
@@ -132,7 +131,7 @@ impl Sim {
         self.single(terminal)
     }
 
-    /// A run of an opened specification; inputs recorded in this file, if in one.
+    /// Starts a run of an opened specification, with recorded inputs if `recorded` is given.
     fn begin(
         &self,
         specification: &mut Specification,
@@ -160,7 +159,7 @@ impl Sim {
         asmotion_lang::open_with(path, &Disk, &options)
     }
 
-    /// A specification with errors; an initial state that it does not have was named wrongly.
+    /// Exit code for a specification with errors; an unknown initial state is a usage error.
     fn refused(&self, failure: &Failure) -> Exit {
         let mut codes = failure
             .report
@@ -184,7 +183,7 @@ fn script(path: &str, specification: &mut Specification) -> Result<Script, Unbeg
     Script::read(file, &text, &specification.program).map_err(Unbegun::Inputs)
 }
 
-/// The text of a file that an option names.
+/// Reads a file named by an option.
 fn read(path: &str, option: &str) -> Result<std::sync::Arc<str>, Unbegun> {
     Disk.read(path).map_err(|error| {
         let mut report = Report::new();
@@ -194,7 +193,7 @@ fn read(path: &str, option: &str) -> Result<std::sync::Arc<str>, Unbegun> {
     })
 }
 
-/// What a trace says about where it comes from.
+/// The comment in a trace that names its specification.
 fn comment(path: &str) -> String {
     format!("asm {path}")
 }

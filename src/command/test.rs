@@ -1,4 +1,4 @@
-//! `asmotion test`: scenarios, and what came of them.
+//! `asmotion test`: runs scenarios.
 
 mod coverage;
 mod find;
@@ -20,80 +20,80 @@ use rayon::prelude::*;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// Runs scenarios: files, or all of a folder.
+/// Runs scenarios: single files, or all of a folder.
 ///
 /// An `.avalla` scenario loads its specification, and passes if all its checks and invariants hold. A
 /// snapshot scenario is an input script `spec.name.env.toml` beside `spec.asm`: it passes if the run
-/// writes what was accepted before, in `spec.name.snap`. The exit code is 0 if all pass, 1 if some
-/// fail, and 2 if some cannot be run.
+/// equals the accepted snapshot `spec.name.snap`. The exit code is 0 if all pass, 1 if some fail, and
+/// 2 if some cannot be run.
 #[derive(Args)]
 pub struct Test {
-    /// Scenarios and folders.
+    /// Scenarios and folders
     #[arg(value_name = "PATH", default_value = ".")]
     paths: Vec<PathBuf>,
 
-    /// Only scenarios whose path contains this text.
+    /// Runs only scenarios whose path contains this text
     #[arg(long, value_name = "TEXT")]
     filter: Option<String>,
 
-    /// Decides what a scenario does not pick.
+    /// Seed for choices without a `pick`
     #[arg(long, default_value_t = 1)]
     seed: u64,
 
-    /// `step until` does no more steps than this.
+    /// Maximum number of steps of a `step until`
     #[arg(long, default_value_t = Options::default().max_steps, value_name = "STEPS")]
     max_steps: u64,
 
-    /// Reads scenarios as another tool does: AsmetaV checks after all `set`s before the next step.
+    /// Follows another tool: AsmetaV evaluates checks after the `set`s of the next step
     #[arg(long, value_enum)]
     compat: Option<Tool>,
 
-    /// One JSON object a scenario.
+    /// Prints JSON, one object for each scenario
     #[arg(long)]
     json: bool,
 
-    /// Accepts what snapshot scenarios write.
+    /// Writes the snapshots of all snapshot scenarios that differ
     #[arg(long, conflicts_with = "review")]
     accept: bool,
 
-    /// Asks for every snapshot scenario that differs whether to accept it.
+    /// Asks for each snapshot scenario that differs whether to accept it
     #[arg(long)]
     review: bool,
 
-    /// Shows what of the specifications ran: a table, or the sources with counts in the margin.
+    /// Shows coverage of the specifications: a table, or the sources with counts in the margin
     #[arg(long, value_enum, num_args = 0..=1, require_equals = true, default_missing_value = "table")]
     coverage: Option<coverage::Shown>,
 
-    /// Writes what of the specifications ran, as LCOV.
+    /// Writes coverage as LCOV
     #[arg(long, value_name = "FILE")]
     coverage_out: Option<PathBuf>,
 
-    /// Writes what came of them for a build server.
+    /// Writes a JUnit report
     #[arg(long, value_name = "FILE")]
     junit: Option<PathBuf>,
 }
 
-/// A test, and how it ended.
+/// The result of one scenario.
 struct Ended {
-    /// Its file, as it was found.
+    /// Path as it was found.
     path: PathBuf,
-    /// What it is called.
+    /// Name of the scenario.
     name: String,
     end: End,
     steps: u64,
     checks: u64,
     took: Duration,
-    /// What there is to say, and the texts it is about.
+    /// Findings, and the texts they refer to.
     report: Report,
     sources: Sources,
-    /// What of the specification ran, if that was asked for.
+    /// Coverage, if requested.
     coverage: Option<Coverage>,
-    /// What a snapshot scenario wrote, if it is not what was accepted.
+    /// Difference between a snapshot and the run, if there is one.
     difference: Option<snapshot::Difference>,
 }
 
 impl Ended {
-    /// It cannot be run, as far as is known.
+    /// A result that is `Unusable` until the scenario has run.
     fn unusable(path: PathBuf) -> Self {
         Self {
             path,
@@ -110,12 +110,12 @@ impl Ended {
     }
 }
 
-/// How a test ended.
+/// How a scenario ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum End {
-    /// It ran.
+    /// Ran to a verdict.
     Ran(Verdict),
-    /// It cannot be run.
+    /// Cannot be run.
     Unusable,
 }
 
@@ -137,7 +137,7 @@ impl End {
 }
 
 impl Test {
-    /// Runs them.
+    /// Runs the scenarios and prints their results.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         let found = match find::scenarios(&self.paths) {
             Ok(found) => found,
@@ -177,7 +177,7 @@ impl Test {
         exit.max(self.covered(&mut ended, terminal))
     }
 
-    /// Shows and writes what ran, where that is asked for.
+    /// Prints and writes coverage if requested.
     fn covered(&self, ended: &mut [Ended], terminal: &mut Terminal) -> Exit {
         let mut all = Coverage::default();
         for one in ended {
@@ -235,7 +235,7 @@ impl Test {
         ended
     }
 
-    /// Whether it is counted what runs.
+    /// Returns `true` if coverage is requested.
     fn covers(&self) -> bool {
         self.coverage.is_some() || self.coverage_out.is_some()
     }

@@ -1,10 +1,10 @@
-//! Whom `--compat` follows.
+//! Values of `--compat`.
 
 use clap::ValueEnum;
 
 /// Tools that observably differ from the textbook.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Tool {
-    /// The reference: AsmetaS and AsmetaV.
+    /// AsmetaS and AsmetaV, the reference tools
     Asmeta,
 }

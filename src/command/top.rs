@@ -1,4 +1,4 @@
-//! `asmotion top`: a running system on the terminal, as it changes.
+//! `asmotion top`: live view of a running system.
 
 use crate::broker::Broker;
 use crate::exit::Exit;
@@ -8,10 +8,10 @@ use clap::Args;
 use std::io::IsTerminal;
 use std::sync::atomic::AtomicBool;
 
-/// Shows a running system: components, topics, the last messages.
+/// Shows a running system on the terminal: components, topics, the last messages.
 ///
-/// Keys: `q` ends it, Tab goes to the other table, the arrows to another row, `s` sorts by name, rate or trouble,
-/// `/` filters by a piece of a name, `p` stops time. What has not been heard of for long is marked with its age.
+/// Keys: `q` quits, Tab switches tables, arrows select a row, `s` sorts by name, rate or trouble, `/` filters by name, `p`
+/// pauses. Entries without recent messages are marked with their age.
 #[derive(Args)]
 pub struct Top {
     #[command(flatten)]
@@ -19,7 +19,7 @@ pub struct Top {
 }
 
 impl Top {
-    /// Shows it, until a key ends it.
+    /// Shows the system until `q` is pressed.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         if !std::io::stdout().is_terminal() {
             terminal.error("`asmotion top` draws on a terminal; for a program there are `asmotion component list` and `asmotion topic list`");

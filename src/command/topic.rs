@@ -1,4 +1,4 @@
-//! `asmotion topic`: what goes over a broker's topics.
+//! `asmotion topic`: messages of topics on a broker.
 
 mod echo;
 mod hz;
@@ -10,7 +10,7 @@ use crate::exit::Exit;
 use crate::terminal::Terminal;
 use clap::{Args, Subcommand};
 
-/// Shows what goes over a broker's topics, and publishes.
+/// Lists, shows and publishes messages of topics on a broker.
 #[derive(Args)]
 pub struct Topic {
     #[command(flatten)]
@@ -22,18 +22,17 @@ pub struct Topic {
 
 #[derive(Subcommand)]
 enum What {
-    /// The topics, their types, who writes and reads them, and how often
+    /// Lists topics with type, publishers, subscribers and rate
     List(list::List),
-    /// The messages of a topic, as they come
+    /// Prints the messages of a topic
     Echo(echo::Echo),
-    /// How often a topic's messages come
+    /// Measures the rate of a topic
     Hz(hz::Hz),
     /// Publishes a message
     Pub(publish::Pub),
 }
 
 impl Topic {
-    /// Does it.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         let remote = match self.broker.remote() {
             Ok(remote) => remote,

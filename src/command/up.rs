@@ -1,4 +1,4 @@
-//! `asmotion up`: all processes of a composite that run on this machine, started again as it says.
+//! `asmotion up`: starts and supervises the processes of a composite on this machine.
 
 use std::ffi::OsString;
 use std::os::unix::process::CommandExt;
@@ -20,45 +20,45 @@ use crate::files::Disk;
 use crate::mission::MissionError;
 use crate::terminal::Terminal;
 
-/// Starts the processes that a composite is deployed to on this machine, and starts them again as its `restart` says.
+/// Starts the processes of a composite that belong to this machine, and restarts them as its `restart` prescribes.
 #[derive(Args)]
 pub struct Up {
-    /// The composite.
+    /// Composite file
     composite: String,
 
-    /// Which of its profiles.
+    /// Profile of the composite
     #[arg(long)]
     profile: Option<String>,
 
-    /// The machine whose processes are started; without it, this one. Those without `host` run anywhere.
+    /// Machine whose processes are started [default: this one]; processes without a `host` belong to every machine
     #[arg(long)]
     host: Option<String>,
 
-    /// Over which broker, as for `asmotion run`.
+    /// Broker, as for `asmotion run`
     #[arg(long, value_name = "URL")]
     bus: Option<String>,
 
     #[command(flatten)]
     access: Access,
 
-    /// Whose topics these are on the broker: keys are `ROBOT.TOPIC`; the composite's name without it.
+    /// Robot name, used as the routing-key prefix [default: the composite's name]
     #[arg(long)]
     robot: Option<String>,
 
-    /// Sets a property of the composite (`place=lab`) or of a component (`World.slip=0.01`).
+    /// Sets a property of the composite (`place=lab`) or of a component (`World.slip=0.01`)
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
 }
 
-/// How often the children are looked at.
+/// Interval at which child processes are polled.
 const LOOK: Duration = Duration::from_millis(50);
-/// The wait before a process is started again, where the composite says none.
+/// Default wait before a process is restarted.
 const BACKOFF: Duration = Duration::from_millis(200);
-/// How long the children have to end when they are told to.
+/// Time that child processes have to end after SIGTERM.
 const GRACE: Duration = Duration::from_secs(10);
 
 impl Up {
-    /// Starts them, and stays until all have ended.
+    /// Starts the processes and waits until all have ended.
     pub fn run(self, terminal: &mut Terminal) -> Exit {
         let properties = self.set.iter().filter_map(|set| set.split_once('='));
         let settings = properties.filter(|(name, _)| !name.contains('.'));
@@ -84,7 +84,7 @@ impl Up {
         }
     }
 
-    /// The processes of this machine, not yet started.
+    /// The processes of this machine, not started yet.
     fn children(&self, plan: &Plan, terminal: &mut Terminal) -> Result<Vec<Keeper>, String> {
         if let ([process, _, ..], None, []) = (&*plan.processes, &self.bus, &*plan.brokers) {
             let process = process.name.clone();
@@ -113,7 +113,7 @@ impl Up {
         let program = std::env::current_exe().map_err(|error| error.to_string())?;
         let keeper = |process: &Process| {
             let mut command = Command::new(&program);
-            // Ctrl-C reaches this process alone, which tells them once
+            // Ctrl-C must reach only this process, which then stops the children once
             command.process_group(0);
             command.args(self.arguments(&process.name));
             Keeper {
@@ -126,7 +126,7 @@ impl Up {
         Ok(mine.into_iter().map(keeper).collect())
     }
 
-    /// What a process is started with.
+    /// Command-line arguments of a process.
     fn arguments(&self, process: &str) -> Vec<OsString> {
         let mut arguments: Vec<OsString> = vec!["run".into(), (&self.composite).into()];
         let mut add = |key: &str, value: &str| arguments.extend([key.into(), value.into()]);
@@ -147,7 +147,7 @@ impl Up {
     }
 }
 
-/// A process that is kept running.
+/// A supervised process.
 struct Keeper {
     name: String,
     command: Command,
@@ -155,9 +155,9 @@ struct Keeper {
     state: State,
 }
 
-/// How a process is.
+/// State of a supervised process.
 enum State {
-    /// It is started at this time.
+    /// To be started at this time.
     Due(Instant),
     Running(Child),
     Ended {
@@ -165,11 +165,11 @@ enum State {
     },
 }
 
-/// Starts what is due and hears what ends, until all have ended.
+/// Starts and reaps processes until all have ended.
 fn look_after(mut children: Vec<Keeper>, terminal: &mut Terminal) -> Exit {
     let stop = Arc::new(AtomicBool::new(false));
     let told = stop.clone();
-    // without the handler, Ctrl-C would end this process alone
+    // without the handler, Ctrl-C would end this process and leave the children running
     let _ = ctrlc::set_handler(move || told.store(true, Ordering::Relaxed));
     while !stop.load(Ordering::Relaxed) {
         for child in &mut children {
@@ -201,7 +201,7 @@ fn look_after(mut children: Vec<Keeper>, terminal: &mut Terminal) -> Exit {
 }
 
 impl Keeper {
-    /// Does what is due.
+    /// Starts the process if it is due, and handles its end.
     fn look(&mut self, terminal: &mut Terminal) {
         let now = Instant::now();
         match &mut self.state {
@@ -250,12 +250,12 @@ impl Keeper {
         };
     }
 
-    /// Tells it to end, as Ctrl-C does.
+    /// Sends SIGTERM to the process.
     fn tell_to_end(&mut self) {
         match &self.state {
             State::Running(child) => {
                 let id = i32::try_from(child.id()).ok().and_then(Pid::from_raw);
-                // it may have ended just now
+                // the process can have ended just before
                 let _ = id.map(|id| kill_process(id, Signal::TERM));
             }
             State::Due(_) => self.state = State::Ended { well: true },
@@ -263,7 +263,7 @@ impl Keeper {
         }
     }
 
-    /// Waits for its end; what does not end in time is ended.
+    /// Waits for the process to end, and kills it at `until`.
     fn see_end(&mut self, until: Instant, terminal: &mut Terminal) {
         let State::Running(child) = &mut self.state else {
             return;
@@ -284,22 +284,22 @@ impl Keeper {
     }
 }
 
-/// When a process is started again.
+/// Decides when a process is restarted.
 struct Restarts {
     rule: Option<Restart>,
-    /// Those of the window, and how many there were in all.
+    /// Restarts within the window, and their total number.
     recent: Vec<Instant>,
     all: u64,
 }
 
-/// What follows an end.
+/// What follows the end of a process.
 #[derive(Debug, PartialEq)]
 enum Next {
-    /// Another start, after this long.
+    /// Restart after this time.
     Again(Duration),
-    /// Nothing: the composite wants no other start.
+    /// No restart: the policy does not ask for one.
     Rest,
-    /// Nothing: there were too many.
+    /// No restart: there were too many.
     GiveUp,
 }
 
@@ -361,7 +361,7 @@ mod tests {
         assert_eq!(restarts.next(false, at(0)), wait(100));
         assert_eq!(restarts.next(false, at(1)), wait(300));
         assert_eq!(restarts.next(false, at(2)), Next::GiveUp);
-        // the first is out of the window by now
+        // the first restart has left the window
         assert_eq!(restarts.next(false, at(10)), wait(300));
         assert_eq!(restarts.all, 3);
     }

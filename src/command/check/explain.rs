@@ -1,11 +1,11 @@
-//! `asmotion check --explain`: what a code means.
+//! `asmotion check --explain`: the meaning of a code.
 
 use crate::exit::Exit;
 use crate::terminal::{NAME, Terminal};
 use asmotion_assembly::CODES;
 use asmotion_lang::codes::{self, Code};
 
-/// The page of a code, or all codes with one line each.
+/// Prints the page of a code, or a list of all codes.
 pub fn explain(name: Option<&str>, terminal: &mut Terminal) -> Exit {
     let Some(name) = name else {
         for code in all() {
@@ -26,12 +26,12 @@ pub fn explain(name: Option<&str>, terminal: &mut Terminal) -> Exit {
     Exit::Usage
 }
 
-/// Every code, by family.
+/// All codes, by family.
 fn all() -> impl Iterator<Item = &'static Code> {
     codes::CODES.iter().chain(CODES).chain(asmotion_scdl::CODES)
 }
 
-/// The first code that differs in one letter, or in how many zeros it has.
+/// Returns the first code that differs from `name` in one letter or in its number of zeros.
 fn nearest(name: &str) -> Option<&'static str> {
     let family = name.chars().next()?.to_ascii_uppercase();
     let number: Option<u32> = name.get(1..).and_then(|digits| digits.parse().ok());

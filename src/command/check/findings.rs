@@ -1,11 +1,11 @@
-//! What is wrong in one file, whatever kind of file it is.
+//! The findings in one file of any kind.
 
 use crate::build;
 use crate::command::test::snapshot;
 use asmotion_lang::{Loader, Options, Report, Sources, scenario};
 use std::path::Path;
 
-/// The findings in one file and what it names.
+/// Returns the findings in one file and in the files it names.
 pub fn findings(path: &str, options: &Options, loader: &dyn Loader) -> (Report, Sources) {
     if snapshot::is_script(Path::new(path)) {
         return match snapshot::open(path, loader) {
@@ -17,12 +17,12 @@ pub fn findings(path: &str, options: &Options, loader: &dyn Loader) -> (Report, 
     match extension.to_str() {
         Some("toml") => composite(path, loader),
         Some("avalla") => scenario::check(path, loader, options),
-        // whatever is named is taken for a specification, `.asm` or not
+        // any other file named on the command line is read as a specification, with or without `.asm`
         _ => specification(path, options, loader),
     }
 }
 
-/// A composite, or a file of message types for composites.
+/// Checks a composite or a file of message types.
 fn composite(path: &str, loader: &dyn Loader) -> (Report, Sources) {
     if let Some(types) = asmotion_assembly::open_types(path, loader, &build::BUILD) {
         return types;
@@ -31,7 +31,7 @@ fn composite(path: &str, loader: &dyn Loader) -> (Report, Sources) {
     (opened.report, opened.sources)
 }
 
-/// Also what is odd about the state it begins in.
+/// Checks a specification, including its initial state.
 fn specification(path: &str, options: &Options, loader: &dyn Loader) -> (Report, Sources) {
     match asmotion_lang::open_with(path, loader, options) {
         Ok(mut specification) => {

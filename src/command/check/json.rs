@@ -1,10 +1,10 @@
-//! Findings for tools.
+//! Findings as JSON.
 
 use asmotion_lang::diagnostics::{Applicability, Fix, Label, Span};
 use asmotion_lang::{Diagnostic, Severity, Sources};
 use serde_json::{Value, json};
 
-/// One finding: every place with its lines, columns and bytes.
+/// One finding, with lines, columns and bytes of every place.
 pub fn finding(finding: &Diagnostic, sources: &Sources) -> Value {
     let labels = finding.primary.iter().chain(&finding.secondary);
     let places: Vec<Value> = labels.map(|label| labelled(label, sources)).collect();
@@ -36,7 +36,7 @@ fn fix(fix: &Fix, sources: &Sources) -> Value {
     json!({ "title": fix.title, "sure": sure, "edits": edits })
 }
 
-/// Lines and columns count from 1, bytes from 0; the ends are one past.
+/// Lines and columns count from 1, bytes from 0; ends are exclusive.
 fn place(span: Span, sources: &Sources) -> Value {
     let (line, column) = sources.position(span.file, span.start);
     let (end_line, end_column) = sources.position(span.file, span.end);

@@ -1,4 +1,4 @@
-//! Fixing a file: rounds of sure fixes in memory, then one write.
+//! Fixes a file: rounds of safe fixes in memory, then one write.
 
 use super::findings::findings;
 use crate::files::{self, Disk};
@@ -8,18 +8,18 @@ use serde_json::{Value, json};
 use std::fmt;
 use std::sync::Arc;
 
-/// A file that is not mended after so many rounds goes on as it is.
+/// Upper bound on the rounds of fixes for one file.
 const MAX_ROUNDS: usize = 100;
 
 /// A file before and after its fixes.
 pub struct Mended {
     before: Arc<str>,
     after: Arc<str>,
-    /// What was done, in the order it was done.
+    /// The applied fixes, in order.
     pub done: Vec<Done>,
-    /// What is still found.
+    /// The remaining findings.
     pub report: Report,
-    /// The new text and those it names.
+    /// The new text and the files it imports.
     pub sources: Sources,
 }
 
@@ -27,12 +27,12 @@ pub struct Mended {
 pub struct Done {
     code: &'static str,
     message: String,
-    /// Where it was found in the text of its round; both from 1.
+    /// Line and column of the finding in the text of its round, from 1.
     line: usize,
     column: usize,
 }
 
-/// Applies sure fixes until none is left. Only this file is changed, none that it imports.
+/// Applies safe fixes until none is left. Changes only this file, no imported one.
 pub fn mend(path: &str, options: &Options) -> Result<Mended, LoadError> {
     let before = Disk.read(path)?;
     let mut after = before.clone();
@@ -67,19 +67,19 @@ pub fn mend(path: &str, options: &Options) -> Result<Mended, LoadError> {
 }
 
 impl Mended {
-    /// What changes, as a diff.
+    /// The changes as a diff.
     pub fn diff(&self, path: &str) -> String {
         crate::diff::unified(path, &self.before, &self.after)
     }
 
-    /// Puts the new text in the place of the old one.
+    /// Replaces the file by the new text.
     pub fn write(&self, path: &str) -> std::io::Result<()> {
         files::rewrite(path, &self.before, &self.after)
     }
 }
 
 impl Done {
-    /// For tools.
+    /// The applied fixes as JSON.
     pub fn json(&self, path: &str) -> Value {
         json!({
             "path": path, "line": self.line, "column": self.column,
@@ -100,7 +100,7 @@ impl fmt::Display for Done {
     }
 }
 
-/// The disk, with another text at one path.
+/// The disk with a replacement text at one path.
 struct Overlay<'a> {
     path: &'a str,
     text: &'a Arc<str>,

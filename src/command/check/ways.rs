@@ -1,4 +1,4 @@
-//! What joins the components of a composite, and whether that is in real time.
+//! `asmotion check --connections`: the connections of a composite, and whether they are real-time capable.
 
 use crate::build;
 use crate::files::Disk;
@@ -6,7 +6,7 @@ use crate::table;
 use crate::terminal::Terminal;
 use asmotion_assembly::Plan;
 
-/// Shows the ways of a composite, in each of its profiles; of other files there is nothing to show.
+/// Prints the connections of a composite for each of its profiles; prints nothing for other files.
 pub fn show(path: &str, terminal: &mut Terminal) {
     if !path.ends_with(".toml") {
         return;

@@ -1,4 +1,4 @@
-//! The properties of a live component, to a file and from it.
+//! Saves, loads and compares the properties of a live component.
 
 use crate::exit::Exit;
 use crate::files::{Disk, reason};
@@ -11,37 +11,36 @@ use asmotion_scdl::Cpf;
 use clap::Subcommand;
 use std::error::Error;
 
-/// What is done with a file of properties.
+/// Subcommands for property files.
 #[derive(Subcommand)]
 pub(super) enum Properties {
     /// Writes the properties of a component to a file
     Save {
-        /// Its name
+        /// Name of the component
         name: String,
 
-        /// The file, TOML
+        /// TOML file to write
         file: String,
     },
-    /// Sets the properties of a file, all or none, from the component's next cycle on
+    /// Sets the properties of a file before the component's next cycle: all of them or none
     Load {
-        /// Its name
+        /// Name of the component
         name: String,
 
-        /// The file, as `save` writes it, or of RTT (`.cpf`)
+        /// TOML file written by `save`, or an RTT file (`.cpf`)
         file: String,
     },
-    /// Shows where the properties of a file and those of a component differ
+    /// Shows the differences between a property file and a component
     Diff {
-        /// Its name
+        /// Name of the component
         name: String,
 
-        /// The file, as `save` writes it
+        /// TOML file written by `save`
         file: String,
     },
 }
 
 impl Properties {
-    /// Does it.
     pub(super) fn run(
         self,
         remote: &Remote,
@@ -55,7 +54,7 @@ impl Properties {
     }
 }
 
-/// Writes them to a file, each behind what it is for.
+/// Writes the properties to a file, each with its description as a comment.
 fn save(component: &asmotion_remote::Component, file: &str) -> Result<Exit, Box<dyn Error>> {
     let text = property_file::write(&component.declaration()?, &component.properties()?);
     let written = std::fs::write(file, text);
@@ -63,7 +62,7 @@ fn save(component: &asmotion_remote::Component, file: &str) -> Result<Exit, Box<
     Ok(Exit::Ok)
 }
 
-/// Sets those of a file, all or none; what it does not have stays.
+/// Sets all properties of the file, or none; other properties keep their values.
 fn load(
     component: &asmotion_remote::Component,
     file: &str,
@@ -80,7 +79,7 @@ fn load(
     Ok(Exit::Ok)
 }
 
-/// Shows where a file and the component differ.
+/// Prints the differences between file and component.
 fn diff(
     component: &asmotion_remote::Component,
     file: &str,
@@ -103,7 +102,7 @@ fn diff(
     })
 }
 
-/// The properties of a CPF file, checked likewise.
+/// Reads and checks the properties of a CPF file.
 fn of_rtt(cpf: Cpf, component: &str, declared: &Declaration) -> Read {
     let mut read = property_file::of_tree(&cpf.properties, component, declared);
     read.report.extend(cpf.report);
@@ -113,7 +112,7 @@ fn of_rtt(cpf: Cpf, component: &str, declared: &Declaration) -> Read {
     }
 }
 
-/// The file, checked against what the component declares; nothing where an error is in it, which is told.
+/// Reads the file and checks it against the declaration; prints errors and returns `None` if there are any.
 fn read(
     component: &asmotion_remote::Component,
     file: &str,

@@ -1,11 +1,11 @@
-//! What happened at the prompt as a scenario: it sets what was read, and checks what was written.
+//! Writes the session as a scenario that sets the inputs and checks the updates.
 
 use asmotion_lang::{Event, History, Machine, Session, Value, simulate};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-/// The scenario of everything that happened, to be stored at a path.
+/// Returns the scenario of all events so far, to be stored at `path`.
 pub fn scenario(history: &mut History, path: &Path, spec: &Path, seed: u64) -> String {
     let mut scenario = Scenario::default();
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
@@ -21,7 +21,7 @@ pub fn scenario(history: &mut History, path: &Path, spec: &Path, seed: u64) -> S
     scenario.text
 }
 
-/// How a scenario names its specification: from its own folder, if it is the same.
+/// The path of the specification relative to the folder of the scenario, if it has one.
 fn load(path: &Path, spec: &Path) -> String {
     let folder = |path: &Path| {
         let parent = path.parent().filter(|parent| *parent != Path::new(""));
@@ -38,7 +38,7 @@ fn load(path: &Path, spec: &Path) -> String {
 #[derive(Default)]
 struct Scenario {
     text: String,
-    /// The inputs as the scenario has set them.
+    /// Inputs as set by the scenario so far.
     inputs: BTreeMap<String, String>,
 }
 
@@ -52,7 +52,7 @@ impl Scenario {
                 self.check_updates(machine);
             }
             Event::Fire(rule) => self.line(&format!("exec {};", rule.trim_end_matches(';'))),
-            // a monitored location is set when a step reads it
+            // a monitored location is set in the scenario when a step reads it
             Event::Set(function, arguments, value) => {
                 let kind = machine.program().functions[function.0 as usize].kind;
                 if kind != asmotion_lang::ir::FunctionKind::Monitored {

@@ -1,4 +1,4 @@
-//! Does what a line says, and says what came of it.
+//! Executes the commands of a session.
 
 use super::save;
 use super::verb::{VERBS, split};
@@ -9,12 +9,12 @@ use asmotion_lang::ir::{AddedTerm, FunctionId, FunctionKind};
 use asmotion_lang::{Event, History, Machine, Report, Value, Written, simulate};
 use std::path::Path;
 
-/// `run` does so many steps.
+/// Default number of steps of `run`.
 const RUN: u64 = 1000;
 
-/// A conversation.
+/// The state of a session.
 pub struct Talk {
-    /// The path of the specification.
+    /// Path of the specification.
     path: String,
     seed: u64,
     history: History,
@@ -22,11 +22,11 @@ pub struct Talk {
     breaks: Vec<Break>,
 }
 
-/// Where `run` stops.
+/// Conditions at which `run` stops.
 enum Break {
-    /// A location is written; without arguments, any of its function.
+    /// A location is written; without arguments, any location of the function.
     Location(String, FunctionId, Vec<Value>),
-    /// A rule runs; how often it ran so far.
+    /// A rule runs; the number is how often it has run so far.
     Rule(String, u64),
     /// A term becomes true.
     When(String, AddedTerm, bool),
@@ -43,7 +43,7 @@ impl Talk {
         }
     }
 
-    /// What stands before a line: the specification and how many steps it did.
+    /// The prompt: name of the specification and number of steps.
     pub fn prompt(&self) -> String {
         let name = Path::new(&self.path).file_stem().unwrap_or_default();
         format!("{} {}> ", name.to_string_lossy(), self.machine().steps())
@@ -57,7 +57,7 @@ impl Talk {
         ));
     }
 
-    /// Answers a line. Whether to go on.
+    /// Executes one line. Returns `false` at the end of the session.
     pub fn answer(&mut self, line: &str, terminal: &mut Terminal) -> bool {
         let line = line.trim();
         if line.is_empty() || line.starts_with("//") {
@@ -101,7 +101,7 @@ impl Talk {
         value.show(&self.machine().naming()).to_string()
     }
 
-    /// Does steps; `run` stops at breaks and says little, `step` shows each.
+    /// Makes steps: `step` prints each of them, `run` stops at breakpoints and prints a summary.
     fn steps(
         &mut self,
         count: &str,
@@ -209,7 +209,7 @@ impl Talk {
             .map(|(id, _)| FunctionId(id.0))
     }
 
-    /// Notes how often the rules to break at ran before the next step.
+    /// Records how often the rules with breakpoints have run before the next step.
     fn count_rules(&mut self) {
         for stop in &mut self.breaks {
             if let Break::Rule(rule, before) = stop {
@@ -218,7 +218,7 @@ impl Talk {
         }
     }
 
-    /// Which break the step has come to.
+    /// Returns the breakpoint reached by the last step.
     fn hit(&mut self) -> Result<Option<String>, Report> {
         let mut hit = None;
         for stop in &mut self.breaks {
@@ -319,7 +319,7 @@ impl Talk {
         Ok(())
     }
 
-    /// Says which inputs nobody gave a value, if undef may be why a step failed.
+    /// Lists inputs without a value if undef could have caused the failure of a step.
     fn tell_unset(&self, terminal: &mut Terminal) {
         let inputs = self.machine().last_step().inputs();
         let unset = inputs.iter().filter(|input| input.value.is_undef());
@@ -453,7 +453,7 @@ impl Talk {
     }
 }
 
-/// Whether the last step wrote a location of this function; of these arguments, if there are any.
+/// Returns `true` if the last step wrote a location of the function, or the location with these arguments.
 fn writes(history: &History, function: FunctionId, arguments: &[Value]) -> bool {
     let machine = &history.session().machine;
     let step = machine.last_step();
@@ -465,13 +465,13 @@ fn writes(history: &History, function: FunctionId, arguments: &[Value]) -> bool 
     })
 }
 
-/// How often a rule ran since it was counted.
+/// Number of times that a rule has run since it was last recorded.
 fn calls(history: &History, rule: &str) -> u64 {
     let session = history.session();
     session.specification.calls(rule, &session.machine)
 }
 
-/// A number, or the default where there is none; nothing, said so, where there is something else.
+/// Parses a number; an empty text gives the default, any other text prints an error.
 fn number(text: &str, default: u64, terminal: &mut Terminal) -> Option<u64> {
     if text.is_empty() {
         return Some(default);

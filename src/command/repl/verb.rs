@@ -1,8 +1,8 @@
-//! What can be said at the prompt.
+//! The commands of the session.
 
 use crate::prompt::{self, Verb, verb};
 
-/// All of them.
+/// All commands.
 pub const VERBS: &[Verb] = &[
     verb("step", "s", "[N]", "does a step, or N"),
     verb(
@@ -84,10 +84,10 @@ pub const VERBS: &[Verb] = &[
     verb("quit", "q", "", "ends; so does Ctrl-D"),
 ];
 
-/// The verb a line begins with, and what follows it.
+/// Splits a line into its command and the rest.
 pub fn split(line: &str) -> Option<(&'static str, &str)> {
     let (verb, rest) = prompt::split(VERBS, line)?;
-    // `step = 3` asks for the value of a function that is called like a verb
+    // `step = 3` is a term about a function with the name of a command
     let is_operand = rest.starts_with(['=', '!', '<', '>', '+', '*']);
     (!is_operand).then_some((verb, rest))
 }

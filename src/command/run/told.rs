@@ -1,4 +1,4 @@
-//! How a run and its end are told: to a person, and to a program.
+//! Prints the events and the summary of a run, as text or as JSON.
 
 use asmotion_component::{Event, Time};
 use asmotion_coordinator::{STEP_REPORT, StepRecord};

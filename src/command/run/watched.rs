@@ -1,4 +1,4 @@
-//! `--top`: a run, and beside it the monitor, in one process.
+//! `--top`: runs a composite and shows the monitor beside it, in one process.
 
 use std::io::IsTerminal;
 use std::sync::Arc;
@@ -10,16 +10,16 @@ use crate::broker;
 use crate::mission::{Brokers, Mission};
 use crate::top;
 
-/// Somebody who looks on.
+/// The monitor of a run.
 pub struct Spectator {
     remote: Remote,
     place: String,
 }
 
-/// Who looks on while a mission runs, if somebody wants to.
+/// Creates the monitor of a mission if `wanted` is set.
 ///
 /// # Errors
-/// There is no terminal, or the broker does not let us.
+/// Fails if standard output is not a terminal, or if the broker refuses the connection.
 pub fn spectator(wanted: bool, mission: &Mission) -> Result<Option<Spectator>, String> {
     if !wanted {
         return Ok(None);
@@ -36,7 +36,7 @@ pub fn spectator(wanted: bool, mission: &Mission) -> Result<Option<Spectator>, S
             return Ok(Some(Spectator { remote, place }));
         }
         Brokers::One(settings) => Some(&**settings),
-        // one of several: the systems of the others have monitors of their own
+        // with several brokers, the monitor shows the systems on the first one
         Brokers::Each(brokers) => brokers.values().next(),
     };
     let Some(settings) = settings else {
@@ -50,8 +50,8 @@ pub fn spectator(wanted: bool, mission: &Mission) -> Result<Option<Spectator>, S
 }
 
 impl Spectator {
-    /// Runs something, and shows it until a key ends both. When it has run to its end, what was last seen stays until then;
-    /// when it has not even begun, there is nothing to see.
+    /// Runs `work` and shows the monitor until a key ends both. After the end of the run, the last state remains visible until
+    /// a key is pressed. If the run fails to start, nothing is shown.
     pub fn beside<T: Send, E: Send>(
         &self,
         stop: &AtomicBool,
@@ -60,7 +60,7 @@ impl Spectator {
         std::thread::scope(|scope| {
             let running =
                 scope.spawn(|| run().inspect_err(|_| stop.store(true, Ordering::Relaxed)));
-            // a screen that cannot be drawn on is no reason not to run
+            // the run continues if the screen cannot be drawn
             if top::show(&self.remote, &self.place, stop).is_ok() {
                 stop.store(true, Ordering::Relaxed);
             }

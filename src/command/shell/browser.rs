@@ -1,4 +1,4 @@
-//! Where we are in a running system, and what comes of a line.
+//! The state of a shell session and the execution of its commands.
 
 use super::peers::peers;
 use super::verb::VERBS;
@@ -13,35 +13,35 @@ use asmotion_lang::diagnostics::similar;
 use asmotion_remote::{Component, Remote};
 use std::time::Duration;
 
-/// How long a call may take.
+/// Time limit of a call.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// `watch` shows so many messages.
+/// Default number of messages shown by `watch`.
 const MESSAGES: usize = 10;
-/// After so long without a message, `watch` ends.
+/// `watch` ends after this time without a message.
 const SILENCE: Duration = Duration::from_secs(5);
 
-/// What was wrong, for people.
+/// Result of a command; the error is printed.
 type Answered = Result<(), Box<dyn std::error::Error>>;
 
-/// A person in a running system.
+/// A shell session.
 pub struct Browser {
     remote: Remote,
-    /// The whole name of the component that was entered.
+    /// Full name of the entered component.
     here: Option<String>,
 }
 
 impl Browser {
-    /// Before all components.
+    /// Starts a session outside all components.
     pub fn new(remote: Remote) -> Self {
         Self { remote, here: None }
     }
 
-    /// What stands before a line.
+    /// The prompt.
     pub fn prompt(&self) -> String {
         format!("{}> ", self.here.as_deref().unwrap_or_default())
     }
 
-    /// The first words.
+    /// Prints the greeting.
     pub fn greet(&self, terminal: &mut Terminal) {
         let count = self.remote.components().len();
         terminal.say(format_args!(
@@ -49,7 +49,7 @@ impl Browser {
         ));
     }
 
-    /// What can be named here.
+    /// The names that can be completed here.
     pub fn names(&self) -> Vec<String> {
         let all = self.remote.components();
         let mut names: Vec<String> = all.iter().map(|it| it.name().to_owned()).collect();
@@ -68,7 +68,7 @@ impl Browser {
         names
     }
 
-    /// Answers a line. Whether to go on.
+    /// Executes one line. Returns `false` at the end of the session.
     pub fn answer(&mut self, line: &str, terminal: &mut Terminal) -> bool {
         let line = line.trim();
         if line.is_empty() {
@@ -215,7 +215,7 @@ impl Browser {
         Ok(())
     }
 
-    /// The component of a name; without one, the one that was entered.
+    /// Returns the component with this name; an empty name is the entered component.
     fn component(&self, name: &str) -> Result<Component, Box<dyn std::error::Error>> {
         match (name, &self.here) {
             ("", None) => Err("which component? Name it, or `cd` into it".into()),
@@ -224,7 +224,7 @@ impl Browser {
         }
     }
 
-    /// The component that a path begins with, or else the one that was entered; and what follows.
+    /// Splits a path into its component (the entered one if it names none) and the rest.
     fn locate<'p>(
         &self,
         path: &'p str,
@@ -233,7 +233,7 @@ impl Browser {
             for name in [component.whole_name(), component.name().to_owned()] {
                 let after = path.strip_prefix(&name).and_then(|it| it.strip_prefix('.'));
                 if let Some(after) = after {
-                    // several robots may have one of that name
+                    // several robots can have a component of this name
                     return Ok((self.remote.component(&name)?, after));
                 }
             }
@@ -244,7 +244,7 @@ impl Browser {
         }
     }
 
-    /// A path that begins with no component: perhaps another one was meant.
+    /// The error for a path that begins with no component, with a suggestion.
     fn nowhere(&self, path: &str) -> Box<dyn std::error::Error> {
         match path.rsplit_once('.') {
             Some((name, _)) => match self.remote.component(name) {
@@ -256,7 +256,7 @@ impl Browser {
     }
 }
 
-/// What is no verb and no operation; perhaps a verb was meant.
+/// The error for an unknown command or operation, with a suggestion.
 fn neither(path: &str, operation: Option<&str>) -> String {
     let verbs: Vec<&str> = VERBS.iter().map(|verb| verb.name).collect();
     let meant = operation.or_else(|| similar(path, &verbs).copied());
@@ -264,7 +264,7 @@ fn neither(path: &str, operation: Option<&str>) -> String {
     format!("`{path}` is no verb, and no operation of a component that was entered{meant}")
 }
 
-/// The operation that is called, and its argument: `operation {…}` or `operation({…})`.
+/// Splits `operation {…}` or `operation({…})` into operation and argument.
 fn called(written: &str) -> (&str, &str) {
     let end = written.find(|letter: char| letter.is_whitespace() || letter == '(');
     let (path, argument) = written.split_at(end.unwrap_or(written.len()));
@@ -278,7 +278,7 @@ fn called(written: &str) -> (&str, &str) {
     }
 }
 
-/// The operations of a component: service, operation.
+/// The operations of a component, as pairs of service and operation.
 fn operations(component: &Component) -> Vec<(String, String)> {
     let services = component.present().services.iter();
     let of_service = services.flat_map(|service| {
@@ -288,7 +288,7 @@ fn operations(component: &Component) -> Vec<(String, String)> {
     of_service.collect()
 }
 
-/// What of a component can be named.
+/// The names of ports, properties and operations of a component.
 fn parts(component: &Component) -> Vec<String> {
     let present = component.present();
     let ports = present.inputs.iter().chain(&present.outputs);

@@ -1,10 +1,10 @@
-//! Peers: who a component is joined to, and how.
+//! Peers: the components connected to a component.
 
 use std::collections::BTreeSet;
 
 use asmotion_remote::{Component, Word};
 
-/// The peers of a component: name, and what joins them, as `odom → path` or `path ← plan`.
+/// Returns the peers of a component: name and connection, for example `odom → path` or `path ← plan`.
 pub fn peers(of: &Component, words: &[Word]) -> BTreeSet<(String, String)> {
     let robot = words.iter().filter(|word| word.robot == of.robot());
     let joined = robot.flat_map(|word| &word.presence.joined);
@@ -12,7 +12,7 @@ pub fn peers(of: &Component, words: &[Word]) -> BTreeSet<(String, String)> {
     for joint in joined {
         let ends = (joint.from.rsplit_once('.'), joint.to.rsplit_once('.'));
         let (Some((from, out)), Some((to, into))) = ends else {
-            // a message queue has a component of somebody else behind it
+            // the component behind a message queue is not part of this system
             continue;
         };
         if from == of.name() {

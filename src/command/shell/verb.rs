@@ -1,8 +1,8 @@
-//! What can be said in the shell.
+//! The commands of the shell.
 
 use crate::prompt::{Verb, verb};
 
-/// All of them. A component that is left out is the one that was entered; so is one before a name.
+/// All commands. An omitted component is the entered one.
 pub const VERBS: &[Verb] = &[
     verb("ls", "l", "", "the components; in one, what it has"),
     verb(

@@ -1,4 +1,4 @@
-//! Every specification of a folder: each opened, checked and run, a line each.
+//! Simulates all specifications of a folder and prints a line for each.
 
 use super::{Sim, Unbegun, comment};
 use crate::exit::Exit;
@@ -11,17 +11,17 @@ use serde_json::json;
 use std::fmt;
 use std::path::Path;
 
-/// How it went with one specification.
+/// Result for one specification.
 enum Outcome {
-    /// It ran so many steps.
+    /// Ran for this many steps.
     Ran(u64),
-    /// It is a module: it has no main rule.
+    /// A module, which has no main rule.
     Module,
-    /// It has errors; the first one, in a line.
+    /// Has errors; the first one, on one line.
     Rejected(String),
-    /// A step failed, 0 being the initial state: the code and what it says.
+    /// A step failed (0 is the initial state): code and message.
     Fault(u64, String),
-    /// Its inputs cannot be read, or its trace cannot be written.
+    /// The inputs cannot be read, or the trace cannot be written.
     Unusable(String),
 }
 
@@ -67,7 +67,7 @@ impl Sim {
         }
         let beside = |other: &String| Path::new(other).join(name).with_extension("trace");
         let recorded = self.replay_inputs.as_ref().map(beside);
-        // a specification that was not recorded runs by chance
+        // a specification without a recording gets random inputs
         let recorded = recorded.filter(|path| path.is_file());
         let recorded = recorded.map(|path| path.to_string_lossy().into_owned());
         let (outcome, trace) = self.traced(&mut specification, recorded.as_deref(), name);
@@ -153,7 +153,7 @@ fn failed(specification: &Specification, fault: &Fault) -> Outcome {
     Outcome::Fault(fault.step, in_a_line(&specification.explain(fault)))
 }
 
-/// A finding without its places; invariants without a name are quoted in it, line breaks and all.
+/// The message of a finding on one line; it can quote an invariant with line breaks.
 fn in_a_line(finding: &Diagnostic) -> String {
     let words: Vec<&str> = finding.message.split_whitespace().collect();
     format!("{} {}", finding.code, words.join(" "))
@@ -166,7 +166,7 @@ fn write(path: &Path, text: &str) -> std::io::Result<()> {
     std::fs::write(path, text)
 }
 
-/// How often each outcome was.
+/// Numbers of specifications by result.
 #[derive(Default)]
 struct Tally {
     ran: usize,

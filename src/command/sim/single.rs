@@ -1,4 +1,4 @@
-//! One specification, step by step.
+//! Simulates one specification.
 
 use super::{Sim, Unbegun, comment};
 use crate::exit::Exit;
@@ -75,7 +75,7 @@ impl Sim {
         exit.max(self.write(trace, terminal))
     }
 
-    /// Writes the trace where it is asked for.
+    /// Writes the trace if it was requested.
     fn write(&self, trace: Option<String>, terminal: &mut Terminal) -> Exit {
         let (Some(path), Some(trace)) = (&self.trace, trace) else {
             return Exit::Ok;

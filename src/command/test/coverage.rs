@@ -1,4 +1,4 @@
-//! What ran: a table of the rules, the sources with counts in the margin, and LCOV for tools.
+//! Coverage: a table of rules, sources with counts in the margin, and LCOV.
 
 use crate::terminal::{BAD, FAINT, GOOD, NAME, Terminal};
 use asmotion_lang::coverage::{Coverage, Covered, CoveredRule};
@@ -7,16 +7,16 @@ use clap::ValueEnum;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// How much of it is shown.
+/// Detail of the coverage report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Shown {
-    /// A line a rule.
+    /// A table with a line for each rule
     Table,
-    /// The sources, too, with counts in the margin.
+    /// Also the sources with counts in the margin
     Lines,
 }
 
-/// Shows what ran.
+/// Prints the coverage.
 pub fn tell(coverage: &Coverage, shown: Shown, terminal: &mut Terminal) {
     for (path, file) in &coverage.files {
         terminal.result(format_args!("\n{NAME}{path}{NAME:#}"));
@@ -48,7 +48,7 @@ fn table(file: &Covered, terminal: &mut Terminal) {
     }
 }
 
-/// Whether everything in a rule ran.
+/// Returns `true` if every part of the rule ran.
 fn is_covered(rule: &CoveredRule) -> bool {
     let all = |(ran, all): (usize, usize)| ran == all;
     rule.calls > 0 && all(rule.branches()) && all(rule.updates())
@@ -69,9 +69,9 @@ fn rounds(rule: &CoveredRule) -> String {
     }
 }
 
-/// The sources, each line with how often what begins in it ran: a number for rules and updates, `T`
-/// and `F` for the branches of `if`, `0`, `1` and `*` for the rounds of `forall`; `!` marks what
-/// did not run at all.
+/// Prints the source lines with counts of the constructs that begin on them: a number for rules and updates, `T`
+/// and `F` for the branches of `if`, `0`, `1` and `*` for the rounds of `forall`; `!` marks constructs that did
+/// not run.
 fn lines(file: &Covered, terminal: &mut Terminal) {
     let margins = margins(file);
     for (index, text) in file.text.lines().enumerate() {
@@ -85,7 +85,7 @@ fn lines(file: &Covered, terminal: &mut Terminal) {
     }
 }
 
-/// By line: what the margin says, and whether something in it did not run.
+/// For each line: the text in the margin, and whether a construct did not run.
 fn margins(file: &Covered) -> BTreeMap<usize, (String, bool)> {
     let mut margins: BTreeMap<usize, (String, bool)> = BTreeMap::new();
     let mut note = |line: usize, text: String, is_missed: bool| {
@@ -118,7 +118,7 @@ fn margins(file: &Covered) -> BTreeMap<usize, (String, bool)> {
     margins
 }
 
-/// What ran, as LCOV.
+/// The coverage as LCOV.
 pub fn lcov(coverage: &Coverage) -> String {
     let mut text = String::new();
     // writing to a string cannot fail

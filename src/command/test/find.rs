@@ -1,10 +1,10 @@
-//! Which files are tests.
+//! Finds scenario files.
 
 use crate::files::reason;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// The scenarios among paths: files as they are, folders searched through, in order of their names.
+/// Returns the scenarios among the paths; folders are searched recursively, in order of names.
 pub fn scenarios(paths: &[PathBuf]) -> Result<Vec<PathBuf>, String> {
     let mut found = Vec::new();
     for path in paths {
@@ -26,7 +26,7 @@ fn folder(path: &Path, found: &mut Vec<PathBuf>) -> io::Result<()> {
     let mut entries: Vec<_> = std::fs::read_dir(path)?.collect::<io::Result<_>>()?;
     entries.sort_by_key(std::fs::DirEntry::file_name);
     for entry in entries {
-        // a link to a folder may lead in a circle: it is not followed
+        // links to folders are not followed, because they can be cyclic
         let kind = entry.file_type()?;
         let is_hidden = entry.file_name().to_string_lossy().starts_with('.');
         if kind.is_dir() && !is_hidden {

@@ -1,4 +1,4 @@
-//! What came of the tests, for a build server.
+//! JUnit report.
 
 use super::{End, Ended};
 use crate::exit::Exit;
@@ -8,7 +8,7 @@ use asmotion_lang::{Style, render_all};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use std::path::Path;
 
-/// Writes the report: a suite, a case a scenario.
+/// Writes one suite with a test case for each scenario.
 pub fn write(file: &Path, ended: &[Ended], terminal: &mut Terminal) -> Exit {
     let mut suite = TestSuite::new("scenarios");
     suite.add_test_cases(ended.iter().map(case));

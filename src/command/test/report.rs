@@ -1,4 +1,4 @@
-//! What came of the tests, for people and programs.
+//! Prints results of scenarios, as text or JSON.
 
 use super::{End, Ended};
 use crate::exit::Exit;
@@ -8,7 +8,7 @@ use asmotion_lang::simulate::scenario::Verdict;
 use serde_json::json;
 use std::time::Duration;
 
-/// One test: a line, and what there is to say.
+/// Prints the result of one scenario with its findings.
 pub fn tell(one: &Ended, as_json: bool, terminal: &mut Terminal) {
     if as_json {
         return terminal.result(json(one));
@@ -56,7 +56,7 @@ fn json(one: &Ended) -> serde_json::Value {
     })
 }
 
-/// How many ended how.
+/// Prints the numbers of results.
 pub fn sum_up(ended: &[Ended], took: Duration, terminal: &mut Terminal) {
     let count = |exit| ended.iter().filter(|one| one.end.exit() == exit).count() as u64;
     let mut parts = vec![format!("{} passed", count(Exit::Ok))];

@@ -1,4 +1,4 @@
-//! Differences accepted: all at once, or one by one.
+//! Accepts differences of snapshots, all at once or one by one.
 
 use super::Ended;
 use crate::exit::Exit;
@@ -7,7 +7,7 @@ use asmotion_lang::Report;
 use asmotion_lang::simulate::scenario::Verdict;
 use std::io::BufRead;
 
-/// Whether this is a build server, where nothing is accepted.
+/// Returns `true` on a build server, where no snapshot is accepted.
 pub fn is_automatic() -> bool {
     std::env::var_os("CI").is_some_and(|value| !value.is_empty())
 }
@@ -21,7 +21,7 @@ pub fn accept(ended: &mut [Ended], terminal: &mut Terminal) -> Exit {
     exit
 }
 
-/// Shows every difference, and asks what is to become of it.
+/// Shows every difference and asks whether to accept it.
 pub fn review(ended: &mut [Ended], terminal: &mut Terminal) -> Exit {
     let mut exit = Exit::Ok;
     let mut answers = std::io::stdin().lock().lines();
@@ -34,7 +34,7 @@ pub fn review(ended: &mut [Ended], terminal: &mut Terminal) -> Exit {
             "accept `{}`? [y]es, [n]o, [s]kip the rest",
             difference.path.display()
         ));
-        // who says nothing more does not accept
+        // the end of input rejects the rest
         let answer = answers.next().and_then(Result::ok).unwrap_or_default();
         match answer.trim() {
             "y" | "yes" => exit = exit.max(take(one, terminal)),

@@ -1,7 +1,7 @@
-//! Snapshot scenarios: a run with scripted inputs, held against what it wrote when it was accepted.
+//! Snapshot scenarios: compare a run with scripted inputs with its accepted output.
 //!
-//! `patrol.corridor.env.toml` runs `patrol.asm`, which stands beside it, for as many steps as the
-//! script has; what the run reads, writes and prints stands in `patrol.corridor.snap`.
+//! `patrol.corridor.env.toml` runs `patrol.asm` in the same folder for as many steps as the script has; the expected
+//! inputs, updates and output are in `patrol.corridor.snap`.
 
 use super::{End, Ended};
 use crate::diff::unified;
@@ -15,38 +15,38 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// What the names of the scripts end with.
+/// Suffix of scripts.
 const SCRIPT: &str = ".env.toml";
 
-/// Whether a file is the script of such a scenario.
+/// Returns `true` if the file is the script of a snapshot scenario.
 pub fn is_script(path: &Path) -> bool {
     path.to_string_lossy().ends_with(SCRIPT)
 }
 
-/// What a run wrote, and what was accepted.
+/// A run that differs from its snapshot.
 pub struct Difference {
-    /// The file of the snapshot.
+    /// Path of the snapshot.
     pub path: PathBuf,
-    /// What was accepted, if anything was.
+    /// Accepted text, if there is a snapshot.
     accepted: Option<String>,
-    /// What the run wrote.
+    /// Text of the run.
     actual: String,
 }
 
 impl Difference {
-    /// From what was accepted to what was written.
+    /// The changes from the accepted text to that of the run.
     pub fn diff(&self) -> String {
         let accepted = self.accepted.as_deref().unwrap_or("");
         unified(&self.path.to_string_lossy(), accepted, &self.actual)
     }
 
-    /// Accepts what the run wrote.
+    /// Writes the text of the run as the new snapshot.
     pub fn accept(&self) -> std::io::Result<()> {
         std::fs::write(&self.path, &self.actual)
     }
 }
 
-/// Runs the scenario of a script, and counts what of the specification ran if it is asked for.
+/// Runs the scenario of a script, with coverage if `covers` is set.
 pub(super) fn run(path: PathBuf, seed: u64, covers: bool) -> Ended {
     let begun = Instant::now();
     let mut ended = Ended::unusable(path.clone());
@@ -68,7 +68,7 @@ pub(super) fn run(path: PathBuf, seed: u64, covers: bool) -> Ended {
 
 fn compare(script: &Path, actual: String) -> (Verdict, Option<Difference>) {
     let path = PathBuf::from(script.to_string_lossy().replace(SCRIPT, ".snap"));
-    // one that cannot be read is as good as none
+    // an unreadable snapshot counts as missing
     let accepted = std::fs::read_to_string(&path).ok();
     if accepted.as_deref() == Some(&actual) {
         return (Verdict::Pass, None);
@@ -91,7 +91,7 @@ fn said(difference: &Difference) -> Diagnostic {
     }
 }
 
-/// The specification of a script, and the script.
+/// Opens the specification of a script and reads the script.
 pub fn open(script: &str, loader: &dyn Loader) -> Result<(Specification, Script), Failure> {
     let mut specification = asmotion_lang::open(&specification(Path::new(script)), loader)?;
     match read(script, &mut specification, loader) {
@@ -103,12 +103,12 @@ pub fn open(script: &str, loader: &dyn Loader) -> Result<(Specification, Script)
     }
 }
 
-/// A run that has ended.
+/// A completed run.
 struct Run {
     specification: Specification,
-    /// How many steps were done.
+    /// Number of steps.
     steps: u64,
-    /// What was read, written and printed.
+    /// Inputs, updates and output.
     text: String,
     coverage: Option<Coverage>,
 }
@@ -140,7 +140,7 @@ fn carry_out(path: &Path, seed: u64, covers: bool) -> Result<Run, Failure> {
     })
 }
 
-/// Does so many steps, as far as there is a next state, and writes down each.
+/// Makes up to this number of steps and records each.
 fn simulated(
     mut simulation: Simulation,
     steps: usize,
@@ -164,7 +164,7 @@ fn simulated(
     simulation
 }
 
-/// The specification of a script: what its name begins with.
+/// The specification of a script: the part of its name before the first dot.
 fn specification(script: &Path) -> String {
     let name = script.file_name().unwrap_or_default().to_string_lossy();
     let stem = name.split('.').next().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! `asmotion topic echo`: the messages of a topic, as they come.
+//! `asmotion topic echo`: prints the messages of a topic.
 
 use crate::build::BUILD;
 use crate::exit::Exit;
@@ -13,20 +13,20 @@ use std::time::{Duration, Instant};
 
 #[derive(Args)]
 pub struct Echo {
-    /// The topic's key, `navigation.odom`; `*` is any word, `#` any number of them.
+    /// Key of the topic, `navigation.odom`; `*` matches one word, `#` any number of words
     topic: String,
 
-    /// Ends after so many messages.
+    /// Ends after this many messages
     #[arg(long)]
     count: Option<u64>,
 
-    /// Ends after so many seconds.
+    /// Ends after this many seconds
     #[arg(long = "for", value_name = "SECONDS", default_value_t = 60)]
     limit: u64,
 }
 
 impl Echo {
-    /// Shows each message as an object on a line. Without any, that is a finding.
+    /// Prints each message as a JSON object on a line. Receiving none is a finding.
     pub fn run(self, remote: &Remote, terminal: &mut Terminal) -> Result<Exit, String> {
         let subscription = (remote.listen(&self.topic)).map_err(|error| error.to_string())?;
         let until = Instant::now() + Duration::from_secs(self.limit);
@@ -44,12 +44,12 @@ impl Echo {
 }
 
 fn line(envelope: &Envelope) -> String {
-    // what does not say itself what it is, the build may know by its type
+    // a codec that does not describe itself needs the schema of the type
     let schema = BUILD.schema(&envelope.type_name);
     let schema = schema.as_ref().unwrap_or(Datum::schema());
     let content = envelope.payload.to_datum_of(schema);
     let content = content.and_then(|datum| asmotion_datum::json::encode(&datum));
-    // a number as its sender wrote it
+    // numbers keep the notation of the sender
     let content = content.unwrap_or_else(|error| json!(error.to_string()).to_string());
     let about = json!({
         "topic": &*envelope.topic, "source": &*envelope.source, "sequence": envelope.sequence,

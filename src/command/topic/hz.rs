@@ -1,4 +1,4 @@
-//! `asmotion topic hz`: how often a topic's messages come.
+//! `asmotion topic hz`: measures the rate of a topic.
 
 use crate::exit::Exit;
 use crate::terminal::Terminal;
@@ -8,16 +8,16 @@ use std::time::{Duration, Instant};
 
 #[derive(Args)]
 pub struct Hz {
-    /// The topic's key, `navigation.odom`.
+    /// Key of the topic, `navigation.odom`
     topic: String,
 
-    /// Listens so many seconds.
+    /// Duration of the measurement in seconds
     #[arg(long = "for", value_name = "SECONDS", default_value_t = 5.0)]
     window: f64,
 }
 
 impl Hz {
-    /// Counts. Silence is a finding.
+    /// Counts messages. Receiving none is a finding.
     pub fn run(self, remote: &Remote, terminal: &mut Terminal) -> Result<Exit, String> {
         let window = Duration::try_from_secs_f64(self.window).map_err(|error| error.to_string())?;
         let subscription = (remote.listen(&self.topic)).map_err(|error| error.to_string())?;

@@ -1,4 +1,4 @@
-//! `asmotion topic list`: the topics, their types, who writes and reads them, and how often.
+//! `asmotion topic list`: lists topics with type, publishers, subscribers and rate.
 
 use crate::exit::Exit;
 use crate::table;
@@ -11,18 +11,18 @@ use std::time::Instant;
 #[derive(Args)]
 pub struct List {}
 
-/// What is known of a topic.
+/// The known facts about a topic.
 #[derive(Default)]
 struct Known {
     kind: String,
     publishers: BTreeSet<String>,
     subscribers: BTreeSet<String>,
-    /// How many messages came.
+    /// Number of received messages.
     count: u32,
 }
 
 impl List {
-    /// Asks and listens, for a second and a half.
+    /// Collects descriptions and messages for a second and a half.
     pub fn run(self, remote: &Remote, terminal: &mut Terminal) -> Result<Exit, String> {
         let everything = (remote.listen("#")).map_err(|error| error.to_string())?;
         let began = Instant::now();
@@ -66,7 +66,7 @@ impl List {
     }
 }
 
-/// The components of ports.
+/// The components of these ports.
 fn components(ports: &[String]) -> impl Iterator<Item = String> {
     let component = |port: &String| {
         port.rsplit_once('.')

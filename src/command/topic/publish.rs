@@ -11,28 +11,28 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 #[derive(Args)]
 pub struct Pub {
-    /// The topic's key, `navigation.goal`.
+    /// Key of the topic, `navigation.goal`
     topic: String,
 
-    /// The message as JSON; fields left out have their initial values.
+    /// Message as JSON; omitted fields have their default values
     #[arg(default_value = "{}")]
     message: String,
 
-    /// Its type, `geometry_msgs/Twist`; readers take it by its fields.
+    /// Type of the message, `geometry_msgs/Twist`; readers check the fields only
     #[arg(long = "type", default_value = "")]
     kind: String,
 
-    /// Publishes it so many times.
+    /// Number of times to publish it
     #[arg(long, default_value_t = 1)]
     count: u64,
 
-    /// So many times a second.
+    /// Messages a second
     #[arg(long, default_value_t = 1.0)]
     rate: f64,
 }
 
 impl Pub {
-    /// Publishes. That nobody reads it is worth a word, and no failure.
+    /// Publishes the message. A topic without subscribers earns a warning, not a failure.
     pub fn run(self, remote: &Remote, terminal: &mut Terminal) -> Result<Exit, String> {
         let message: Datum = asmotion_datum::json::decode(&self.message)
             .map_err(|error| format!("`{}` is no JSON: {error}", self.message))?;
