@@ -1,4 +1,4 @@
-//! What a run writes down in files: its trace, and the table of its ports.
+//! Files written during a run: the trace and the table of port values.
 
 use std::fs::File;
 use std::io;
@@ -9,24 +9,24 @@ use clap::Args;
 use crate::record::Record;
 use crate::trace::Trace;
 
-/// Which files are wanted.
+/// Options that select the files to write.
 #[derive(Args, Clone, Default)]
 pub struct Wanted {
-    /// Writes down what happened, line by line: the same run gives the same bytes.
+    /// Writes a trace of the run, one event a line; equal runs give equal bytes
     #[arg(long, value_name = "FILE")]
     trace: Option<String>,
 
-    /// Writes what ports published as a table (CSV): a row an instant, a column a number, named
-    /// `Component.port.field`.
+    /// Writes the values of ports as a table (CSV): a row for each instant, a column for each number, named
+    /// `Component.port.field`
     #[arg(long, value_name = "FILE")]
     record: Option<String>,
 
-    /// Records the ports or topics of this name, in which `*` is any run of characters; without it, all.
+    /// Ports or topics to record; `*` matches any characters [default: all]
     #[arg(long, value_name = "PATTERN", requires = "record")]
     ports: Vec<String>,
 }
 
-/// The books, while they are written.
+/// The files being written.
 #[derive(Debug, Default)]
 pub struct Books {
     trace: Option<(String, Trace)>,
@@ -34,7 +34,7 @@ pub struct Books {
 }
 
 impl Wanted {
-    /// Opens the books that are wanted.
+    /// Creates the requested files in memory.
     pub fn open(&self) -> Books {
         let trace = self.trace.clone();
         let record = self.record.clone();
@@ -46,7 +46,7 @@ impl Wanted {
 }
 
 impl Books {
-    /// Takes in an event.
+    /// Records an event.
     pub fn note(&mut self, at: Time, event: &Event<'_>) {
         if let Some((_, trace)) = &mut self.trace {
             trace.note(at, event);
@@ -56,10 +56,10 @@ impl Books {
         }
     }
 
-    /// Writes the files; the patterns of ports that published nothing.
+    /// Writes the files. Returns the patterns of ports that published nothing.
     ///
     /// # Errors
-    /// A file cannot be written.
+    /// Fails if a file cannot be written.
     pub fn close(&self) -> Result<Vec<&str>, String> {
         if let Some((path, trace)) = &self.trace {
             std::fs::write(path, trace.text()).map_err(|error| cannot(path, error))?;

@@ -1,4 +1,4 @@
-//! A broker from the command line: how it is named, where the password comes from.
+//! Broker options of the command line: address and credentials.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -11,17 +11,17 @@ use asmotion_assembly::plan;
 use asmotion_remote::Remote;
 use clap::Args;
 
-/// How long to wait for the broker.
+/// Time limit for the first connection.
 const CONNECT: Duration = Duration::from_secs(10);
 
-/// The variable with the password.
+/// Environment variable with the password.
 const PASSWORD: &str = "ASMOTION_PASSWORD";
 
-/// What a command against a live broker wants to know.
+/// Options of commands that use a live broker.
 #[derive(Args, Clone)]
 pub struct Broker {
-    /// The broker, `amqp://user@host:port/vhost`; without it, what the variable ASMOTION_BUS says. The
-    /// password comes from ASMOTION_PASSWORD, or `--credentials`.
+    /// Address of the broker, `amqp://user@host:port/vhost` [default: the environment variable ASMOTION_BUS]. The
+    /// password is read from ASMOTION_PASSWORD or `--credentials`.
     #[arg(long, global = true, value_name = "URL")]
     bus: Option<String>,
 
@@ -29,28 +29,29 @@ pub struct Broker {
     access: Access,
 }
 
-/// How a broker lets us in.
+/// Credentials for a broker.
 #[derive(Args, Clone, Default)]
 pub struct Access {
-    /// Who we are to the broker: a file with the user in its first line, the password in its second.
+    /// Credentials for the broker: a file with the user on the first line and the password on the second
     #[arg(long, global = true, value_name = "FILE")]
     credentials: Option<PathBuf>,
 
-    /// With `amqps`, who vouches for the broker (PEM); without it, the authorities that browsers trust.
+    /// For `amqps`: certificate of the authority that signed the broker's certificate (PEM) [default: the web's
+    /// authorities]
     #[arg(long, global = true, value_name = "FILE")]
     ca: Option<PathBuf>,
 
-    /// Our certificate (PEM), where the broker wants one.
+    /// Client certificate (PEM), if the broker demands one
     #[arg(long, global = true, value_name = "FILE", requires = "key")]
     certificate: Option<PathBuf>,
 
-    /// The key of our certificate (PEM).
+    /// Private key of the client certificate (PEM)
     #[arg(long, global = true, value_name = "FILE", requires = "certificate")]
     key: Option<PathBuf>,
 }
 
 impl Access {
-    /// The arguments that say the same.
+    /// The equivalent command-line arguments.
     pub fn arguments(&self) -> Vec<OsString> {
         let all = [
             ("--credentials", &self.credentials),
@@ -68,10 +69,10 @@ impl Access {
 }
 
 impl Broker {
-    /// What is known of it; topics and addresses are whole keys, whichever robot's they are.
+    /// Returns the connection settings. Topics and addresses are whole keys, including the robot's name.
     ///
     /// # Errors
-    /// Nobody says which, or the password is not known.
+    /// Fails if no broker is given or the password is unknown.
     pub fn settings(&self) -> Result<Settings, String> {
         let variable = || std::env::var("ASMOTION_BUS").ok();
         let address =
@@ -83,19 +84,19 @@ impl Broker {
         Ok(settings)
     }
 
-    /// The systems on it.
+    /// Connects to the broker to inspect the systems on it.
     ///
     /// # Errors
-    /// It is not there, or does not let us.
+    /// Fails if the broker is unreachable or refuses the connection.
     pub fn remote(&self) -> Result<Remote, String> {
         remote(self.settings()?)
     }
 }
 
-/// The systems on a broker, for a tool.
+/// Connects to a broker on behalf of a tool.
 ///
 /// # Errors
-/// It is not there, or does not let us.
+/// Fails if the broker is unreachable or refuses the connection.
 pub fn remote(mut settings: Settings) -> Result<Remote, String> {
     settings.process = "asmotion-tool".to_owned();
     let place = settings.place();
@@ -105,10 +106,10 @@ pub fn remote(mut settings: Settings) -> Result<Remote, String> {
     Remote::over(Arc::new(bus), None).map_err(|error| error.to_string())
 }
 
-/// The settings of a broker that a composite names.
+/// Returns the settings of a broker named in a composite.
 ///
 /// # Errors
-/// Its address is none, contradicts `tls`, or there is no password.
+/// Fails if its address is invalid or contradicts `tls`, or if there is no password.
 pub fn named(broker: &plan::Broker, access: &Access) -> Result<Settings, String> {
     let of = |reason: String| format!("the broker `{}` of the composite: {reason}", broker.name);
     let address = broker.url.as_ref().map_or("", plan::Endpoint::reveal);
@@ -129,11 +130,11 @@ pub fn named(broker: &plan::Broker, access: &Access) -> Result<Settings, String>
     Ok(settings)
 }
 
-/// The settings of `amqp://user@host:port/vhost`. The password comes from the credentials file or the environment; one
-/// in the address is taken too, though others see it among the processes.
+/// Returns the settings for `amqp://user@host:port/vhost`. The password is read from the credentials file or the
+/// environment. A password in the address is accepted, although other users can see it in the process list.
 ///
 /// # Errors
-/// The address is none, or there is no password.
+/// Fails if the address is invalid or there is no password.
 pub fn settings(address: &str, access: &Access) -> Result<Settings, String> {
     let (address, has_password) = with_password(address);
     let mut settings = Settings::parse(&address).map_err(|error| error.to_string())?;
@@ -154,8 +155,8 @@ pub fn settings(address: &str, access: &Access) -> Result<Settings, String> {
     Ok(settings)
 }
 
-/// The address with a password in it, and whether that is the user's own. One without a user has the broker's usual
-/// one, `guest`.
+/// Returns the address with a password, and whether that password belongs to the user. An address without a user gets
+/// RabbitMQ's default user, `guest`.
 fn with_password(address: &str) -> (String, bool) {
     let user = address.split_once("://").and_then(|(scheme, rest)| {
         let authority = rest.split('/').next().unwrap_or(rest);

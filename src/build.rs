@@ -1,4 +1,4 @@
-//! What this build offers to composites, and the variables of the process.
+//! The components and messages of this binary, and access to environment variables.
 
 use asmotion_assembly::model::Builtin;
 use asmotion_assembly::{AsmFiles, Context, Environment, Tables};
@@ -12,7 +12,7 @@ pub const BUILD: Tables = Tables {
     builtins: &[Builtin::PortProxy],
 };
 
-/// Opens a composite, with the properties that are set from outside: name and text.
+/// Opens a composite with properties set on the command line, as pairs of name and text.
 pub fn open(
     path: &str,
     settings: &[(String, String)],
@@ -28,7 +28,7 @@ pub fn open(
     asmotion_assembly::open(path, &context)
 }
 
-/// The variables and secret files of the process.
+/// Environment variables and secret files of the process.
 #[derive(Clone, Copy, Debug, Default)]
 struct Variables;
 

@@ -1,4 +1,4 @@
-//! What a composite is to the outside: its components, its topics, the operations it serves.
+//! The external interface of a composite: components, topics and served operations.
 
 pub mod asyncapi;
 mod envelope;
@@ -17,65 +17,65 @@ use asmotion_lang::ir::Program;
 use crate::build::BUILD;
 use crate::files::Disk;
 
-/// A composite as others see it.
+/// Description of a composite.
 pub struct Description<'p> {
-    /// What it was made of.
+    /// The plan it describes.
     pub plan: &'p Plan,
-    /// What the composite says of itself.
+    /// Documentation text of the composite.
     pub doc: Option<String>,
-    /// Everything that is published or subscribed, by name; then what passes between processes.
+    /// All topics by name, then the connections between processes.
     pub topics: Vec<Channel>,
-    /// Every operation that is served, in the order of the files.
+    /// All served operations, in the order of the files.
     pub operations: Vec<Served>,
 }
 
-/// A topic, and who is on it.
+/// A topic with its publishers and subscribers.
 pub struct Channel {
-    /// Its name, without the robot's.
+    /// Name without the robot's name.
     pub name: String,
-    /// What passes.
+    /// Schema of the messages.
     pub message: Schema,
-    /// Who writes.
+    /// Publishing ports.
     pub publishers: Vec<End>,
-    /// Who reads.
+    /// Subscribing ports.
     pub subscribers: Vec<End>,
 }
 
-/// An operation that a component serves, and who calls it.
+/// An operation served by a component, and its callers.
 pub struct Served {
-    /// The component and its service.
+    /// Component and service.
     pub service: End,
-    /// The interface of the service.
+    /// Interface of the service.
     pub interface: String,
-    /// The operation: its name, what is asked, what is answered.
+    /// Declaration: name, request and response.
     pub operation: OperationDeclaration,
-    /// Whether nobody is answered.
+    /// Whether the operation has no reply.
     pub one_way: bool,
-    /// The references wired to the service.
+    /// References wired to the service.
     pub callers: Vec<Caller>,
 }
 
-/// A reference that is wired to a service.
+/// A reference wired to a service.
 pub struct Caller {
-    /// The component and its reference.
+    /// Component and reference.
     pub reference: End,
-    /// How long it waits.
+    /// Deadline of its calls.
     pub timeout_ms: u64,
-    /// Whether it wants no answer.
+    /// Whether it expects no reply.
     pub one_way: bool,
 }
 
 impl Served {
-    /// Where it is called, without the robot's name.
+    /// Address without the robot's name.
     pub fn address(&self) -> String {
         format!("{}.{}", self.service, self.operation.name)
     }
 }
 
-/// Describes a composite in one profile.
+/// Describes one profile of a composite.
 pub fn describe<'p>(opened: &Opened, plan: &'p Plan) -> Description<'p> {
     let declared = Declared::of(opened, plan);
-    // how its bus is, a system tells inside
+    // the topic `bus` never leaves its process
     let topics = plan
         .topics
         .iter()
@@ -93,7 +93,7 @@ pub fn describe<'p>(opened: &Opened, plan: &'p Plan) -> Description<'p> {
     }
 }
 
-/// What the components of a plan declare; nothing of those that are not of this build.
+/// Declarations of the plan's components, as far as this binary contains them.
 struct Declared<'a> {
     opened: &'a Opened,
     plan: &'a Plan,
@@ -117,14 +117,14 @@ impl<'a> Declared<'a> {
         self.components.get(position)?.as_ref()
     }
 
-    /// What passes through a port, if its component says.
+    /// Schema of a port, if its component declares it.
     fn port(&self, end: &End) -> Option<&Schema> {
         let declared = self.component(&end.component)?;
         let port = (declared.output(&end.name)).or_else(|| declared.input(&end.name))?;
         Some(&port.schema)
     }
 
-    /// The shape of a type that is known by name, if the build or the composite has it.
+    /// Replaces a reference to a named type by its definition, if this binary or the composite has one.
     fn known(&self, schema: Schema) -> Schema {
         match schema.shape {
             Shape::Any => self.opened.schema(&schema.name).cloned().unwrap_or(schema),
@@ -132,7 +132,7 @@ impl<'a> Declared<'a> {
         }
     }
 
-    /// What passes between these ports: who has the type itself knows it best.
+    /// Schema shared by these ports. A declared schema takes precedence over a name.
     fn message<'e>(&self, ends: impl Iterator<Item = &'e End>, kind: Option<&str>) -> Schema {
         let mut schemas = ends.filter_map(|end| self.port(end));
         match schemas.find(|schema| schema.shape != Shape::Any) {
@@ -151,7 +151,7 @@ impl<'a> Declared<'a> {
         }
     }
 
-    /// Connections of ports that are not in one process: each output is a topic of its own.
+    /// Connections between processes: each output is a topic of its own.
     fn crossings(&self) -> Vec<Channel> {
         let process = |component: &str| {
             let mut processes = self.plan.processes.iter();
@@ -180,7 +180,7 @@ impl<'a> Declared<'a> {
         crossings
     }
 
-    /// The operations that a component serves: as it declares them, or as the interfaces of its services have them.
+    /// Operations served by a component, from its declaration or from the interfaces of its services.
     fn served(&self, component: &Component) -> Vec<Served> {
         let services: Vec<_> = match self.component(&component.name) {
             Some(declared) => (declared.services.iter())
@@ -224,7 +224,7 @@ impl<'a> Declared<'a> {
         served
     }
 
-    /// Who is wired to a service and calls the operation; who does not say what it calls may call any.
+    /// References wired to a service that call the operation. A reference without declared calls can call any operation.
     fn callers(&self, service: &End, operation: &str) -> Vec<Caller> {
         let calls = |reference: &End| {
             let declared = self.component(&reference.component);
@@ -257,7 +257,7 @@ fn program(component: &Component) -> Option<Arc<Program>> {
     Some(asmotion_lang::open(&asm.path, &Disk).ok()?.program)
 }
 
-/// What a component declares; `None` where it cannot be made here, such as a ROS node.
+/// The declaration of a component; `None` if this binary cannot create it, for example a ROS node.
 fn declaration(component: &Component, plan: &Plan) -> Option<Declaration> {
     let mut workshop = Standard {
         catalogue: &BUILD,
@@ -271,7 +271,7 @@ fn declaration(component: &Component, plan: &Plan) -> Option<Declaration> {
     Some(scratch.declaration().clone())
 }
 
-/// What a component is made of, for people.
+/// The implementation of a component as text.
 pub fn implementation(component: &Component) -> String {
     match &component.implementation {
         Implementation::Rust(name) => name.clone(),

@@ -1,4 +1,4 @@
-//! Two texts of one file as a unified diff.
+//! Unified diffs.
 
 use crate::terminal::NAME;
 use anstyle::{AnsiColor, Style};
@@ -7,10 +7,10 @@ use similar::TextDiff;
 const ADDED: Style = AnsiColor::Green.on_default();
 const REMOVED: Style = AnsiColor::Red.on_default();
 
-/// Unchanged lines shown around a change.
+/// Number of unchanged lines around a change.
 const CONTEXT: usize = 3;
 
-/// What turns `before` into `after`, as `patch` reads it; coloured, where colour is shown.
+/// Returns the changes from `before` to `after` in the format of `patch`, coloured if colour is enabled.
 pub fn unified(path: &str, before: &str, after: &str) -> String {
     let diff = TextDiff::from_lines(before, after)
         .unified_diff()

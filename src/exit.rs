@@ -1,24 +1,24 @@
-//! What the exit code says: the one table of all commands, as in `docs/diagnostics.md`.
+//! Exit codes, shared by all commands and listed in `docs/diagnostics.md`.
 
 use std::path::Path;
 use std::process::ExitCode;
 
-/// How a command ended. Of several, the greatest counts.
+/// Result of a command. Of several results, the greatest one determines the exit code.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Exit {
-    /// All is well.
+    /// Success.
     #[default]
     Ok,
-    /// Something was found: an error in a file, a scenario that fails, a goal not reached.
+    /// An error in a file, a failed scenario, a goal not reached.
     Findings,
-    /// The command cannot be carried out as it was given: an argument names what is not there.
+    /// Usage error, including an argument that names something unknown.
     Usage,
     /// A step failed at run time.
     Fault,
 }
 
 impl Exit {
-    /// There are errors at a path that was named on the command line: in the file, or there is none.
+    /// The result for errors at a path named on the command line: findings if the file exists, a usage error otherwise.
     pub fn refused(path: impl AsRef<Path>) -> Self {
         if path.as_ref().is_file() {
             Self::Findings

@@ -1,4 +1,4 @@
-//! Files of the disk, as the language and the composites want them.
+//! Loading of files from the disk for the language and the composites.
 
 use asmotion_lang::Loader;
 use asmotion_lang::diagnostics::LoadError;
@@ -7,10 +7,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A larger text than this is not read: no person wrote it.
+/// Upper bound on the size of a text file.
 const MAX_BYTES: u64 = 32 << 20;
 
-/// The files of the disk.
+/// Loads files from the disk.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Disk;
 
@@ -31,7 +31,7 @@ impl Loader for Disk {
             )));
         }
         let bytes = std::fs::read(path).map_err(|error| failed(reason(&error)))?;
-        // what is no UTF-8 is shown as such by the lexer, at its place
+        // the lexer reports text that is not UTF-8 at its place
         Ok(String::from_utf8_lossy(&bytes).into())
     }
 
@@ -42,7 +42,7 @@ impl Loader for Disk {
     }
 }
 
-/// Where a file may be that another one names, best first.
+/// Candidate paths of an imported file, best first.
 fn candidates(from: &str, import: &str) -> [PathBuf; 4] {
     let folder = Path::new(from).parent().unwrap_or(Path::new(""));
     let near = folder.join(import.replace('\\', "/"));
@@ -55,20 +55,20 @@ fn candidates(from: &str, import: &str) -> [PathBuf; 4] {
     ]
 }
 
-/// Files of another loader, and what was read of them.
+/// Loads files through another loader and records them.
 pub struct Remembering<'a> {
     files: &'a dyn Loader,
     read: Mutex<BTreeMap<String, Arc<str>>>,
 }
 
 impl<'a> Remembering<'a> {
-    /// Nothing was read yet.
+    /// Wraps a loader.
     pub fn new(files: &'a dyn Loader) -> Self {
         let read = Mutex::default();
         Self { files, read }
     }
 
-    /// Paths and texts of what was read.
+    /// Paths and texts of the loaded files.
     pub fn read(&self) -> BTreeMap<String, Arc<str>> {
         let read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
         read.clone()
@@ -88,14 +88,14 @@ impl Loader for Remembering<'_> {
     }
 }
 
-/// Files that were sent, as if they stood in a folder of the disk.
+/// Files received over the bus, addressed as if they were in a folder of the disk.
 pub struct Sent {
     folder: PathBuf,
     texts: BTreeMap<String, Arc<str>>,
 }
 
 impl Sent {
-    /// Files by their paths from the folder of another one.
+    /// Places files in the folder of `path`; their paths are relative to it.
     pub fn beside(path: &str, files: &[(String, String)]) -> Self {
         let folder = Path::new(path).parent().unwrap_or(Path::new(""));
         let mut sent = Self {
@@ -108,12 +108,12 @@ impl Sent {
         sent
     }
 
-    /// The whole path of one of them.
+    /// The full path of one of the files.
     pub fn path(&self, path: &str) -> String {
         tidy(&self.folder.join(path))
     }
 
-    /// All whole paths.
+    /// All full paths.
     pub fn paths(&self) -> impl Iterator<Item = &String> {
         self.texts.keys()
     }
@@ -134,7 +134,7 @@ impl Loader for Sent {
     }
 }
 
-/// Why a file cannot be used, for people.
+/// Reason of an I/O error, for people.
 pub fn reason(error: &std::io::Error) -> String {
     match error.kind() {
         std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
@@ -143,7 +143,7 @@ pub fn reason(error: &std::io::Error) -> String {
     }
 }
 
-/// The path without `.` and `a/..`, so that one file has one path.
+/// Removes `.` and `a/..` from a path, so that each file has one path.
 fn tidy(path: &Path) -> String {
     let mut tidy = PathBuf::new();
     for part in path.components() {
@@ -158,12 +158,12 @@ fn tidy(path: &Path) -> String {
     tidy.display().to_string()
 }
 
-/// All specifications of a folder and the folders in it, sorted.
+/// Returns all specifications below a folder, sorted.
 pub fn specifications(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     files(folder, &["asm"])
 }
 
-/// All files whose names end so, of a folder and the folders in it, sorted.
+/// Returns all files below a folder with one of these suffixes, sorted.
 pub fn files(folder: &Path, endings: &[&str]) -> std::io::Result<Vec<PathBuf>> {
     let mut entries = std::fs::read_dir(folder)?.collect::<Result<Vec<_>, _>>()?;
     entries.sort_by_key(std::fs::DirEntry::file_name);
@@ -180,9 +180,9 @@ pub fn files(folder: &Path, endings: &[&str]) -> std::io::Result<Vec<PathBuf>> {
     Ok(found)
 }
 
-/// Puts a new text in the place of the old one; the file is the one or the other at all times.
+/// Replaces the text of a file atomically: readers see the old text or the new one.
 pub fn rewrite(path: &str, before: &str, after: &str) -> std::io::Result<()> {
-    // through a symbolic link, so that it stays one
+    // resolves a symbolic link, which would otherwise be replaced by a file
     let path = std::fs::canonicalize(path)?;
     if std::fs::read(&path)? != before.as_bytes() {
         return Err(std::io::Error::other(

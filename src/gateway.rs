@@ -1,4 +1,4 @@
-//! Gateways from the command line: where each listens.
+//! Gateway options of the command line: listening addresses.
 
 use std::net::SocketAddr;
 
@@ -6,10 +6,10 @@ use asmotion_lang::diagnostics::similar;
 
 use crate::mission::{Gateways, Told};
 
-/// The gateways of what runs here, by their names, as `--http` wants them.
+/// Returns the gateways of this run by name, with the addresses of `--http`.
 ///
 /// # Errors
-/// It speaks of none of them, or gives no address.
+/// Fails if an option names an unknown gateway or an invalid address.
 pub fn open(http: &[String], named: &[String], told: Told) -> Result<Gateways, String> {
     if http == ["off"] {
         return Ok(Gateways::Closed);
@@ -22,7 +22,7 @@ pub fn open(http: &[String], named: &[String], told: Told) -> Result<Gateways, S
     })
 }
 
-/// Which gateway listens where, as it was written.
+/// Splits an option into gateway and address.
 fn elsewhere(written: &str, named: &[String]) -> Result<(String, SocketAddr), String> {
     let wrong = |reason: &str| Err(format!("`--http {written}`: {reason}"));
     let (name, address) = match (written.split_once('='), named) {

@@ -1,4 +1,4 @@
-//! A composite put together, and its run until something ends it.
+//! Assembles a composite and runs it until an end condition holds.
 
 mod error;
 mod gateway;
@@ -29,85 +29,84 @@ use crate::story::{Story, Summary};
 use successor::Successor;
 use watch::{Watch, awaited};
 
-/// What is run, and how.
+/// A composite and the options of its run.
 #[derive(Clone, Debug)]
 pub struct Mission {
-    /// The file of the composite.
+    /// Path of the composite.
     pub composite: String,
-    /// One of its profiles.
+    /// Selected profile.
     pub profile: Option<String>,
-    /// Its properties, set from outside.
+    /// Properties of the composite set on the command line: name and text.
     pub settings: Vec<(String, String)>,
-    /// Properties of its components, set from outside: component, property, value.
+    /// Properties of components set on the command line: component, property, value.
     pub properties: Vec<(String, String, Datum)>,
-    /// Decides what specifications leave to choice.
+    /// Seed for the choices of specifications.
     pub seed: u64,
-    /// Whether it is the composite's property `seed`, too, if it has one.
+    /// Whether the seed also sets the property `seed` of the composite, if there is one.
     pub seeds_composite: bool,
-    /// Which time it runs in.
+    /// Clock of the run.
     pub clock: Clock,
-    /// What topics and wires go over.
+    /// Brokers for topics and wires.
     pub brokers: Brokers,
-    /// Whether what it serves is called over HTTP.
+    /// HTTP gateways.
     pub gateways: Gateways,
-    /// Of the processes that the composite is deployed to, the one that is run; all of it where absent.
+    /// Process to run, if the composite is deployed to several; `None` runs all of it.
     pub process: Option<String>,
-    /// It ends well when a location gets one of these values: location, value. Where absent, with
+    /// The run succeeds when a location has one of these values, as pairs of location and value. `None` means
     /// `mode = ARRIVED`, if there is such a location.
     pub until: Option<Vec<(String, String)>>,
-    /// It ends badly when a location gets one of these values; where absent, with `mode = FAILED`.
+    /// The run fails when a location has one of these values. `None` means `mode = FAILED`.
     pub unless: Option<Vec<(String, String)>>,
-    /// It ends, undecided, after this long; for ever where absent.
+    /// Upper bound on the duration of the run in its own time; `None` is unlimited.
     pub limit: Option<Duration>,
 }
 
-/// Which time a mission runs in.
+/// Clock of a mission.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Clock {
-    /// One thread, time as fast as wanted: so many seconds of the run in one of the wall; as many as
-    /// possible where 0.
+    /// One thread and a virtual clock that advances this many seconds per second of real time; 0 is as fast as
+    /// possible.
     Virtual(f64),
-    /// A thread for each component, time as it passes.
+    /// The wall clock, with a thread for each component.
     Wall,
 }
 
-/// How a mission ended.
+/// Outcome of a mission.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// A location got a value that it was to run until.
+    /// A success condition was met.
     Reached,
-    /// A location got a value that means failure.
+    /// A failure condition was met.
     Failed,
-    /// The time was up.
+    /// The time limit was reached.
     TimeUp,
-    /// A component failed and cannot go on.
+    /// A component failed.
     Fault,
-    /// Somebody stopped it.
+    /// The run was stopped from outside.
     Stopped,
 }
 
-/// What is left of a mission.
+/// Result of a mission.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ended {
-    /// How it ended.
     pub outcome: Outcome,
-    /// What happened in it.
+    /// Summary of its events.
     pub summary: Summary,
-    /// How long it took, in its own time.
+    /// Duration in its own time.
     pub time: Duration,
-    /// How long it took on the wall.
+    /// Duration in real time.
     pub wall: Duration,
 }
 
-/// How often the run looks up to see whether it shall stop, in its own time.
+/// Interval, in the run's own time, at which the end conditions are tested.
 const SLICE: Duration = Duration::from_millis(100);
 
-/// After its end the robot has this long to come to rest.
+/// Time for the robot to come to rest after the end.
 const REST: Duration = Duration::from_secs(1);
 
 impl Mission {
-    /// A mission in virtual time, as fast as possible, that ends with `mode` ARRIVED or FAILED, or
-    /// after ten minutes.
+    /// Returns a mission in virtual time, as fast as possible, that ends with `mode` ARRIVED or FAILED, or after ten
+    /// minutes.
     pub fn new(composite: impl Into<String>) -> Self {
         Self {
             composite: composite.into(),
@@ -126,11 +125,11 @@ impl Mission {
         }
     }
 
-    /// Runs it. `hear` is told every event, and the line of the story where it has one; `stop` ends
-    /// the run early.
+    /// Runs the mission. `hear` receives every event, and its line of the story if it has one; setting `stop` ends the run
+    /// early.
     ///
     /// # Errors
-    /// The composite has errors, or cannot be put together in this build.
+    /// Fails if the composite has errors or cannot be assembled in this binary.
     pub fn run(
         &self,
         mut hear: impl FnMut(Time, &Event<'_>, Option<&str>) + Send + 'static,
@@ -171,7 +170,7 @@ impl Mission {
                     similar: similar(component, known).cloned(),
                 });
             }
-            // one of another process is set there
+            // a component of another process is set in that process
             let Some(id) = system.id(component) else {
                 continue;
             };
@@ -209,10 +208,10 @@ impl Mission {
         if outcome == Outcome::Reached || outcome == Outcome::Failed {
             run.run_for(REST);
         }
-        // who still calls is answered before those stop who answer
+        // pending calls are answered before their providers stop
         drop(gateways);
         run.stop();
-        // what the components said last is sent before the bus closes
+        // the last messages of the components are sent before the bus closes
         contacts.iter_mut().for_each(Contact::leave);
         drop((run, contacts, successor));
         drop(connected);
@@ -224,7 +223,7 @@ impl Mission {
         })
     }
 
-    /// Whoever is beyond a message queue lives in the time of the wall.
+    /// Rejects virtual time if a message queue leads to a component outside, which uses the wall clock.
     fn in_the_time_of_queues(&self, plan: &Plan) -> Result<(), MissionError> {
         let mut ends = plan.connections.iter().flat_map(|it| [&it.from, &it.to]);
         match (
@@ -238,7 +237,7 @@ impl Mission {
         }
     }
 
-    /// A version of the composite, with what was set from outside.
+    /// Opens a version of the composite with the properties set on the command line.
     fn open(&self, composite: &str, files: &dyn Loader) -> Opened {
         let opened = build::open(composite, &self.settings, files);
         let properties = opened.composite.iter().flat_map(|it| &it.properties);
@@ -287,7 +286,7 @@ impl Mission {
     }
 }
 
-/// What a panicking listener left behind is still a story.
+/// Locks the mutex; its content is consistent even if a listener panicked while it held the lock.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,4 +1,4 @@
-//! A prompt: lines from a person, with completion and a memory; or from a pipe.
+//! Line input with completion and history for people, and plain lines from a pipe.
 
 mod verb;
 
@@ -13,26 +13,26 @@ use rustyline::validate::Validator;
 use rustyline::{Context, Editor, Helper};
 use std::path::PathBuf;
 
-/// What came of asking for a line.
+/// Result of reading a line.
 pub enum Line {
     /// A line.
     Text(String),
-    /// Given up with Ctrl-C.
+    /// The line was abandoned with Ctrl-C.
     Nothing,
-    /// There will be no other one.
+    /// End of input.
     End,
 }
 
-/// Asks for lines.
+/// Reads lines.
 pub struct Prompt {
     editor: Editor<Words, DefaultHistory>,
-    /// Where lines are remembered, if a person types them.
+    /// History file, if input is a terminal.
     memory: Option<PathBuf>,
 }
 
 impl Prompt {
-    /// Knows these verbs. `signs` are of names, too, beside letters and digits; lines are remembered in a file that is
-    /// called `memory`.
+    /// Creates a prompt with these verbs. Names consist of letters, digits and `signs`; the history is kept in the file
+    /// `memory`.
     pub fn new(
         verbs: &'static [Verb],
         signs: &'static str,
@@ -48,13 +48,13 @@ impl Prompt {
             .then(|| remembered(memory))
             .flatten();
         if let Some(path) = &memory {
-            // the first time there is none
+            // the file does not exist in the first session
             let _ = editor.load_history(path);
         }
         Ok(Self { editor, memory })
     }
 
-    /// From now on these names are completed.
+    /// Replaces the names that are completed.
     pub fn know(&mut self, mut names: Vec<String>) {
         names.sort();
         names.dedup();
@@ -63,7 +63,7 @@ impl Prompt {
         }
     }
 
-    /// The next line.
+    /// Reads the next line.
     pub fn read(&mut self, prompt: &str) -> Line {
         match self.editor.readline(prompt) {
             Ok(line) => {
@@ -75,7 +75,7 @@ impl Prompt {
         }
     }
 
-    /// Remembers the lines for the next time, where that is possible.
+    /// Saves the history, if possible.
     pub fn keep(&mut self) {
         if let Some(path) = &self.memory {
             let _ = path.parent().map(std::fs::create_dir_all);
@@ -84,7 +84,7 @@ impl Prompt {
     }
 }
 
-/// Where lines are remembered: the state folder of the XDG base directories.
+/// Path of the history in the state folder of the XDG base directories.
 fn remembered(name: &str) -> Option<PathBuf> {
     let state = std::env::var_os("XDG_STATE_HOME").map(PathBuf::from);
     let home = || std::env::var_os("HOME").map(|home| PathBuf::from(home).join(".local/state"));
@@ -92,7 +92,7 @@ fn remembered(name: &str) -> Option<PathBuf> {
     Some(state.join("asmotion").join(name))
 }
 
-/// The words that can be completed: first the verbs, then names.
+/// Words for completion: verbs, then names.
 struct Words {
     verbs: &'static [Verb],
     signs: &'static str,

@@ -1,4 +1,4 @@
-//! A run as a table, for whoever draws curves: what ports published, a column a number, a row an instant.
+//! A run as a table of port values: a column for each number, a row for each instant.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -6,36 +6,36 @@ use std::io::Write;
 use asmotion_component::{Event, Time};
 use asmotion_datum::Datum;
 
-/// A longer list is data, not columns: its length is recorded.
+/// Maximum length of a list that is recorded by element; of longer lists only the length is recorded.
 const WIDE: usize = 64;
 
-/// What ports published, and when.
+/// Values published by ports, by time.
 #[derive(Debug)]
 pub struct Record {
     wanted: Vec<Wanted>,
     columns: Vec<String>,
-    /// Where each column is.
+    /// Index of each column.
     places: BTreeMap<String, usize>,
     rows: Vec<Row>,
 }
 
-/// Ports that are wanted: `*` is any run of characters.
+/// A pattern of ports; `*` matches any characters.
 #[derive(Debug)]
 struct Wanted {
     pattern: String,
     is_there: bool,
 }
 
-/// What was published at an instant.
+/// Values published at an instant.
 #[derive(Debug)]
 struct Row {
     at: Time,
-    /// The value in a column, absent where nothing was published.
+    /// Value of each column, absent if nothing was published.
     cells: BTreeMap<usize, String>,
 }
 
 impl Record {
-    /// Of the ports and topics that match one of these patterns; of all where there are none.
+    /// Records the ports and topics that match one of the patterns; without patterns, all of them.
     pub fn of(patterns: &[String]) -> Self {
         let wanted = |pattern: &str| Wanted {
             pattern: pattern.to_owned(),
@@ -52,7 +52,7 @@ impl Record {
         }
     }
 
-    /// Takes in an event.
+    /// Records an event.
     pub fn note(&mut self, at: Time, event: &Event<'_>) {
         let Event::Published {
             component,
@@ -82,16 +82,16 @@ impl Record {
         }
     }
 
-    /// Ports that were wanted and published nothing.
+    /// Patterns of ports that published nothing.
     pub fn silent(&self) -> impl Iterator<Item = &str> {
         let silent = self.wanted.iter().filter(|wanted| !wanted.is_there);
         silent.map(|wanted| wanted.pattern.as_str())
     }
 
-    /// Writes the table as CSV: the time in seconds, then the columns in the order in which they were first published.
+    /// Writes the table as CSV: the time in seconds, then the columns in order of first publication.
     ///
     /// # Errors
-    /// Nobody takes it.
+    /// Fails if writing fails.
     pub fn write(&self, to: impl Write) -> csv::Result<()> {
         let mut table = csv::Writer::from_writer(to);
         let columns = self.columns.iter().map(String::as_str);
@@ -105,7 +105,7 @@ impl Record {
         Ok(())
     }
 
-    /// Puts values into the row of their instant, or a new one where that row has them already.
+    /// Adds values to the row of their instant, or to a new row if the columns are already filled.
     fn add(&mut self, at: Time, values: Vec<(String, String)>) {
         let place = |(name, value): (String, String)| (self.column(name), value);
         let values: Vec<(usize, String)> = values.into_iter().map(place).collect();
@@ -132,7 +132,7 @@ impl Record {
     }
 }
 
-/// The parts of a message that are values, each with its path.
+/// Collects the scalar fields of a message with their paths.
 fn flatten(path: &str, datum: &Datum, values: &mut Vec<(String, String)>) {
     match datum {
         Datum::Record(fields) => {
@@ -160,14 +160,14 @@ fn flatten(path: &str, datum: &Datum, values: &mut Vec<(String, String)>) {
     }
 }
 
-/// Exact, and the same everywhere.
+/// Formats seconds exactly, independent of the platform.
 fn seconds(at: Time) -> String {
     let nanos = at.nanos();
     let (whole, rest) = (nanos / 1_000_000_000, nanos % 1_000_000_000);
     format!("{whole}.{rest:09}")
 }
 
-/// Whether a name fits a pattern, in which `*` is any run of characters.
+/// Matches a name against a pattern in which `*` matches any characters.
 fn matches(pattern: &str, name: &str) -> bool {
     let Some((begin, rest)) = pattern.split_once('*') else {
         return pattern == name;

@@ -5,7 +5,7 @@ use asmotion_lang::machine::Machine;
 use asmotion_lang::simulate;
 use serde_json::{Map, Value, json};
 
-/// What every location of the specification that has a value holds.
+/// Returns every location with a value, as pairs of location and value.
 pub fn state(machine: &Machine) -> Vec<(String, String)> {
     let naming = machine.naming();
     let mut shown: Vec<(String, String)> = machine

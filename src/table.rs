@@ -1,6 +1,6 @@
-//! Tables for people: columns as wide as what stands in them.
+//! Tables with columns as wide as their contents.
 
-/// The lines of a table, its head first.
+/// Returns the lines of a table, beginning with its head.
 pub fn lines(head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Vec<String> {
     let head = head.iter().map(|name| (*name).to_owned()).collect();
     let rows: Vec<Vec<String>> = std::iter::once(head).chain(rows).collect();

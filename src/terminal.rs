@@ -1,4 +1,4 @@
-//! The one place that prints: results on standard output, the story and diagnostics on standard error.
+//! Output of the program: results on standard output, progress and diagnostics on standard error.
 
 use anstream::ColorChoice;
 use anstyle::{AnsiColor, Style as Ansi};
@@ -10,15 +10,15 @@ use std::io::Write;
 /// When to use colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Colour {
-    /// Where a person is likely to read it.
+    /// If the output is a terminal
     Auto,
-    /// Always.
+    /// Always
     Always,
-    /// Never.
+    /// Never
     Never,
 }
 
-/// Colours by meaning. Colour never says anything alone: a word or a sign says it too.
+/// Colours by meaning. Colour is never the only carrier of information.
 pub const GOOD: Ansi = AnsiColor::Green.on_default().bold();
 /// See [`GOOD`].
 pub const BAD: Ansi = AnsiColor::Red.on_default().bold();
@@ -33,12 +33,12 @@ pub const FAINT: Ansi = Ansi::new().dimmed();
 pub struct Terminal {
     out: anstream::AutoStream<std::io::Stdout>,
     err: anstream::AutoStream<std::io::Stderr>,
-    /// Why a result did not get through; a reader who went away is no reason.
+    /// First error of writing a result, other than a closed pipe.
     lost: Option<std::io::Error>,
 }
 
 impl Terminal {
-    /// Streams that show colour as asked for.
+    /// Opens the standard streams with this choice of colour.
     pub fn new(colour: Colour) -> Self {
         let choice = match colour {
             Colour::Auto => ColorChoice::Auto,
@@ -53,7 +53,7 @@ impl Terminal {
         }
     }
 
-    /// A line of a result.
+    /// Prints a line of a result.
     pub fn result(&mut self, line: impl Display) {
         if let Err(error) = writeln!(self.out, "{line}")
             && error.kind() != std::io::ErrorKind::BrokenPipe
@@ -62,7 +62,7 @@ impl Terminal {
         }
     }
 
-    /// Why a result did not get through, if one did not.
+    /// Takes the error of writing results, if there was one.
     pub fn lost(&mut self) -> Option<std::io::Error> {
         if let Err(error) = self.out.flush()
             && error.kind() != std::io::ErrorKind::BrokenPipe
@@ -72,27 +72,27 @@ impl Terminal {
         self.lost.take()
     }
 
-    /// A line of the story.
+    /// Prints a line of progress.
     pub fn say(&mut self, line: impl Display) {
         let _ = writeln!(self.err, "{line}");
     }
 
-    /// A line that begins with what is being done, as in `   Checking 3 files`.
+    /// Prints a line that begins with an activity, for example `   Checking 3 files`.
     pub fn status(&mut self, verb: &str, what: impl Display) {
         self.say(format_args!("{GOOD}{verb:>12}{GOOD:#} {what}"));
     }
 
-    /// Something that stops the command.
+    /// Prints an error that stops the command.
     pub fn error(&mut self, what: impl Display) {
         self.say(format_args!("{BAD}error{BAD:#}: {what}"));
     }
 
-    /// Something that stops nothing.
+    /// Prints a warning.
     pub fn warn(&mut self, what: impl Display) {
         self.say(format_args!("{NOTE}warning{NOTE:#}: {what}"));
     }
 
-    /// All findings of a report.
+    /// Prints all findings of a report.
     pub fn report(&mut self, report: &Report, sources: &Sources) {
         for finding in &report.diagnostics {
             self.say(format_args!(
@@ -103,7 +103,7 @@ impl Terminal {
     }
 }
 
-/// "1 error, 2 warnings", or nothing.
+/// Number of errors and warnings, for example "1 error, 2 warnings"; `None` without any.
 pub fn count(report: &Report) -> Option<String> {
     let number = |severity, word: &str| match report.count(severity) {
         0 => None,

@@ -1,6 +1,6 @@
-//! The terminal monitor: what is known of a running system, how a person looks at it, and how it is drawn.
+//! Terminal monitor: model of a running system, state of the view, and drawing.
 //!
-//! It hears messages and the present time, and asks for neither, but for `screen`: so a test can hold both.
+//! Messages and the current time are passed in, except in `screen`, so that tests control both.
 
 mod board;
 mod draw;

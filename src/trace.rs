@@ -1,7 +1,7 @@
-//! A run written down, line by line: the same run gives the same bytes.
+//! Trace of a run, one event a line; equal runs give equal bytes.
 //!
-//! Steps of coordinators stand in full; of a message the trace keeps the CRC-32 of its CBOR form, so
-//! that a map costs a line like everything else. Cycles that did nothing are not mentioned.
+//! Steps of coordinators are written in full. Of a message, the trace contains the CRC-32 of its CBOR encoding, so that a map
+//! takes one line like any other message. Cycles without effect are omitted.
 
 use asmotion_component::{CallError, Event, Time};
 use asmotion_coordinator::{STEP_REPORT, StepRecord};
@@ -15,7 +15,7 @@ pub struct Trace {
 }
 
 impl Trace {
-    /// Nothing happened yet.
+    /// Creates an empty trace.
     pub fn new() -> Self {
         Self::default()
     }
@@ -25,11 +25,11 @@ impl Trace {
         &self.text
     }
 
-    /// Takes in an event.
+    /// Records an event.
     pub fn note(&mut self, at: Time, event: &Event<'_>) {
         let line = match event {
             Event::Cycle { .. } => return,
-            // how the run is set up says where files lie, which differs from machine to machine
+            // initial properties contain file paths, which differ between machines
             Event::Property { .. } if at == Time::ZERO => return,
             Event::Published {
                 component,
@@ -123,7 +123,7 @@ impl Trace {
     }
 }
 
-/// The type and the checksum of a message.
+/// Type and checksum of a message.
 fn print(sample: &dyn Sample) -> String {
     let encoded = sample.to_datum().and_then(|datum| cbor::encode(&datum));
     match encoded {

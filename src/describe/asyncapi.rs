@@ -1,4 +1,4 @@
-//! A description as an AsyncAPI 3.0.0 document: `docs/wire.md`, filled in for one composite.
+//! AsyncAPI 3.0.0 document of a description, following `docs/wire.md`.
 
 use std::collections::BTreeSet;
 
@@ -12,14 +12,14 @@ use serde_json::{Map, Value, json};
 use super::envelope::{headers, refusals};
 use super::{Channel, Description, Served};
 
-/// The topic exchange where the composite names no broker.
+/// Topic exchange, if the composite names no broker.
 const EXCHANGE: &str = "robots";
-/// Where the document has the schemas of messages.
+/// Location of the message schemas in the document.
 const SCHEMAS: &str = "#/components/schemas";
-/// Which version of the AMQP bindings.
+/// Version of the AMQP bindings.
 pub(super) const BINDING: &str = "0.3.0";
 
-/// The document. Topics and addresses are those of this robot.
+/// Returns the document for a robot of this name.
 pub fn document(description: &Description<'_>, robot: &str) -> Value {
     let plan = description.plan;
     let mut document = Document {
@@ -44,7 +44,7 @@ pub fn document(description: &Description<'_>, robot: &str) -> Value {
     document.finish(description)
 }
 
-/// The brokers of a composite whose addresses are known, without who goes there.
+/// Brokers with a known address, without credentials.
 fn servers(plan: &Plan) -> Map<String, Value> {
     let server = |broker: &Broker| {
         let (protocol, rest) = broker.url.as_ref()?.shown().split_once("://")?;
@@ -97,14 +97,14 @@ impl Document<'_> {
         }
     }
 
-    /// The exchange of a broker.
+    /// Exchange of a broker.
     fn exchange(&self, broker: Option<&str>) -> String {
         let mut brokers = self.plan.brokers.iter();
         let broker = brokers.find(|it| Some(&*it.name) == broker);
         broker.map_or(EXCHANGE, |it| &it.exchange).to_owned()
     }
 
-    /// An operation at the names that its service is promoted under.
+    /// Adds an operation under the promoted names of its service.
     fn promoted(&mut self, served: &Served) {
         for (name, broker) in self.plan.promoted_over_brokers(&served.service) {
             let address = format!("{name}.{}", served.operation.name);
@@ -114,7 +114,7 @@ impl Document<'_> {
         }
     }
 
-    /// The channel of an operation at an address; the key of the request.
+    /// Adds the channel of an operation at an address; returns the key of the request.
     fn channel_of(&mut self, served: &Served, address: &str, broker: Option<&str>) -> String {
         let request = self.asked(&served.operation.request);
         let exchange = format!("{}.services", self.exchange(broker));
@@ -130,7 +130,7 @@ impl Document<'_> {
         request
     }
 
-    /// What a component does with an operation at an address.
+    /// Adds an operation at an address.
     fn operation(&mut self, action: &str, served: &Served, address: &str, request: &str) -> Value {
         let component = &served.service.component;
         let mut operation = json!({
@@ -170,7 +170,7 @@ impl Document<'_> {
         }
     }
 
-    /// The channel of an operation's replies, and what operations say of it.
+    /// Adds the channel of the operation's replies; returns the `reply` object.
     fn reply(&mut self, served: &Served) -> Value {
         let replies = format!("{}.reply", served.address());
         let result = self.answered(&served.operation.response);
@@ -195,7 +195,7 @@ impl Document<'_> {
         })
     }
 
-    /// What every process tells of itself, and where it takes orders.
+    /// Adds the presence and control channels of every process.
     fn processes(&mut self, names: &[&str]) {
         let parameter = json!({ "process": {
             "description": "the name of the process; of one that runs the whole composite, the composite's",
@@ -257,7 +257,7 @@ impl Document<'_> {
         }
     }
 
-    /// A message of a topic; its key.
+    /// Adds the message of a topic; returns its key.
     fn publication(&mut self, schema: &Schema) -> String {
         self.message("", schema, &schema.to_string(), "topicHeaders")
     }
@@ -315,7 +315,7 @@ impl Document<'_> {
     }
 }
 
-/// A channel of an exchange, by routing key. Exchanges are durable.
+/// AMQP binding of a routing-key channel. Exchanges are durable.
 fn binding(exchange: &str, kind: &str) -> Value {
     json!({ "amqp": {
         "is": "routingKey",
@@ -332,12 +332,12 @@ fn message_reference(message: &str) -> Value {
     json!({ "$ref": format!("#/components/messages/{message}") })
 }
 
-/// A message of a channel, which is what operations name.
+/// Reference to a message of a channel, as operations use it.
 fn message_of(channel: &str, message: &str) -> Value {
     json!({ "$ref": format!("#/channels/{}/messages/{message}", pointer(channel)) })
 }
 
-/// A name as a step of a JSON pointer.
+/// Escapes a name for use in a JSON pointer.
 fn pointer(name: &str) -> String {
     name.replace('~', "~0").replace('/', "~1")
 }

@@ -1,10 +1,10 @@
-//! What stands around the payloads of all topics and services: headers, and answers without a result.
+//! Headers of all messages, and replies without a result.
 
 use serde_json::{Value, json};
 
 use super::asyncapi::BINDING;
 
-/// Answers that all services have: the words of a fault, or nothing.
+/// Replies common to all services: `refusal` and `unavailable`.
 pub(super) fn refusals() -> [(String, Value); 2] {
     let answer = |kind: &str, more: Value| {
         let mut message = json!({
@@ -30,7 +30,7 @@ pub(super) fn refusals() -> [(String, Value); 2] {
     ]
 }
 
-/// The headers of `docs/wire.md`.
+/// The headers specified in `docs/wire.md`.
 pub(super) fn headers() -> [(&'static str, Value); 5] {
     let text = |doc: &str| json!({ "type": "string", "description": doc });
     let whole = |doc: &str| json!({ "type": "integer", "description": doc });

@@ -1,16 +1,16 @@
-//! What the operations of a specification carry, as the modules it imports declare them.
+//! Payloads of the operations of a specification, as declared by its imported modules.
 
 use asmotion_datum::{Schema, Shape as Data};
 use asmotion_lang::ir::{DomainId, Elements, Program, Shape};
 
-/// What an operation is asked with, what it answers, and whether it has no answer.
+/// Request, response and kind of an operation.
 pub(super) struct Spoken {
     pub request: Schema,
     pub response: Schema,
     pub one_way: bool,
 }
 
-/// An operation that a specification serves.
+/// Returns the payloads of an operation served by a specification.
 pub(super) fn operation(program: &Program, name: &str) -> Spoken {
     let operation = program.operation(name);
     Spoken {
@@ -20,7 +20,7 @@ pub(super) fn operation(program: &Program, name: &str) -> Spoken {
     }
 }
 
-/// How values of a shape travel: literals by their names, tuples as lists.
+/// Schema of values of a shape: literals by name, tuples as lists.
 fn schema(shape: &Shape, program: &Program) -> Schema {
     Schema::plain(match shape {
         Shape::Bool => Data::Bool,

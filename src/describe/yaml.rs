@@ -1,8 +1,8 @@
-//! JSON as YAML: in blocks, with texts quoted as JSON does, which YAML 1.2 reads.
+//! JSON values as YAML 1.2 in block style, with strings quoted as in JSON.
 
 use serde_json::Value;
 
-/// The text of a document.
+/// Returns the text of a document.
 pub fn text(value: &Value) -> String {
     let mut text = String::new();
     write(value, 0, &mut text);
@@ -33,7 +33,7 @@ fn write(value: &Value, depth: usize, text: &mut String) {
     }
 }
 
-/// What belongs to a name or a dash: on the same line, or in lines below.
+/// Writes the value of a key or list item: on the same line, or on the following ones.
 fn below(value: &Value, depth: usize, text: &mut String) {
     let is_block = match value {
         Value::Object(members) => !members.is_empty(),

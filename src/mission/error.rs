@@ -1,70 +1,65 @@
-//! Why a mission cannot begin.
+//! Errors of starting a mission.
 
 use asmotion_lang::diagnostics::similar;
 use asmotion_lang::simulate::Unawaited;
 use asmotion_lang::{Report, Sources};
 use std::fmt;
 
-/// Why a mission cannot begin.
+/// Reasons why a mission cannot start.
 #[derive(Debug)]
 pub enum MissionError {
-    /// The composite has errors, or there is no such profile.
+    /// The composite has errors.
     Composite {
-        /// The texts.
+        /// Texts that the report refers to.
         sources: Sources,
-        /// The findings.
         report: Report,
-        /// Whether a value that was set from outside is among what is wrong.
+        /// Whether a value from the command line is among the causes.
         outside: bool,
     },
     /// The profile does not exist, or one must be chosen.
     Profile {
-        /// What was asked for.
+        /// Requested profile.
         wanted: Option<String>,
-        /// What there is.
+        /// Existing profiles.
         known: Vec<String>,
     },
-    /// No component of this name has a property to set.
+    /// There is no component of this name with properties.
     Component {
-        /// What was written.
+        /// Name on the command line.
         name: String,
-        /// A component with a name like it.
+        /// The most similar name of a component.
         similar: Option<String>,
     },
-    /// No step can bring what the run is to end with.
+    /// No step can establish the end condition.
     NeverEnds {
-        /// As in `mode=ARRIVED`.
+        /// Condition, for example `mode=ARRIVED`.
         wanted: String,
-        /// Why, by specification.
+        /// Reason for each specification.
         reasons: Vec<(String, Unawaited)>,
     },
     /// The composite is not deployed to this process.
     Process {
-        /// What was asked for.
+        /// Requested process.
         wanted: String,
-        /// What there is.
+        /// Existing processes.
         known: Vec<String>,
     },
-    /// One process of several cannot do without a broker.
+    /// One process of several needs a broker.
     NeedsBroker {
-        /// The process.
         process: String,
     },
-    /// The broker is not there, or does not let us.
+    /// The broker is unreachable or refuses the connection.
     Broker {
-        /// Where it is.
+        /// Address of the broker.
         place: String,
-        /// Why.
         reason: asmotion_bus::BusError,
     },
-    /// A gateway cannot open.
+    /// A gateway cannot listen.
     Gateway {
-        /// The gateway.
         name: String,
-        /// Why.
         reason: asmotion_gateway::GatewayError,
     },
-    /// It cannot be put together.
+    /// The system cannot be assembled.
     Launch(String),
 }
 

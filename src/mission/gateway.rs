@@ -1,4 +1,4 @@
-//! The gateways of a mission: where what it serves is called over HTTP.
+//! HTTP gateways of a mission.
 
 use std::fmt;
 use std::net::SocketAddr;
@@ -13,29 +13,29 @@ use asmotion_gateway::{Gateway, Operation, Service, Settings};
 use super::{Mission, MissionError};
 use crate::describe::{self, Served};
 
-/// Whether what is served is called over HTTP.
+/// Gateways of a mission.
 #[derive(Clone, Debug, Default)]
 pub enum Gateways {
-    /// It is not.
+    /// No gateway is opened.
     #[default]
     Closed,
-    /// Where the composite says.
+    /// Gateways listen at the addresses in the composite.
     Open {
-        /// Gateways that listen elsewhere: name, address.
+        /// Overriding addresses, as pairs of gateway and address.
         elsewhere: Vec<(String, SocketAddr)>,
-        /// Told where each listens.
+        /// Called with the address of each gateway.
         told: Told,
     },
 }
 
-/// Hears where a gateway listens: its name, its address.
+/// Callback for the name and address of each opened gateway.
 #[derive(Clone)]
 pub struct Told(Arc<Hears>);
 
 type Hears = dyn Fn(&str, SocketAddr) + Send + Sync;
 
 impl Told {
-    /// Tells this function.
+    /// Wraps a function.
     pub fn new(hears: impl Fn(&str, SocketAddr) + Send + Sync + 'static) -> Self {
         Self(Arc::new(hears))
     }
@@ -48,14 +48,14 @@ impl fmt::Debug for Told {
 }
 
 impl Gateways {
-    /// Whether somebody can call.
+    /// Returns `true` if gateways are opened.
     pub fn are_there(&self) -> bool {
         matches!(self, Self::Open { .. })
     }
 }
 
 impl Mission {
-    /// The names of the gateways that the composite has for what runs here. What is wrong with the composite the run tells.
+    /// Names of the composite's gateways for this process; empty if the composite has errors, which the run reports.
     pub fn named_gateways(&self) -> Vec<String> {
         let names = self.planned(|plan| {
             let wanted = self.process.as_ref();
@@ -67,7 +67,7 @@ impl Mission {
         names.unwrap_or_default()
     }
 
-    /// Opens them to a system that is about to run.
+    /// Opens the gateways for a system that is about to run.
     pub(super) fn open_gateways(
         &self,
         system: &mut System,
@@ -89,7 +89,7 @@ impl Mission {
         let open = |(gateway, promoted): &(&plan::Gateway, Vec<&plan::Promoted>)| {
             let other = elsewhere.iter().find(|(name, _)| *name == gateway.name);
             let listen = other.map(|(_, address)| *address).or(gateway.listen);
-            // where a variable is missing, the start has said so
+            // a missing variable has already been reported
             let listen = listen.unwrap_or_else(|| SocketAddr::from(([127, 0, 0, 1], 0)));
             let services = promoted.iter().map(|it| service(it, &operations));
             let open = Gateway::open(settings(gateway, listen), services.collect(), bus.clone());
@@ -113,7 +113,7 @@ fn settings(gateway: &plan::Gateway, listen: SocketAddr) -> Settings {
     }
 }
 
-/// What a promoted service is to those outside.
+/// The interface of a promoted service for HTTP clients.
 fn service(promoted: &plan::Promoted, operations: &[Served]) -> Service {
     let own = operations.iter();
     let own: Vec<&Served> = own

@@ -1,4 +1,4 @@
-//! Which part of a composite a mission runs, and the buses that join it to the rest.
+//! The part of a composite that a mission runs, and its connections to brokers.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -15,41 +15,41 @@ use super::successor::Successor;
 use super::{Mission, MissionError};
 use crate::files::Disk;
 
-/// How long to wait for a broker at the start; later on, as long as it takes.
+/// Time limit for the first connection to a broker; later interruptions have none.
 const CONNECT: Duration = Duration::from_secs(10);
 
-/// The brokers of a mission.
+/// Brokers of a mission.
 #[derive(Clone, Debug, Default)]
 pub enum Brokers {
-    /// None: everything is joined directly.
+    /// No broker: all connections are direct.
     #[default]
     Nothing,
-    /// None either, but those who look on are on this bus inside the process.
+    /// No broker, but a bus inside the process for `--top`.
     Inside(Local),
-    /// One, whatever the composite says: topics and wires go over it.
+    /// One broker for all topics and wires, whatever the composite says.
     One(Box<Settings>),
-    /// Those that the composite names, by their names: what it puts on one goes over that.
+    /// The brokers named by the composite, by name; each carries what the composite assigns to it.
     Each(BTreeMap<String, Settings>),
 }
 
-/// The brokers that a composite names.
+/// Brokers named in a composite.
 pub enum Named {
-    /// The only one there is, for everything.
+    /// A single broker, which carries everything.
     One(Broker),
-    /// Each for what names it.
+    /// Several brokers, each for the components that name it.
     Each(Vec<Broker>),
 }
 
-/// A broker that a mission is connected to.
+/// A connection to a broker.
 pub(super) struct Connected {
-    /// Its name in the composite, where that says what goes over it.
+    /// Name of the broker in the composite; `None` if it carries everything.
     name: Option<String>,
     place: String,
     bus: Arc<dyn Bus>,
 }
 
 impl Brokers {
-    /// Whether messages leave the process.
+    /// Returns `true` if there is a broker.
     pub fn are_there(&self) -> bool {
         match self {
             Self::Nothing | Self::Inside(_) => false,
@@ -57,7 +57,7 @@ impl Brokers {
         }
     }
 
-    /// The settings of all.
+    /// Mutable settings of all brokers.
     pub fn settings_mut(&mut self) -> Vec<&mut Settings> {
         match self {
             Self::Nothing | Self::Inside(_) => Vec::new(),
@@ -68,7 +68,7 @@ impl Brokers {
 }
 
 impl Mission {
-    /// What of the plan runs here.
+    /// Returns the part of the plan that runs in this process.
     pub(super) fn part(&self, plan: &Plan) -> Result<Part, MissionError> {
         let Some(wanted) = &self.process else {
             return Ok(match self.brokers {
@@ -91,10 +91,10 @@ impl Mission {
         }
     }
 
-    /// The brokers that the composite names, if it does. What is wrong with the composite the run tells.
+    /// Returns the brokers named by the composite; `None` if it names none or has errors, which the run reports.
     ///
     /// # Errors
-    /// There are several, and nobody says what goes over which.
+    /// Fails if there are several brokers and no component is assigned to one.
     pub fn named_brokers(&self) -> Result<Option<Named>, String> {
         let named = self.planned(|plan| {
             if plan.names_brokers() {
@@ -120,7 +120,7 @@ impl Mission {
         named.unwrap_or(Ok(None))
     }
 
-    /// What the plan says, if it can be started.
+    /// Applies a function to the plan, if the composite can be started.
     pub(super) fn planned<T>(&self, says: impl FnOnce(&Plan) -> T) -> Option<T> {
         let opened = self.open(&self.composite, &Disk);
         if opened.report.has_errors() {
@@ -130,7 +130,7 @@ impl Mission {
         plan.filter(|plan| plan.missing.is_empty()).map(says)
     }
 
-    /// The buses over the brokers, once they are there.
+    /// Connects to the brokers.
     pub(super) fn connect(&self, plan: &Plan) -> Result<Vec<Connected>, MissionError> {
         let named = |(name, settings): (&String, _)| (Some(name.clone()), settings);
         let brokers: Vec<(Option<String>, &Settings)> = match &self.brokers {
@@ -158,7 +158,7 @@ impl Mission {
         brokers.into_iter().map(connect).collect()
     }
 
-    /// Joins a system to the buses, and gets in contact with others there.
+    /// Connects a system to the buses and announces it there.
     pub(super) fn join<'p>(
         &self,
         system: &mut System,
@@ -195,7 +195,7 @@ impl Mission {
         connected.iter().map(contact).collect()
     }
 
-    /// Who takes over the next versions of the composite, from the buses.
+    /// Returns the receiver of new versions of the composite from the buses.
     pub(super) fn successor<'m>(
         &'m self,
         opened: &'m Opened,
@@ -217,7 +217,7 @@ fn broker_error(place: &str, reason: BusError) -> MissionError {
     }
 }
 
-/// Which life of the process this is: it grows with every start, and no two processes share one.
+/// Incarnation of this process: increases with every start and is unique among processes.
 fn incarnation() -> u64 {
     let now = SystemTime::now().duration_since(UNIX_EPOCH);
     u64::try_from(now.unwrap_or_default().as_nanos()).unwrap_or(u64::MAX)

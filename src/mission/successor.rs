@@ -1,5 +1,5 @@
-//! The next version of the composite that a mission runs: it comes over the bus, is checked as the first one was, held
-//! against what runs, and taken over as a whole, or refused.
+//! Reconfiguration of a running mission: a new version of the composite arrives over the bus, is checked like the first
+//! one, compared with the running system, and applied completely or refused.
 
 use std::sync::Arc;
 
@@ -14,38 +14,38 @@ use serde::{Deserialize, Serialize};
 use super::Mission;
 use crate::files::Sent;
 
-/// How many versions may wait.
+/// Maximum number of versions waiting.
 const WAITING: usize = 4;
 
-/// Where a process hears of the next version: `reconfigure.onboard`.
+/// Address at which a process receives new versions: `reconfigure.onboard`.
 pub fn reconfigure_address(process: &str) -> String {
     format!("reconfigure.{process}")
 }
 
-/// A version of a composite, for a process to become.
+/// A version of a composite.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Version {
-    /// The composite and all that it names: paths from the composite's folder, and texts.
+    /// The composite and all files it names: paths relative to its folder, and texts.
     pub files: Vec<(String, String)>,
-    /// Which of them is the composite.
+    /// Path of the composite among the files.
     pub composite: String,
-    /// Only to say what would change.
+    /// Whether to report the changes without applying them.
     pub only_try: bool,
 }
 
-/// Takes over the next versions of a running part of a composite.
+/// Applies new versions to a running part of a composite.
 pub(super) struct Successor<'m> {
     mission: &'m Mission,
     part: Part,
-    /// What the process began with.
+    /// The version at the start of the process.
     opened: &'m Opened,
-    /// What runs.
+    /// The running version.
     plan: Plan,
     calls: Vec<Serving>,
 }
 
 impl<'m> Successor<'m> {
-    /// Hears of versions over these buses.
+    /// Serves the reconfigure address on these buses.
     pub(super) fn new(
         mission: &'m Mission,
         opened: &'m Opened,
@@ -65,7 +65,7 @@ impl<'m> Successor<'m> {
         })
     }
 
-    /// Takes over what has come.
+    /// Applies the versions that have arrived.
     pub(super) fn attend(&mut self, run: &mut dyn Run) {
         let calls = self.calls.iter();
         let calls: Vec<Call> = calls.filter_map(Serving::try_next).collect();
@@ -95,7 +95,7 @@ impl<'m> Successor<'m> {
         Datum::of(&words).map_err(bad)
     }
 
-    /// The plan of a version, as this process would run it from the start.
+    /// Returns the plan of a version, as this process would run it from the start.
     fn open(&self, version: &Version) -> Result<Plan, Refusal> {
         let sent = Sent::beside(&self.opened.path, &version.files);
         let opened = self.mission.open(&sent.path(&version.composite), &sent);
@@ -121,7 +121,7 @@ impl<'m> Successor<'m> {
         }
     }
 
-    /// Whether a file is not what this process began with.
+    /// Returns `true` if the file differs from the one at the start of the process.
     fn is_another_specification(&self, path: &str, opened: &Opened) -> bool {
         let text = |opened: &Opened| {
             let file = opened.sources.find(path)?;
@@ -130,7 +130,7 @@ impl<'m> Successor<'m> {
         path.ends_with(".asm") && text(self.opened) != text(opened)
     }
 
-    /// What was set from outside when the mission began holds over every version.
+    /// Removes changes of properties that were set on the command line, which keep their values.
     fn keep(&self, changes: &mut Vec<Change>) {
         let set = |of: &str, name: &str| {
             let mut set = self.mission.properties.iter();

@@ -1,4 +1,4 @@
-//! What a mission ends with.
+//! End conditions of a mission.
 
 use super::{MissionError, Outcome};
 use crate::files::Disk;
@@ -9,7 +9,7 @@ use asmotion_coordinator::{STEP_REPORT, StepRecord};
 use asmotion_lang::machine::Machine;
 use asmotion_lang::simulate::Awaited;
 
-/// What a run waits for; without wishes, `mode` with the usual value.
+/// Returns the end conditions; by default `mode` with its usual value.
 pub(super) fn awaited(
     plan: &Plan,
     wished: Option<&[(String, String)]>,
@@ -29,7 +29,7 @@ pub(super) fn awaited(
                 Err(reason) => reasons.push((path.clone(), reason)),
             }
         }
-        // one specification that can bring it is enough
+        // it suffices if one specification can establish the condition
         if reasons.len() == machines.len() {
             let wanted = format!("{location}={value}");
             return Err(MissionError::NeverEnds { wanted, reasons });
@@ -38,7 +38,7 @@ pub(super) fn awaited(
     Ok(all)
 }
 
-/// The specifications of a plan; one that cannot begin is found out when it is started.
+/// Machines of the plan's specifications; errors of their initial states are reported at the start.
 fn machines(plan: &Plan) -> Vec<(String, Machine)> {
     let of = |component: &asmotion_assembly::plan::Component| match &component.implementation {
         Implementation::Asm(asm) => {
@@ -54,11 +54,11 @@ fn machines(plan: &Plan) -> Vec<(String, Machine)> {
     plan.components.iter().filter_map(of).collect()
 }
 
-/// Looks out for the end.
+/// Watches for the end conditions.
 pub(super) struct Watch {
     pub until: Vec<Awaited>,
     pub unless: Vec<Awaited>,
-    /// How the run ends, once that is known.
+    /// Outcome of the run, once it is known.
     pub outcome: Option<Outcome>,
 }
 

@@ -1,20 +1,20 @@
-//! Verbs: what a line at a prompt may begin with.
+//! Verbs: the commands of a prompt.
 
 use crate::terminal::{NAME, Terminal};
 
-/// A verb, as `help` shows it.
+/// A command and its help text.
 pub struct Verb {
-    /// The word.
+    /// Name of the command.
     pub name: &'static str,
-    /// A shorter one; often none.
+    /// Abbreviation; often empty.
     pub short: &'static str,
-    /// What follows it.
+    /// Arguments.
     pub usage: &'static str,
-    /// What it does.
+    /// Description.
     pub help: &'static str,
 }
 
-/// A verb: word, shorter word, what follows, what it does.
+/// Creates a verb from name, abbreviation, arguments and description.
 pub const fn verb(
     name: &'static str,
     short: &'static str,
@@ -29,7 +29,7 @@ pub const fn verb(
     }
 }
 
-/// The verb a line begins with, and what follows it.
+/// Splits a line into its verb and the rest.
 pub fn split<'l>(verbs: &[Verb], line: &'l str) -> Option<(&'static str, &'l str)> {
     let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
     let is_it = |verb: &&Verb| verb.name == word || (!verb.short.is_empty() && verb.short == word);
@@ -37,7 +37,7 @@ pub fn split<'l>(verbs: &[Verb], line: &'l str) -> Option<(&'static str, &'l str
     Some((verb.name, rest.trim()))
 }
 
-/// Shows all verbs.
+/// Prints all verbs with their descriptions.
 pub fn help(verbs: &[Verb], terminal: &mut Terminal) {
     for verb in verbs {
         let short = match verb.short {

@@ -1,4 +1,4 @@
-//! What is known of a running system: who is there, what goes over the topics, and how old each piece of it is.
+//! Model of a running system: components, topics, and the age of each fact.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
@@ -7,74 +7,73 @@ use asmotion_bus::{Envelope, Link};
 use asmotion_datum::{Datum, DatumError};
 use asmotion_remote::{Presence, Present, Word};
 
-/// A process speaks once a second; one that has been silent for so long may be gone.
+/// Silence after which a process, which sends once a second, is shown as stale.
 const SILENT: Duration = Duration::from_millis(2500);
-/// A topic that has been silent for less is not stale, however fast it was.
+/// Minimum silence after which a topic is stale, whatever its rate.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// A topic that has been silent for so many of its gaps is stale.
+/// Number of message intervals after which a silent topic is stale.
 const GAPS: u32 = 4;
-/// Over how many messages a rate is measured.
+/// Number of messages over which a rate is measured.
 const WINDOW: usize = 32;
 
-/// What is known. Times are since the monitor began.
+/// The model. Times are measured from the start of the monitor.
 #[derive(Clone, Default)]
 pub struct Board {
     processes: BTreeMap<(String, String), Process>,
     topics: BTreeMap<String, Topic>,
-    /// How the broker is, and since when; unknown at first.
+    /// State of the broker link and time of its last change; unknown at first.
     pub link: Option<(Link, Duration)>,
 }
 
-/// A process, as it last spoke.
+/// A process according to its last presence message.
 #[derive(Clone)]
 struct Process {
     presence: Presence,
     heard: Duration,
 }
 
-/// What is known of a topic.
+/// Known facts about a topic.
 #[derive(Clone)]
 pub struct Topic {
-    /// Its key.
+    /// Routing key.
     pub name: String,
-    /// The type of its messages.
+    /// Message type.
     pub kind: String,
-    /// Who sent the last one.
+    /// Sender of the last message.
     pub source: String,
-    /// The last one, or why it cannot be read.
+    /// Last message, or the reason why it cannot be decoded.
     pub last: Result<Datum, DatumError>,
-    /// How many came.
+    /// Number of received messages.
     pub count: u64,
-    /// When the last ones came, oldest first.
+    /// Times of the last messages, oldest first.
     arrivals: VecDeque<Duration>,
 }
 
-/// A component and where it is.
+/// A component with its robot and process.
 pub struct Component<'b> {
-    /// The robot, empty if it has no name.
+    /// Name of the robot; can be empty.
     pub robot: &'b str,
-    /// The process.
     pub process: &'b str,
-    /// What it last said of itself.
+    /// Its last description.
     pub present: &'b Present,
-    /// How long its process has been silent, if it is for too long; or that it said its last word.
+    /// Set if its process has been silent for too long or has ended.
     pub silence: Option<Silence>,
 }
 
-/// Why what is shown may not be so any more.
+/// Reason why displayed facts can be outdated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Silence {
-    /// Nothing was heard for so long.
+    /// No message for this time.
     Stale(Duration),
-    /// It has ended.
+    /// The process has ended.
     Left,
 }
 
 impl Board {
-    /// Takes in a message.
+    /// Processes a message.
     pub fn hear(&mut self, envelope: &Envelope, now: Duration) {
         if is_presence(&envelope.topic) {
-            // what is not ours is none of ours
+            // other programs can publish on the same exchange
             if let Some(word) = Word::of(envelope) {
                 self.meet(word, now);
             }
@@ -107,27 +106,27 @@ impl Board {
         } = word;
         let key = (robot, presence.process.clone());
         if let (true, Some(known)) = (presence.leaves, self.processes.get(&key)) {
-            // the last word need not repeat what was there
+            // the last message of a process need not list its components
             presence.components.clone_from(&known.presence.components);
         }
         let heard = now;
         self.processes.insert(key, Process { presence, heard });
     }
 
-    /// Takes in how the broker is.
+    /// Records the state of the broker link.
     pub fn feel(&mut self, link: Link, now: Duration) {
         if self.link.as_ref().is_none_or(|(known, _)| *known != link) {
             self.link = Some((link, now));
         }
     }
 
-    /// How many processes there are.
+    /// Number of processes.
     pub fn processes(&self) -> usize {
         let there = |process: &&Process| !process.presence.leaves;
         self.processes.values().filter(there).count()
     }
 
-    /// All components, by robot and process, in the order of their composites.
+    /// All components by robot and process, in the order of their composites.
     pub fn components(&self, now: Duration) -> impl Iterator<Item = Component<'_>> {
         self.processes
             .iter()
@@ -143,7 +142,7 @@ impl Board {
             })
     }
 
-    /// All topics, by name.
+    /// All topics by name.
     pub fn topics(&self) -> impl Iterator<Item = &Topic> {
         self.topics.values()
     }
@@ -165,19 +164,19 @@ impl Process {
 }
 
 impl Topic {
-    /// Messages a second, of the last ones; none before there are two.
+    /// Messages a second over the last messages; `None` before the second one.
     pub fn rate(&self) -> Option<f64> {
         let gap = self.gap()?.as_secs_f64();
         (gap > 0.0).then(|| 1.0 / gap)
     }
 
-    /// How long ago the last message came.
+    /// Time since the last message.
     pub fn age(&self, now: Duration) -> Duration {
         let last = self.arrivals.back().copied().unwrap_or_default();
         now.saturating_sub(last)
     }
 
-    /// Whether messages came again and again, and come no more.
+    /// Returns `true` if a topic with regular messages has fallen silent.
     pub fn is_stale(&self, now: Duration) -> bool {
         let age = self.age(now);
         let usual = self.gap().map(|gap| gap * GAPS);

@@ -1,5 +1,5 @@
-//! The board on a screen of any size: components above topics above the message that is chosen; in a wide window the
-//! message stands beside them.
+//! Draws the model on a screen of any size: components, topics, and the selected message below or, in a wide window,
+//! beside them.
 
 use std::time::Duration;
 
@@ -17,7 +17,7 @@ use super::joints::{brief, joints};
 use super::view::{Pane, seconds};
 use super::{Board, View};
 
-/// From this width on the message stands beside the tables.
+/// Minimum width for the message beside the tables.
 const WIDE: u16 = 140;
 
 const GOOD: Style = Style::new().fg(Color::Green);
@@ -27,7 +27,7 @@ const FAINT: Style = Style::new().add_modifier(Modifier::DIM);
 const HEAD: Style = Style::new().add_modifier(Modifier::BOLD);
 const CHOSEN: Style = Style::new().add_modifier(Modifier::REVERSED);
 
-/// Draws the board as it is now, or as it was when time was stopped.
+/// Draws the model at the current time, or at the time of the pause.
 pub fn draw(frame: &mut Frame<'_>, board: &Board, view: &View, place: &str, now: Duration) {
     let (board, at) = match &view.paused {
         None => (board, now),
@@ -155,7 +155,7 @@ fn component(component: &Component<'_>, several: bool) -> Row<'static> {
         }
         None => (present.state.clone(), BAD),
     };
-    // what is not known any more is not shown as if it were
+    // outdated facts are dimmed
     let known = component.silence.is_none();
     let now = |shown: String| if known { shown } else { "-".to_owned() };
     Row::new([
@@ -170,7 +170,7 @@ fn component(component: &Component<'_>, several: bool) -> Row<'static> {
     .style(if known { Style::new() } else { FAINT })
 }
 
-/// How long its cycles take: in the mean, and at most.
+/// Duration of cycles: mean and maximum.
 fn cycle_time(present: &Present) -> Span<'static> {
     let Present {
         cycle_mean_ms: mean,
@@ -186,7 +186,7 @@ fn cycle_time(present: &Present) -> Span<'static> {
     Span::styled(format!("{mean:.1}/{most:.1} ms"), style)
 }
 
-/// The periods that it has missed, and its cycles that took longer than their deadline.
+/// Missed periods, and cycles that exceeded their deadline.
 fn overruns(present: &Present) -> Span<'static> {
     match (present.overruns, present.late) {
         (0, 0) => Span::raw("0"),
@@ -238,7 +238,7 @@ fn topic(topic: &Topic, now: Duration) -> Row<'static> {
     ])
 }
 
-/// A table with a head; the chosen row of the table that the keys are for is shown as such.
+/// A table with a head; marks the selected row of the active table.
 fn table<'r>(
     frame: &mut Frame<'_>,
     area: Rect,
@@ -263,7 +263,7 @@ fn table<'r>(
     frame.render_stateful_widget(table, area, &mut state);
 }
 
-/// The last message of the chosen topic: lists of one length as a table, the rest field by field.
+/// The last message of the selected topic: lists of equal length as a table, other fields one by one.
 fn message(frame: &mut Frame<'_>, area: Rect, board: &Board, view: &View, now: Duration) {
     let topics = view.topics(board, now);
     let chosen = view.row(Pane::Topics).min(topics.len().saturating_sub(1));

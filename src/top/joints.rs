@@ -1,20 +1,20 @@
-//! Messages with several lists of one length: a column for each list, a row for each place. So joints are read.
+//! Tables from messages with several lists of equal length, such as joint states: a column for each list.
 
 use asmotion_datum::Datum;
 
-/// Longer lists are maps and scans, not joints.
+/// Maximum length of a list in a table; longer lists are maps and scans.
 const MOST: usize = 32;
 
 /// A table of lists.
 #[derive(Debug, PartialEq)]
 pub struct Joints {
-    /// The fields.
+    /// Names of the fields.
     pub names: Vec<String>,
-    /// Their elements, by place.
+    /// Rows of elements.
     pub rows: Vec<Vec<String>>,
 }
 
-/// The lists of a message, if it has at least two of one length.
+/// Returns the lists of a message, if it has at least two of equal length.
 pub fn joints(message: &Datum) -> Option<Joints> {
     let Datum::Record(fields) = message else {
         return None;
@@ -45,7 +45,7 @@ pub fn joints(message: &Datum) -> Option<Joints> {
     })
 }
 
-/// A value in a few characters: numbers with four digits after the point.
+/// Formats a value briefly: numbers with four decimals.
 pub fn brief(value: &Datum) -> String {
     match value {
         Datum::Float(number) if number.is_finite() => {

@@ -1,4 +1,4 @@
-//! The monitor on a real terminal.
+//! Runs the monitor on a terminal.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -8,13 +8,13 @@ use ratatui::crossterm::event::{self, Event, KeyCode, KeyEventKind, KeyModifiers
 
 use super::{Board, Key, View, draw};
 
-/// How often the screen is drawn.
+/// Interval between two frames.
 const FRAME: Duration = Duration::from_millis(100);
 
-/// Draws and listens until a key ends it, or somebody else; the terminal is as it was afterwards, whatever happens.
+/// Draws the screen and handles keys until a key or `stop` ends it; restores the terminal in any case.
 ///
 /// # Errors
-/// The bus does not let us, or there is nothing to draw on.
+/// Fails if the bus refuses the subscription or the terminal cannot be drawn on.
 pub fn show(
     remote: &Remote,
     place: &str,
@@ -44,7 +44,7 @@ pub fn show(
     Ok(shown?)
 }
 
-/// The next key that means something, waited for so long.
+/// Waits up to this time for the next key with a meaning.
 fn pressed(at_most: Duration) -> std::io::Result<Option<Key>> {
     if !event::poll(at_most)? {
         return Ok(None);

@@ -1,4 +1,4 @@
-//! The screen, as a person sees it.
+//! Tests of the rendered screen.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -67,7 +67,7 @@ fn joints(shift: f64) -> Datum {
     ])
 }
 
-/// Ten seconds of a system: joints ten times a second, a goal once; the station's last word is three seconds old.
+/// A model after ten seconds: joints at 10 Hz, one goal; the last message of the station is three seconds old.
 fn board() -> Board {
     let mut board = Board::default();
     board.feel(Link::Up, at(0.0));

@@ -1,4 +1,4 @@
-//! How a person looks at the board: which table, which row, in what order, and whether time goes on.
+//! State of the view: active table, selected rows, order, filter and pause.
 
 use std::cmp::Ordering;
 use std::time::Duration;
@@ -6,22 +6,22 @@ use std::time::Duration;
 use super::Board;
 use super::board::{Component, Silence, Topic};
 
-/// A key, as far as it means something here.
+/// A key with a meaning in the monitor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Key {
-    /// A letter or sign.
+    /// A character.
     Char(char),
-    /// One row up.
+    /// Selects the previous row.
     Up,
-    /// One row down.
+    /// Selects the next row.
     Down,
-    /// The other table.
+    /// Switches to the other table.
     Tab,
-    /// Done with writing.
+    /// Ends editing of the filter.
     Enter,
-    /// Done with the filter, or with everything.
+    /// Clears the filter, or quits.
     Escape,
-    /// The last character was wrong.
+    /// Deletes the last character of the filter.
     Backspace,
     /// Ctrl-C.
     Interrupt,
@@ -30,27 +30,24 @@ pub enum Key {
 /// The tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Pane {
-    /// Who is there.
     Components,
-    /// What goes over the bus.
     #[default]
     Topics,
 }
 
-/// By what rows are ordered.
+/// Order of rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Order {
-    /// By name.
     #[default]
     Name,
-    /// The fastest first.
+    /// Highest rate first.
     Rate,
-    /// What asks for attention first: silent, failed, late.
+    /// Silent, failed and late entries first.
     Trouble,
 }
 
 impl Order {
-    /// As it is shown.
+    /// Label of the order.
     pub fn word(self) -> &'static str {
         match self {
             Self::Name => "name",
@@ -60,26 +57,25 @@ impl Order {
     }
 }
 
-/// How a person looks at the board.
+/// State of the view.
 #[derive(Default)]
 pub struct View {
-    /// Which table the keys are for.
+    /// Active table.
     pub pane: Pane,
-    /// In what order.
     pub order: Order,
-    /// What names have in common.
+    /// Text that names must contain.
     pub filter: String,
-    /// Whether the filter is being written.
+    /// Whether the filter is being edited.
     pub writes: bool,
-    /// What stood still, and since when.
+    /// Model and time at the pause.
     pub paused: Option<(Board, Duration)>,
-    /// The row in each table.
+    /// Selected row of each table.
     component: usize,
     topic: usize,
 }
 
 impl View {
-    /// Does what a key means. Says whether to go on.
+    /// Handles a key. Returns `false` to quit.
     pub fn press(&mut self, key: Key, board: &Board, now: Duration) -> bool {
         if key == Key::Interrupt {
             return false;
@@ -135,7 +131,7 @@ impl View {
         }
     }
 
-    /// The row of a table that is chosen.
+    /// Selected row of a table.
     pub fn row(&self, pane: Pane) -> usize {
         match pane {
             Pane::Components => self.component,
@@ -157,7 +153,7 @@ impl View {
         }
     }
 
-    /// The components to show.
+    /// Components to show.
     pub fn components<'b>(&self, board: &'b Board, now: Duration) -> Vec<Component<'b>> {
         let mut components: Vec<_> = board
             .components(now)
@@ -177,7 +173,7 @@ impl View {
         components
     }
 
-    /// The topics to show.
+    /// Topics to show.
     pub fn topics<'b>(&self, board: &'b Board, now: Duration) -> Vec<&'b Topic> {
         let mut topics: Vec<_> = board
             .topics()
@@ -207,7 +203,7 @@ fn faster(a: f64, b: f64) -> Ordering {
 }
 
 impl Silence {
-    /// As it is shown.
+    /// Label of the silence.
     pub fn words(self) -> String {
         match self {
             Self::Stale(silent) => format!("stale {}", seconds(silent)),
@@ -216,7 +212,7 @@ impl Silence {
     }
 }
 
-/// A span for people: `0.4 s`, `12 s`, `3 min`.
+/// Formats a time span: `0.4 s`, `12 s`, `3 min`.
 pub fn seconds(span: Duration) -> String {
     match span.as_secs() {
         0..10 => format!("{:.1} s", span.as_secs_f64()),
