@@ -45,9 +45,7 @@ pub enum MissionError {
         known: Vec<String>,
     },
     /// One process of several needs a broker.
-    NeedsBroker {
-        process: String,
-    },
+    NeedsBroker { process: String },
     /// The broker is unreachable or refuses the connection.
     Broker {
         /// Address of the broker.
