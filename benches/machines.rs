@@ -154,7 +154,9 @@ fn main() {
     if all.get(1).map(String::as_str) == Some("steps") {
         let case = CASES.iter().find(|case| case.name == all[2]).unwrap();
         let mut machine = machine(case);
-        machine.set_back_end(asmotion_lang::BackEnd::Native);
+        machine
+            .set_back_end(asmotion_lang::BackEnd::Native)
+            .unwrap();
         run(
             &mut machine,
             &mut Shifts(Shifts::SEED),

@@ -16,7 +16,7 @@ const FLOORS: &[&[&str]] = &[
     &["asmotion-hir"],
     &["asmotion-ir"],
     &["asmotion-machine"],
-    &["asmotion-simulate"],
+    &["asmotion-simulate", "asmotion-native"],
     &["asm-lang"],
     &["asmotion-properties"],
     // the engine

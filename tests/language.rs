@@ -1,6 +1,7 @@
 //! Programs of the language: what they do, what is said about their mistakes, and that nothing
 //! brings the pipeline down.
 
+#[cfg(feature = "native")]
 mod back_ends;
 mod builtins;
 mod codes;

@@ -142,7 +142,11 @@ impl Specification {
     /// # Errors
     /// An initial value cannot be computed, or an invariant does not hold initially.
     pub fn machine(&self) -> Result<Machine, Box<Fault>> {
-        Machine::new(self.program.clone())
+        #[cfg_attr(not(feature = "native"), expect(unused_mut, reason = "only closures"))]
+        let mut machine = Machine::new(self.program.clone())?;
+        #[cfg(feature = "native")]
+        machine.set_native_compiler(&asmotion_native::Cranelift);
+        Ok(machine)
     }
 
     /// Lowers the model anew, with what was added to it; what is counted goes on being counted. A

@@ -70,8 +70,8 @@ fn agree(name: &str, specification: &Specification) -> bool {
         return false;
     };
     let mut native = closures.clone();
-    closures.set_back_end(BackEnd::Closures);
-    native.set_back_end(BackEnd::Native);
+    closures.set_back_end(BackEnd::Closures).unwrap();
+    native.set_back_end(BackEnd::Native).unwrap();
     assert_eq!(native.back_end(), BackEnd::Native, "in {name}");
     let (closures, native) = (run(specification, closures), run(specification, native));
     for (step, (closures, native)) in closures.iter().zip(&native).enumerate() {

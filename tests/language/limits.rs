@@ -137,7 +137,7 @@ fn runs_chains_of_any_length() {
             for text in [&text, &formatted] {
                 let mut machine = super::opened("limits", text).machine().unwrap();
                 for back_end in [BackEnd::Closures, BackEnd::Native] {
-                    machine.set_back_end(back_end);
+                    let _ = machine.set_back_end(back_end);
                     let step = machine.step(&mut NoInputs, &mut First, 0).unwrap();
                     let value = step.updates()[0].value.clone();
                     let shown = value.show(&machine.naming()).to_string();

@@ -1,7 +1,7 @@
 //! A program compiled to closures: every node becomes a function of the run, its parts captured.
 //!
-//! This is one back end; another one would offer the same [`Code`]: bodies that give a value and
-//! routines that collect updates, both over a [`Run`].
+//! Closures do everything, on every processor: they say what a step is. Native code
+//! ([`crate::back_end`]) does part of it, faster.
 
 mod collection;
 mod counted;
@@ -14,43 +14,12 @@ mod term;
 mod truth;
 mod watched;
 
-pub(crate) use location::MAX_AXES;
-pub(crate) use range::MAX_BINDINGS;
-pub(crate) use rule::MAX_ITERATIONS;
-
-use crate::native::Native;
-use crate::run::{Run, Stopped, Truth};
-use crate::witness::{watched_rule, watched_term};
-use asmotion_ir::{Axis, DomainId, Local, Origin, Program, Rule, Term};
-use asmotion_value::Value;
+use crate::code::{Code, Compiled, TermCode};
+use crate::run::Run;
+use crate::watch::{watched_rule, watched_term};
+use asmotion_ir::{Axis, DomainId, Local, Program, Rule, Term};
 use std::borrow::Cow;
 use std::sync::OnceLock;
-
-/// Gives a value.
-pub(crate) type TermCode = Box<dyn Fn(&mut Run<'_>) -> Value + Send + Sync>;
-/// Gives a truth value.
-pub(crate) type TruthCode = Box<dyn Fn(&mut Run<'_>) -> Truth + Send + Sync>;
-/// Collects updates.
-pub(crate) type RuleCode = Box<dyn Fn(&mut Run<'_>) -> Result<(), Stopped> + Send + Sync>;
-
-/// Code with a frame of its own.
-pub(crate) struct Compiled<T> {
-    pub locals: u32,
-    pub arguments: u32,
-    pub code: T,
-    pub origin: Origin,
-    pub open: bool,
-}
-
-/// A compiled program.
-pub(crate) struct Code {
-    pub bodies: Vec<Compiled<TermCode>>,
-    pub routines: Vec<Compiled<RuleCode>>,
-    /// For each domain the domains its elements belong to, beginning with itself.
-    pub supers: Vec<Vec<DomainId>>,
-    /// The main rule as native code, once it was compiled; `None` within where that cannot be.
-    pub native: OnceLock<Option<Native>>,
-}
 
 impl Code {
     pub fn of(program: &Program) -> Self {
@@ -149,13 +118,15 @@ impl Bindings {
     }
 }
 
-pub(crate) struct Compiler<'a> {
+/// Compiles terms and rules of one program to closures.
+pub struct Compiler<'a> {
     program: &'a Program,
     /// By function: its window, if it has one.
     windows: Vec<Option<(usize, Vec<Axis>)>>,
 }
 
 impl<'a> Compiler<'a> {
+    /// A compiler for the code of this program.
     pub fn of(program: &'a Program) -> Self {
         Self {
             program,

@@ -1,14 +1,12 @@
 //! How many values there may be: domains and shapes listed, collections bounded.
 
 use crate::fault::FaultKind;
+use crate::limits::MAX_ELEMENTS;
 use crate::run::Run;
 use asmotion_ir::{DomainId, Elements, Shape};
 use asmotion_value::Value;
 use std::collections::BTreeSet;
 use std::sync::Arc;
-
-/// More elements than this are not listed.
-pub(crate) const MAX_ELEMENTS: u64 = if cfg!(fuzzing) { 1 << 14 } else { 1 << 20 };
 
 impl Run<'_> {
     /// The elements of a domain, ascending.

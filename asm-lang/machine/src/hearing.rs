@@ -1,7 +1,7 @@
 //! What a step under way hears of messages, and what becomes of an agent that received some.
 
-use crate::machine::Input;
 use crate::post::{Done, Post};
+use crate::record::Input;
 use crate::run::{Codomain, Run, Stopped};
 use asmotion_ir::{Messages, Slot};
 use asmotion_stdlib::{Act, Mail};

@@ -5,31 +5,39 @@
 //! applied at once (Börger & Stärk, *Abstract State Machines*, 2003, §2.4). Inputs come from an
 //! [`Environment`], choices from a [`Chooser`], time from the caller: a machine has no other door.
 
+pub mod back_end;
 mod choose;
+mod code;
 mod compile;
 mod environment;
 mod extent;
 mod fault;
 mod hearing;
+mod limits;
 mod machine;
 mod membership;
-mod native;
 mod near;
+mod notes;
 mod outside;
 mod plain;
 mod post;
+mod record;
 mod run;
 mod state;
 mod updates;
+mod watch;
 mod witness;
 
+pub use back_end::BackEnd;
 pub use choose::{Chooser, First};
+pub use code::{NativeCompiler, NoNativeCode};
 pub use environment::{Environment, NoInputs};
 pub use fault::{Fault, FaultKind};
-pub use machine::{BackEnd, Choice, Input, Machine, Step};
+pub use machine::{Machine, Step};
 pub use membership::{InitialMisfit, Misfit};
+pub use notes::{Passed, Witness};
 pub use outside::ForeignProgram;
 pub use post::{CallFault, MessageId, Sent, SentKind};
+pub use record::{Choice, Input};
 pub use state::{Naming, State};
 pub use updates::Update;
-pub use witness::{Passed, Witness};

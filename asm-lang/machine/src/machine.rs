@@ -1,41 +1,22 @@
 //! A machine: a compiled program and its state.
 
+use crate::back_end::BackEnd;
 use crate::choose::Chooser;
 use crate::choose::First;
-use crate::compile::Code;
+use crate::code::{Code, NativeCompiler, NoNativeCode};
 use crate::environment::{Environment, NoInputs};
 use crate::fault::{Fault, FaultKind};
-use crate::native::Native;
+use crate::notes::Notes;
 use crate::plain;
 use crate::post::{Post, Sent};
-use crate::run::{Record, Run, Stopped, Truth};
+use crate::record::{Choice, Input, Record};
+use crate::run::{Run, Stopped, Truth};
 use crate::state::{Naming, State};
 use crate::updates::{Update, Updates};
-use crate::witness::Notes;
-use asmotion_ir::{DomainId, Elements, FunctionId, Initial, Origin, Program, Slot, Storage};
+use asmotion_ir::{DomainId, Elements, FunctionId, Initial, Origin, Program, Storage};
 use asmotion_value::{Atom, Value};
 use std::fmt;
 use std::sync::Arc;
-
-/// What the environment said about a location in a step.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Input {
-    /// The location.
-    pub slot: Slot,
-    /// Its value for this step.
-    pub value: Value,
-}
-
-/// What was chosen where.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Choice {
-    /// The `choose`.
-    pub origin: Origin,
-    /// Which candidate, from 0.
-    pub index: usize,
-    /// How many there were.
-    pub count: usize,
-}
 
 /// A step that was done: what it read, chose and wrote.
 #[derive(Clone, Copy)]
@@ -101,18 +82,6 @@ impl fmt::Debug for Step<'_> {
     }
 }
 
-/// What does the steps of a machine. A step is the same, whichever does it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum BackEnd {
-    /// Closures at first, native code once the machine has done some steps.
-    #[default]
-    Auto,
-    /// Closures: every construct on every processor.
-    Closures,
-    /// Native code as far as there is any, from the first step on.
-    Native,
-}
-
 /// When a machine has done so much, compiling its main rule to native code is worth while.
 const WARM: u64 = 10_000;
 
@@ -134,6 +103,8 @@ pub struct Machine {
     /// Whether the initial state holds the values that depend on inputs.
     pub(crate) is_complete: bool,
     back_end: BackEnd,
+    /// What compiles its main rule to native code, if the build has such a thing.
+    native_compiler: Option<&'static dyn NativeCompiler>,
     /// How much its steps had to do.
     work: u64,
 }
@@ -201,6 +172,7 @@ impl Machine {
             rounds: 0,
             is_complete: false,
             back_end: BackEnd::default(),
+            native_compiler: None,
             work: 0,
         }
     }
@@ -224,25 +196,52 @@ impl Machine {
         self.scratch.notes.take()
     }
 
-    /// Says what does the steps from now on.
-    pub fn set_back_end(&mut self, back_end: BackEnd) {
-        self.back_end = back_end;
+    /// Gives the machine a compiler to native code. Until it has one, closures do all its steps.
+    pub fn set_native_compiler(&mut self, compiler: &'static dyn NativeCompiler) {
+        self.native_compiler = Some(compiler);
     }
 
-    /// What does the next step; native code is compiled now if it is needed.
+    /// Says what does the steps from now on. Native code that is asked for is compiled at once.
+    ///
+    /// # Errors
+    /// There is no native code for this machine: closures do its steps, which are the same.
+    pub fn set_back_end(&mut self, back_end: BackEnd) -> Result<(), NoNativeCode> {
+        self.back_end = back_end;
+        match back_end {
+            BackEnd::Auto | BackEnd::Closures => Ok(()),
+            BackEnd::Native => self.compile_native(),
+        }
+    }
+
+    /// What does the next step: closures, or native code.
     pub fn back_end(&self) -> BackEnd {
-        let is_native = match self.back_end {
+        match self.is_native() {
+            true => BackEnd::Native,
+            false => BackEnd::Closures,
+        }
+    }
+
+    /// Whether native code does the next step; it is compiled now if the machine has become warm.
+    #[inline]
+    fn is_native(&self) -> bool {
+        let is_wanted = match self.back_end {
             BackEnd::Auto => self.work >= WARM,
             BackEnd::Closures => false,
             BackEnd::Native => true,
         };
-        if !is_native {
-            return BackEnd::Closures;
-        }
-        let native = &self.code.native;
-        match native.get_or_init(|| Native::of(&self.program)) {
-            Some(_) => BackEnd::Native,
-            None => BackEnd::Closures,
+        is_wanted && self.compile_native().is_ok()
+    }
+
+    /// Compiles the main rule to native code, unless that was done before.
+    #[inline]
+    fn compile_native(&self) -> Result<(), NoNativeCode> {
+        let compile = || match self.native_compiler {
+            Some(compiler) => compiler.compile(&self.program),
+            None => Err(NoNativeCode::NotBuilt),
+        };
+        match self.code.native.get_or_init(compile) {
+            Ok(_) => Ok(()),
+            Err(why) => Err(*why),
         }
     }
 
@@ -281,10 +280,10 @@ impl Machine {
         now_ns: i64,
     ) -> Result<Step<'_>, Box<Fault>> {
         let number = self.steps + 1;
-        let back_end = self.back_end();
+        let is_native = self.is_native();
         self.attempt(true, environment, chooser, now_ns, |run| {
             match run.program.main {
-                Some(main) => run.call_main(main, back_end)?,
+                Some(main) => run.call_main(main, is_native)?,
                 None => return Err(run.stop(FaultKind::NoMain, Origin::default())),
             }
             run.check_invariants(true)

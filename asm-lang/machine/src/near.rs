@@ -28,7 +28,7 @@ pub(crate) fn windows(program: &Program) -> Vec<Option<(usize, Vec<Axis>)>> {
 
 /// What the arguments of a function range over in its window, if it has one.
 fn window(program: &Program, function: &Function) -> Option<Vec<Axis>> {
-    if function.storage != Storage::Interned || function.parameters.len() > crate::compile::MAX_AXES
+    if function.storage != Storage::Interned || function.parameters.len() > crate::limits::MAX_AXES
     {
         return None;
     }

@@ -1,7 +1,7 @@
 //! What is done to a machine between its steps: terms evaluated, rules fired, locations set.
 
 use crate::choose::{Chooser, First};
-use crate::compile::Code;
+use crate::code::Code;
 use crate::environment::{Environment, NoInputs};
 use crate::fault::{Fault, FaultKind};
 use crate::machine::{Machine, Step};

@@ -1,32 +1,27 @@
 //! What code sees while a step runs.
 
 use crate::choose::Chooser;
-use crate::compile::{Code, MAX_ITERATIONS};
+use crate::code::Code;
 use crate::environment::Environment;
 use crate::extent::is_bounded;
 use crate::fault::{Fault, FaultKind};
-use crate::machine::{BackEnd, Choice, Input};
+use crate::limits::{MAX_CALLS, MAX_DEPTH, MAX_ITERATIONS};
 use crate::membership::Misfit;
-use crate::post::{Done, Post, Sent};
+use crate::notes::Notes;
+use crate::post::Post;
+use crate::record::{Input, Record};
 use crate::state::{State, dense};
 use crate::updates::{Layer, Updates, Written};
-use crate::witness::Notes;
 use asmotion_ir::{
     BodyId, DomainId, FunctionId, FunctionKind, Local, Origin, Program, RoutineId, Slot,
 };
 use asmotion_value::Value;
 
-/// Calls may nest this deep.
-const MAX_DEPTH: u32 = 20_000;
-
-/// A step that calls more often than this is not what anybody meant: a recursion that branches.
-pub(crate) const MAX_CALLS: u32 = if cfg!(fuzzing) { 50_000 } else { 10_000_000 };
-
 /// What one body may need at most: its terms nest at most so deep that this will do.
 const FRAME: usize = 512 * 1024;
 
-/// Does some work, on a new piece of stack if the old one is used up.
-pub(crate) fn on_enough_stack<T>(work: impl FnOnce() -> T) -> T {
+/// Does some work, on a new piece of stack if the old one is nearly used up.
+pub fn on_enough_stack<T>(work: impl FnOnce() -> T) -> T {
     stacker::maybe_grow(FRAME, 4 * FRAME, work)
 }
 
@@ -52,23 +47,28 @@ impl Codomain {
     }
 }
 
-/// A rule stopped: [`Run::fault`] says why.
+/// A rule stopped: its run holds the fault.
 #[derive(Debug)]
-pub(crate) struct Stopped;
+pub struct Stopped;
 
 /// A truth value of strong Kleene logic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Truth {
+pub enum Truth {
+    /// False.
     False,
+    /// True.
     True,
+    /// Neither.
     Undef,
 }
 
 impl Truth {
+    /// The truth value of a `bool`.
     pub fn of(truth: bool) -> Self {
         if truth { Self::True } else { Self::False }
     }
 
+    /// The same as a value of the language.
     pub fn value(self) -> Value {
         match self {
             Self::False => Value::Bool(false),
@@ -77,6 +77,7 @@ impl Truth {
         }
     }
 
+    /// The truth value that a value is; undef for what is none.
     pub fn from_value(value: &Value) -> Self {
         match value {
             Value::Bool(truth) => Self::of(*truth),
@@ -85,108 +86,61 @@ impl Truth {
     }
 }
 
-/// What a step read, chose and printed.
-#[derive(Debug, Default)]
-pub(crate) struct Record {
-    pub inputs: Vec<Input>,
-    pub choices: Vec<Choice>,
-    /// What was picked from outside, by the place of the variable's range.
-    pub picked: Vec<(Origin, Value)>,
-    pub printed: Vec<String>,
-    /// What agents did with messages.
-    pub done: Vec<Done>,
-    /// What was sent.
-    pub sent: Vec<Sent>,
-    pub now_ns: i64,
-    /// How often what is counted ran, in all steps.
-    pub counts: Vec<u64>,
-}
-
 /// A step under way.
 ///
 /// A term that fails puts its reason in `fault` and is undef; rules look at `fault` before they go
 /// on. So terms need no result type of their own, and a step that failed writes nothing.
-pub(crate) struct Run<'a> {
-    pub program: &'a Program,
-    pub code: &'a Code,
-    pub state: &'a mut State,
-    pub updates: &'a mut Updates,
-    pub environment: &'a mut dyn Environment,
-    pub post: &'a Post,
-    pub chooser: &'a mut dyn Chooser,
-    pub record: &'a mut Record,
+pub struct Run<'a> {
+    pub(crate) program: &'a Program,
+    pub(crate) code: &'a Code,
+    pub(crate) state: &'a mut State,
+    pub(crate) updates: &'a mut Updates,
+    pub(crate) environment: &'a mut dyn Environment,
+    pub(crate) post: &'a Post,
+    pub(crate) chooser: &'a mut dyn Chooser,
+    pub(crate) record: &'a mut Record,
+    /// The variables of all routines and bodies that are being run, one frame after another.
     pub locals: &'a mut Vec<Value>,
     /// Arguments of a location or library function while they are computed.
-    pub stack: &'a mut Vec<Value>,
+    pub(crate) stack: &'a mut Vec<Value>,
+    /// Where the frame of the innermost one begins.
     pub base: usize,
+    /// The agent that runs, or undef.
     pub agent: Value,
+    /// How deep calls are nested.
     pub depth: u32,
     /// How many runs with local state are open.
-    pub runs: i64,
+    pub(crate) runs: i64,
     /// How often bodies and routines were called in this step.
     pub calls: u32,
     /// How often the loops of the step went round.
     pub iterations: u32,
     /// How often variables were bound in this step.
     pub bindings: u32,
-    pub step: u64,
+    pub(crate) step: u64,
     /// What was asked of the environment in this round holds.
-    pub round: u64,
-    pub now_ns: i64,
+    pub(crate) round: u64,
+    pub(crate) now_ns: i64,
     /// While the initial state is built, the current state is the initial one.
-    pub building: bool,
+    pub(crate) building: bool,
     /// Whether the current state is the one before the step, for a term that asks for it.
-    pub is_before: bool,
-    pub fault: Option<Box<Fault>>,
+    pub(crate) is_before: bool,
+    pub(crate) fault: Option<Box<Fault>>,
     /// Where watched code writes down what it sees.
-    pub notes: &'a mut Option<Notes>,
-}
-
-impl Record {
-    /// Counts once more.
-    pub fn count(&mut self, counter: u32) {
-        let index = counter as usize;
-        if self.counts.len() <= index {
-            self.counts.resize(index + 1, 0);
-        }
-        self.counts[index] += 1;
-    }
-
-    /// How often it was counted.
-    pub fn counted(&self, counter: u32) -> u64 {
-        self.counts.get(counter as usize).copied().unwrap_or(0)
-    }
-
-    #[inline]
-    pub fn begin(&mut self, now_ns: i64) {
-        self.choices.clear();
-        // most steps of a fast machine have none of these
-        let kept = self.inputs.len()
-            | self.picked.len()
-            | self.printed.len()
-            | self.done.len()
-            | self.sent.len();
-        if kept > 0 {
-            self.inputs.clear();
-            self.picked.clear();
-            self.printed.clear();
-            self.done.clear();
-            self.sent.clear();
-        }
-        self.now_ns = now_ns;
-    }
+    pub(crate) notes: &'a mut Option<Notes>,
 }
 
 impl Run<'_> {
     /// How often the loops of the step may go round.
-    pub fn max_iterations(&self) -> u32 {
+    pub(crate) fn max_iterations(&self) -> u32 {
         match &self.notes {
             Some(notes) => notes.max_iterations(),
             None => MAX_ITERATIONS,
         }
     }
 
-    /// Notes why the step fails; the first reason counts.
+    /// Notes why the step fails, unless an earlier reason was noted; gives undef, the value of a term that
+    /// failed.
     #[cold]
     pub fn fail(&mut self, kind: FaultKind, origin: Origin) -> Value {
         if self.fault.is_none() {
@@ -205,13 +159,13 @@ impl Run<'_> {
     }
 
     #[cold]
-    pub fn stop(&mut self, kind: FaultKind, origin: Origin) -> Stopped {
+    pub(crate) fn stop(&mut self, kind: FaultKind, origin: Origin) -> Stopped {
         self.fail(kind, origin);
         Stopped
     }
 
     /// Goes on unless a term failed.
-    pub fn checked(&self) -> Result<(), Stopped> {
+    pub(crate) fn checked(&self) -> Result<(), Stopped> {
         if self.fault.is_none() {
             Ok(())
         } else {
@@ -219,16 +173,16 @@ impl Run<'_> {
         }
     }
 
-    pub fn local(&self, local: Local) -> &Value {
+    pub(crate) fn local(&self, local: Local) -> &Value {
         &self.locals[self.base + local as usize]
     }
 
-    pub fn set_local(&mut self, local: Local, value: Value) {
+    pub(crate) fn set_local(&mut self, local: Local, value: Value) {
         self.locals[self.base + local as usize] = value;
     }
 
     /// What an input location holds in this step.
-    pub fn input(&mut self, slot: Slot, function: FunctionId, origin: Origin) -> Value {
+    pub(crate) fn input(&mut self, slot: Slot, function: FunctionId, origin: Origin) -> Value {
         let index = slot as usize;
         // the initial state knows the inputs of the first step and no others
         let is_past = self.building && self.step > 1;
@@ -294,7 +248,7 @@ impl Run<'_> {
 
     /// Notes that the environment was asked: not again in this step. The reference forgets it with the
     /// intermediate state in which it asked.
-    pub fn asked(&mut self, slot: Slot) {
+    pub(crate) fn asked(&mut self, slot: Slot) {
         let before = std::mem::replace(&mut self.state.asked[slot as usize], self.round);
         if self.program.compatible {
             self.updates.forget_asking(slot, before);
@@ -302,7 +256,7 @@ impl Run<'_> {
     }
 
     /// The slot of a location whose arguments are on the stack from `arguments` on.
-    pub fn slot(&mut self, function: FunctionId, arguments: usize) -> Slot {
+    pub(crate) fn slot(&mut self, function: FunctionId, arguments: usize) -> Slot {
         if let Some(slot) = dense(self.program, function, &self.stack[arguments..]) {
             if !self.state.is_met(slot) {
                 let value = self.first_value(function, arguments);
@@ -356,7 +310,7 @@ impl Run<'_> {
     }
 
     /// Runs a body whose arguments are the locals from `from` on.
-    pub fn call_body(&mut self, body: BodyId, from: usize) -> Value {
+    pub(crate) fn call_body(&mut self, body: BodyId, from: usize) -> Value {
         let code = self.code;
         let body = &code.bodies[body.0 as usize];
         if !self.enter(body.origin) {
@@ -394,15 +348,11 @@ impl Run<'_> {
 
     /// Runs the main rule; nothing ran before.
     #[inline]
-    pub fn call_main(&mut self, main: RoutineId, back_end: BackEnd) -> Result<(), Stopped> {
+    pub(crate) fn call_main(&mut self, main: RoutineId, is_native: bool) -> Result<(), Stopped> {
         let code = self.code;
-        let Some(Some(native)) = code.native.get() else {
+        let Some(Ok(native)) = code.native.get().filter(|_| is_native) else {
             return self.call_routine(main, 0);
         };
-        match back_end {
-            BackEnd::Closures => return self.call_routine(main, 0),
-            BackEnd::Auto | BackEnd::Native => {}
-        }
         (self.calls, self.depth) = (1, 1);
         let done = native.run(self);
         self.locals.clear();
@@ -411,7 +361,7 @@ impl Run<'_> {
     }
 
     /// Runs a routine whose arguments are the locals from `from` on.
-    pub fn call_routine(&mut self, routine: RoutineId, from: usize) -> Result<(), Stopped> {
+    pub(crate) fn call_routine(&mut self, routine: RoutineId, from: usize) -> Result<(), Stopped> {
         let code = self.code;
         let routine = &code.routines[routine.0 as usize];
         if !self.enter(routine.origin) {
@@ -451,7 +401,7 @@ impl Run<'_> {
     }
 
     /// Writes a location.
-    pub fn write(
+    pub(crate) fn write(
         &mut self,
         slot: Slot,
         value: Value,
@@ -467,7 +417,7 @@ impl Run<'_> {
 
     /// Whether a location takes a value.
     #[inline]
-    pub fn accepts(
+    pub(crate) fn accepts(
         &mut self,
         slot: Slot,
         value: &Value,
@@ -508,7 +458,7 @@ impl Run<'_> {
         (self.updates, written)
     }
 
-    pub fn apply(&mut self, layer: Layer) {
+    pub(crate) fn apply(&mut self, layer: Layer) {
         let (updates, mut written) = self.written();
         updates.close_applying(layer, &mut written);
     }
@@ -520,7 +470,7 @@ impl Run<'_> {
     }
 
     /// Evaluates a term in the state before the step.
-    pub fn before(&mut self, term: &dyn Fn(&mut Self) -> Value) -> Value {
+    pub(crate) fn before(&mut self, term: &dyn Fn(&mut Self) -> Value) -> Value {
         if std::mem::replace(&mut self.is_before, true) {
             return term(self);
         }
@@ -533,7 +483,7 @@ impl Run<'_> {
         value
     }
 
-    pub fn restore(&mut self, layer: Layer) -> Result<(), Stopped> {
+    pub(crate) fn restore(&mut self, layer: Layer) -> Result<(), Stopped> {
         let (updates, mut written) = self.written();
         match updates.close_sequence(layer, &mut written) {
             Ok(()) => Ok(()),
@@ -542,7 +492,7 @@ impl Run<'_> {
     }
 
     /// Runs what leaves its value in `result`, and takes it from there: nobody else sees it.
-    pub fn taking_result(
+    pub(crate) fn taking_result(
         &mut self,
         work: impl FnOnce(&mut Self) -> Result<(), Stopped>,
     ) -> Result<Value, Stopped> {
@@ -564,7 +514,7 @@ impl Run<'_> {
 
     /// Runs what has local state, under a number of its own, first what gives that state its values:
     /// nobody else sees it.
-    pub fn with_state(
+    pub(crate) fn with_state(
         &mut self,
         number: Local,
         initial: impl FnOnce(&mut Self) -> Result<(), Stopped>,
@@ -601,7 +551,7 @@ impl Run<'_> {
     }
 
     #[cold]
-    pub fn abandon(&mut self, grown: (usize, usize)) {
+    pub(crate) fn abandon(&mut self, grown: (usize, usize)) {
         let (updates, mut written) = self.written();
         updates.abandon(grown, &mut written);
     }

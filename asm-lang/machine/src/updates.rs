@@ -35,24 +35,30 @@ impl Update {
 
 /// Which update is a slot's, in the set of which epoch.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Mark {
+pub struct Mark {
+    /// The epoch of the set.
     pub epoch: u32,
+    /// The index of the update in the list.
     pub index: u32,
 }
 
 /// A mark of an outer set that the current one covers.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
-pub(crate) struct Covered {
+pub struct Covered {
+    /// The slot.
     pub slot: Slot,
+    /// Its mark in the outer set.
     pub mark: Mark,
 }
 
 /// What a slot held in the state that a sequence began in.
 #[derive(Debug)]
 #[repr(C)]
-pub(crate) struct Held {
+pub struct Held {
+    /// What it held.
     pub value: Value,
+    /// The slot.
     pub slot: Slot,
 }
 
@@ -85,8 +91,8 @@ pub(crate) struct Updates {
     epoch: u32,
     /// The last epoch given out.
     last_epoch: u32,
-    pub covered: Vec<Covered>,
-    pub held: Vec<Held>,
+    covered: Vec<Covered>,
+    held: Vec<Held>,
     undo: Vec<Undo>,
     depth: u32,
     /// The layers that native code has open.
@@ -114,6 +120,26 @@ pub(crate) struct Written<'a> {
     pub round: u64,
     /// The domains an element of a domain belongs to, beginning with itself.
     pub supers: &'a [Vec<DomainId>],
+}
+
+/// The lists of an update set. Native code may
+///
+/// - add an update of a slot that has none in the innermost set, and set the slot's mark to the epoch
+///   and the update's index;
+/// - within a sequence also add what the slot held, and the mark that the new one covers.
+///
+/// Nothing else: an update that finds a mark of this epoch may be a clash, and is left to closures.
+pub struct UpdateLists<'a> {
+    /// The updates; those of the innermost set last.
+    pub updates: &'a mut Vec<Update>,
+    /// What slots held in the state that a sequence began in.
+    pub held: &'a mut Vec<Held>,
+    /// Marks of outer sets that those of the innermost one cover.
+    pub covered: &'a mut Vec<Covered>,
+    /// By slot, which update is the slot's.
+    pub marks: &'a mut [Mark],
+    /// The epoch of the innermost set: marks of another epoch do not count.
+    pub epoch: u32,
 }
 
 impl Updates {
@@ -185,14 +211,16 @@ impl Updates {
         };
     }
 
-    /// The marks, by slot.
-    pub fn marks_mut(&mut self) -> &mut [Mark] {
-        &mut self.marks
-    }
-
-    /// The epoch of the innermost set.
-    pub fn epoch(&self) -> u32 {
-        self.epoch
+    /// The lists, for native code.
+    #[inline]
+    pub fn lists(&mut self) -> UpdateLists<'_> {
+        UpdateLists {
+            updates: &mut self.list,
+            held: &mut self.held,
+            covered: &mut self.covered,
+            marks: &mut self.marks,
+            epoch: self.epoch,
+        }
     }
 
     /// Begins a set within the current one.

@@ -1,9 +1,10 @@
 //! Terms that give collections.
 
+use super::Compiler;
 use super::range::Ranges;
-use super::{Compiler, TermCode};
-use crate::extent::MAX_ELEMENTS;
+use crate::code::TermCode;
 use crate::fault::FaultKind;
+use crate::limits::MAX_ELEMENTS;
 use asmotion_ir::{Collection, Origin, Term};
 use asmotion_value::{Real, Value};
 use std::ops::ControlFlow;

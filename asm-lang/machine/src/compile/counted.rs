@@ -1,6 +1,7 @@
 //! Code that counts how often it runs.
 
-use super::{Compiler, RuleCode};
+use super::Compiler;
+use crate::code::RuleCode;
 use asmotion_ir::{Counter, Rule};
 
 impl Compiler<'_> {

@@ -1,6 +1,8 @@
 //! Locations: which slot a location is, and what it holds.
 
-use super::{Compiler, TermCode};
+use super::Compiler;
+use crate::code::TermCode;
+use crate::limits::MAX_AXES;
 use crate::run::Run;
 use asmotion_ir::{
     Axis, AxisRange, FunctionId, FunctionKind, Kind, Node, Origin, Slot, Storage, Term,
@@ -16,9 +18,6 @@ type IndexCode = Box<dyn Fn(&mut Run<'_>) -> u32 + Send + Sync>;
 
 /// No index: axes are shorter.
 const MISS: u32 = u32::MAX;
-
-/// Functions of more arguments take the way over the stack.
-pub(crate) const MAX_AXES: usize = 4;
 
 impl Compiler<'_> {
     /// What the location of a known slot holds.

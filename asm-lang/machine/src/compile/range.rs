@@ -1,14 +1,13 @@
 //! Variables that range over domains and collections.
 
-use super::{Compiler, TermCode, TruthCode};
+use super::Compiler;
+use crate::code::{TermCode, TruthCode};
 use crate::fault::FaultKind;
+use crate::limits::MAX_BINDINGS;
 use crate::run::{Run, Truth};
 use asmotion_ir::{Binder, DomainId, Local, Node, Origin, Range, Shape, Term};
 use asmotion_value::{Atom, Value};
 use std::ops::ControlFlow;
-
-/// A step that binds variables more often than this is not what anybody meant.
-pub(crate) const MAX_BINDINGS: u32 = if cfg!(fuzzing) { 50_000 } else { 10_000_000 };
 
 /// Variables with their ranges, and a guard.
 pub(super) struct Ranges {

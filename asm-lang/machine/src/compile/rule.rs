@@ -1,19 +1,17 @@
 //! Rules compiled.
 
+use super::Compiler;
 use super::location::SlotCode;
 use super::pick::Candidates;
 use super::range::Ranges;
-use super::{Compiler, RuleCode};
+use crate::code::RuleCode;
 use crate::fault::FaultKind;
-use crate::machine::Choice;
 use crate::post::Done;
+use crate::record::Choice;
 use crate::run::{Codomain, Run, Stopped, Truth};
 use asmotion_ir::{Endless, Local, Origin, Place, RoutineId, Rule, RuleNode, Term};
 use asmotion_value::{RuleId, Value};
 use std::ops::ControlFlow;
-
-/// Loops that run longer than this in one step, all together, do not end.
-pub(crate) const MAX_ITERATIONS: u32 = if cfg!(fuzzing) { 50_000 } else { 10_000_000 };
 
 /// Where a value goes.
 enum Target {
@@ -45,6 +43,7 @@ impl Target {
 }
 
 impl Compiler<'_> {
+    /// A rule as code that collects its updates.
     pub fn rule(&self, rule: &Rule) -> RuleCode {
         stacker::maybe_grow(64 * 1024, 1024 * 1024, || self.rule_here(rule))
     }

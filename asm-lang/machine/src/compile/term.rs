@@ -1,8 +1,9 @@
 //! Terms compiled to code that gives their values.
 
+use super::Compiler;
 use super::collection::collect;
 use super::rule::program_of;
-use super::{Compiler, TermCode};
+use crate::code::TermCode;
 use crate::fault::FaultKind;
 use crate::run::{Run, Truth};
 use crate::state::Naming;

@@ -1,7 +1,8 @@
 //! Terms compiled to code that gives truth values: guards take this way.
 
+use super::Compiler;
 use super::range::Ranges;
-use super::{Compiler, TruthCode};
+use crate::code::TruthCode;
 use crate::fault::FaultKind;
 use crate::run::Truth;
 use asmotion_ir::{Comparison, Kind, Logic, Node, Quantifier, Term};

@@ -1,6 +1,7 @@
 //! Code that keeps notes for a [`Witness`](crate::Witness): it runs after a fault, never before one.
 
-use super::{Compiler, RuleCode, TermCode};
+use super::Compiler;
+use crate::code::{RuleCode, TermCode};
 use asmotion_ir::{Node, Rule, RuleNode, Term};
 
 impl Compiler<'_> {

@@ -1,9 +1,9 @@
 //! The function under construction: blocks, memory, ways out.
 
-use super::Detour;
-use super::frame::{at, out, place};
-use crate::compile::Compiler;
+use crate::detour::Detour;
+use crate::frame::{at, out, place};
 use asmotion_ir::{Interval, Kind, Local, Program, RoutineId, Rule, Term};
+use asmotion_machine::back_end::Compiler;
 use asmotion_value::layout;
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{I8, I32, I64};
@@ -16,14 +16,14 @@ use cranelift_jit::JITModule;
 use cranelift_module::Module;
 
 /// A value of the function under construction.
-pub(super) type Ssa = clif::Value;
+pub(crate) type Ssa = clif::Value;
 
 /// Programs are built into one function as long as it has no more rules than this.
 const MAX_RULES: u32 = 20_000;
 
 /// An integer in a register, and what is known about it.
 #[derive(Clone, Copy)]
-pub(super) struct Int {
+pub(crate) struct Int {
     pub value: Ssa,
     pub interval: Interval,
     /// The value is this one and a constant.
@@ -42,7 +42,7 @@ impl Int {
 
 /// An atom in a register.
 #[derive(Clone, Copy)]
-pub(super) struct AtomCode {
+pub(crate) struct AtomCode {
     pub value: Ssa,
     /// The first atom it may be, and how many there are.
     pub among: Option<(u32, u32)>,
@@ -50,7 +50,7 @@ pub(super) struct AtomCode {
 
 /// What is known about a variable.
 #[derive(Clone, Copy)]
-pub(super) enum Known {
+pub(crate) enum Known {
     Nothing,
     Int(Int),
     Bool(Ssa),
@@ -61,7 +61,7 @@ pub(super) enum Known {
 
 /// The routine that is being built in.
 #[derive(Clone)]
-pub(super) struct Scope {
+pub(crate) struct Scope {
     /// Where its locals begin.
     pub base: u32,
     /// How many there are.
@@ -75,7 +75,7 @@ pub(super) struct Scope {
 
 /// Where updates go.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Mode {
+pub(crate) enum Mode {
     /// Into the update set of the step.
     Step,
     /// Into a set within it.
@@ -93,13 +93,13 @@ struct Bail {
 
 /// A function outside.
 #[derive(Clone, Copy)]
-pub(super) struct Call {
+pub(crate) struct Call {
     address: i64,
     signature: SigRef,
 }
 
 /// The functions outside, see [`out`].
-pub(super) struct Calls {
+pub(crate) struct Calls {
     pub rule: Call,
     pub layered: Call,
     pub guard: Call,
@@ -119,7 +119,7 @@ pub(super) struct Calls {
 
 /// Memory that does not overlap.
 #[derive(Clone, Copy)]
-pub(super) struct Regions {
+pub(crate) struct Regions {
     pub frame: MemFlagsData,
     pub run: MemFlagsData,
     pub slots: MemFlagsData,
@@ -130,7 +130,7 @@ pub(super) struct Regions {
 }
 
 /// Writes one function.
-pub(super) struct Emitter<'a> {
+pub(crate) struct Emitter<'a> {
     pub program: &'a Program,
     compiler: &'a Compiler<'a>,
     pub builder: FunctionBuilder<'a>,
@@ -142,7 +142,7 @@ pub(super) struct Emitter<'a> {
     bail: Bail,
     pub scope: Scope,
     pub mode: Mode,
-    pub loops: Vec<super::rule::Loops>,
+    pub loops: Vec<crate::rule::Loops>,
     /// The routines that are being built in, the outermost first.
     pub inlined: Vec<RoutineId>,
     /// How many rules may still be built in.
@@ -151,8 +151,8 @@ pub(super) struct Emitter<'a> {
     locals: u32,
 }
 
-/// The signature of [`super::frame::Entry`].
-pub(super) fn entry_signature(module: &JITModule) -> clif::Signature {
+/// The signature of [`crate::frame::Entry`].
+pub(crate) fn entry_signature(module: &JITModule) -> clif::Signature {
     let mut signature = module.make_signature();
     signature.params.push(AbiParam::new(I64));
     signature.returns.push(AbiParam::new(I8));

@@ -10,21 +10,21 @@
     reason = "native code and the machine share memory by pointers"
 )]
 
-use super::Detour;
-use crate::fault::FaultKind;
-use crate::machine::Choice;
-use crate::run::{Run, Stopped, Truth, on_enough_stack};
-use crate::updates::{Covered, Held, Mark, Update};
+use crate::detour::Detour;
 use asmotion_ir::Origin;
+use asmotion_machine::back_end::{
+    Choosing, Covered, Held, Mark, Run, Stopped, Truth, UpdateLists, on_enough_stack,
+};
+use asmotion_machine::{FaultKind, Update};
 use asmotion_value::{Atom, Value};
 use std::mem::{ManuallyDrop, offset_of};
 
 /// What a native routine takes and gives: 0 when the rule is done, 1 when it stopped.
-pub(super) type Entry = unsafe extern "C" fn(*mut Frame) -> u8;
+pub(crate) type Entry = unsafe extern "C" fn(*mut Frame) -> u8;
 
 /// What native code sees.
 #[repr(C)]
-pub(super) struct Frame {
+pub(crate) struct Frame {
     slots: *mut Value,
     marks: *mut Mark,
     list: *mut Update,
@@ -55,7 +55,7 @@ pub(super) struct Frame {
 }
 
 /// Where things are, for code that is generated.
-pub(super) mod at {
+pub(crate) mod at {
     use super::{Covered, Frame, Held, Mark, Run, Update, offset_of};
 
     pub const SLOTS: i32 = offset_of!(Frame, slots) as i32;
@@ -162,12 +162,16 @@ impl Frame {
     fn settle(&mut self) {
         self.settle_list();
         let (held, covered) = (self.held_length, self.covered_length);
-        let updates = &mut *self.run().updates;
+        let UpdateLists {
+            held: held_list,
+            covered: covered_list,
+            ..
+        } = self.run().update_lists();
         // SAFETY: native code has filled the lists up to these lengths, which are at most the room there
         // was in each.
         unsafe {
-            updates.held.set_len(held);
-            updates.covered.set_len(covered);
+            held_list.set_len(held);
+            covered_list.set_len(covered);
         }
     }
 
@@ -175,18 +179,23 @@ impl Frame {
     fn settle_list(&mut self) {
         let length = self.length;
         // SAFETY: native code has filled the updates up to `length`, which is at most the room there was.
-        unsafe { self.run().updates.list.set_len(length) }
+        unsafe { self.run().update_lists().updates.set_len(length) }
     }
 
     /// Finds out what became of the vectors.
     fn refresh(&mut self) {
         self.refresh_list();
-        let updates = &mut *self.run().updates;
-        let (held, held_length) = (updates.held.as_mut_ptr(), updates.held.len());
-        let (covered, covered_length) = (updates.covered.as_mut_ptr(), updates.covered.len());
-        let room = (updates.list.capacity() - updates.list.len())
-            .min(updates.held.capacity() - held_length)
-            .min(updates.covered.capacity() - covered_length);
+        let UpdateLists {
+            updates,
+            held,
+            covered,
+            ..
+        } = self.run().update_lists();
+        let room = (updates.capacity() - updates.len())
+            .min(held.capacity() - held.len())
+            .min(covered.capacity() - covered.len());
+        let (held, held_length) = (held.as_mut_ptr(), held.len());
+        let (covered, covered_length) = (covered.as_mut_ptr(), covered.len());
         (self.held, self.held_length) = (held, held_length);
         (self.covered, self.covered_length) = (covered, covered_length);
         self.sequence_room = room;
@@ -198,13 +207,13 @@ impl Frame {
     fn refresh_list(&mut self) {
         // SAFETY: as in `run`; the borrow of the field and that of the frame's other fields are apart.
         let run = unsafe { &mut *self.run };
-        self.slots = run.state.slots.as_mut_ptr();
+        self.slots = run.slots_mut().as_mut_ptr();
         self.locals = run.locals.as_mut_ptr();
-        let updates = &mut *run.updates;
-        self.marks = updates.marks_mut().as_mut_ptr();
-        self.epoch = updates.epoch();
-        (self.list, self.length) = (updates.list.as_mut_ptr(), updates.list.len());
-        self.room = updates.list.capacity();
+        let lists = run.update_lists();
+        self.marks = lists.marks.as_mut_ptr();
+        self.epoch = lists.epoch;
+        (self.list, self.length) = (lists.updates.as_mut_ptr(), lists.updates.len());
+        self.room = lists.updates.capacity();
     }
 
     /// Does some work outside native code, in the frame of locals of an inlined routine.
@@ -230,15 +239,15 @@ impl Frame {
 }
 
 /// Where a call out of native code stands: the first local of its frame, and how deep it is.
-pub(super) fn place(base: u32, depth: u32) -> i64 {
+pub(crate) fn place(base: u32, depth: u32) -> i64 {
     i64::from(base) | i64::from(depth) << 32
 }
 
 /// The functions native code calls. Their names are those of [`super::emit`]'s table.
 ///
 /// Each takes the frame first: it is the one `enter` made, so it lives, and nobody else borrows it.
-pub(super) mod out {
-    use super::{Atom, Choice, Detour, FaultKind, Frame, Origin, Run, Truth, Value};
+pub(crate) mod out {
+    use super::{Atom, Choosing, Detour, FaultKind, Frame, Origin, Run, Truth, Value};
 
     fn detour(frame: &Frame, index: u32) -> &'static Detour {
         // SAFETY: generated code knows only numbers of detours that were made with it; `enter` borrows
@@ -263,14 +272,10 @@ pub(super) mod out {
         let Detour::Rule(rule) = detour(frame, index) else {
             return 1;
         };
-        frame.outside(place, |run, _| {
-            let layer = run.updates.open();
-            if rule(run).is_err() {
-                return 1;
-            }
-            let idle = run.updates.is_empty(&layer);
-            run.apply(layer);
-            if idle { 2 } else { 0 }
+        frame.outside(place, |run, _| match run.run_applying(rule) {
+            Ok(false) => 0,
+            Ok(true) => 2,
+            Err(_) => 1,
         })
     }
 
@@ -282,7 +287,7 @@ pub(super) mod out {
         frame.outside(place, |run, _| {
             let holds = truth(run);
             match holds {
-                _ if run.fault.is_some() => 2,
+                _ if run.has_failed() => 2,
                 Truth::False => 0,
                 Truth::True => 1,
                 Truth::Undef => {
@@ -301,7 +306,7 @@ pub(super) mod out {
         frame.outside(place, |run, _| {
             let holds = truth(run);
             match holds {
-                _ if is_left(run) => 2,
+                _ if run.take_failure() => 2,
                 Truth::False => 0,
                 Truth::True => 1,
                 Truth::Undef => 2,
@@ -314,7 +319,7 @@ pub(super) mod out {
         if let Detour::Term(term) = detour(frame, index) {
             frame.outside(place, |run, answer| {
                 let value = term(run);
-                *answer = match is_left(run) {
+                *answer = match run.take_failure() {
                     false => value,
                     true => Value::Undef,
                 };
@@ -330,23 +335,8 @@ pub(super) mod out {
         frame.outside(place, |run, _| {
             let value = term(run);
             run.locals[local as usize] = value;
-            u8::from(is_left(run))
+            u8::from(run.take_failure())
         })
-    }
-
-    /// Whether a part of a term failed. The fault is then left to the detour of the whole, which meets
-    /// it again; only what the environment did not answer well it is not asked again.
-    fn is_left(run: &mut Run<'_>) -> bool {
-        let Some(fault) = run.fault.take() else {
-            return false;
-        };
-        if matches!(
-            fault.kind,
-            FaultKind::Input { .. } | FaultKind::OutsideInput { .. }
-        ) {
-            run.fault = Some(fault);
-        }
-        true
     }
 
     /// A scalar put into a local, for closures to see.
@@ -362,24 +352,16 @@ pub(super) mod out {
     /// How the value of a variable with this range is chosen: 0 by a number, 1 as the first one, 2 from
     /// outside.
     pub extern "C" fn way(frame: &mut Frame, range: u32) -> u8 {
-        let chooser = &frame.run().chooser;
-        match chooser.picked(Origin(range)) {
-            Some(_) => 2,
-            None => u8::from(chooser.takes_first()),
+        match frame.run().choosing(Origin(range)) {
+            Choosing::ByNumber => 0,
+            Choosing::First => 1,
+            Choosing::Picked => 2,
         }
     }
 
     /// Which of so many candidates.
     pub extern "C" fn choose(frame: &mut Frame, count: u64, origin: u32) -> u64 {
-        let count = count as usize;
-        let run = frame.run();
-        let index = run.chooser.choose(count).min(count - 1);
-        run.record.choices.push(Choice {
-            origin: Origin(origin),
-            index,
-            count,
-        });
-        index as u64
+        frame.run().choose(count as usize, Origin(origin)) as u64
     }
 
     /// A loop went round too often.
@@ -391,39 +373,24 @@ pub(super) mod out {
 
     /// Begins a set within the current one.
     pub extern "C" fn open(frame: &mut Frame) {
-        frame.outside_here(|run| {
-            let layer = run.updates.open();
-            run.updates.layers.push(layer);
-        });
+        frame.outside_here(Run::open_set);
     }
 
     /// Ends a set and applies it: 1 if it was empty.
     pub extern "C" fn apply(frame: &mut Frame) -> u8 {
-        frame.outside_here(|run| match run.updates.layers.pop() {
-            Some(layer) => {
-                let idle = run.updates.is_empty(&layer);
-                run.apply(layer);
-                u8::from(idle)
-            }
-            None => 1,
-        })
+        u8::from(frame.outside_here(Run::apply_set))
     }
 
     /// Ends a sequence.
     pub extern "C" fn restore(frame: &mut Frame) -> u8 {
-        stopped(frame.outside_here(|run| match run.updates.layers.pop() {
-            Some(layer) => run.restore(layer).is_ok(),
-            None => false,
-        }))
+        stopped(frame.outside_here(|run| run.end_sequence().is_ok()))
     }
 
     /// Adds an update within a sequence; the slot has none yet.
     pub extern "C" fn write(frame: &mut Frame, slot: u32, origin: u32) {
         let value = Value::clone(&frame.given);
-        frame.outside_here(|run| {
-            // no conflict: generated code has looked at the mark
-            let _ = run.updates.write(slot, value, Origin(origin));
-        });
+        // generated code has looked at the mark
+        frame.outside_here(|run| run.write_first(slot, value, Origin(origin)));
     }
 
     /// An update of a sequence that is applied at once.

@@ -1,8 +1,8 @@
 //! Terms that give truth values, mostly as the way code goes on.
 
-use super::emit::{Emitter, Known, Ssa};
-use super::known::counts;
-use super::rule::Counting;
+use crate::emit::{Emitter, Known, Ssa};
+use crate::known::counts;
+use crate::rule::Counting;
 use asmotion_ir::{Binder, Comparison, Kind, Logic, Node, Quantifier, Term};
 use asmotion_value::{Value, layout};
 use cranelift_codegen::ir::condcodes::IntCC;

@@ -2,12 +2,12 @@
 
 #![allow(unsafe_code, reason = "code is made a function, and freed")]
 
-use super::frame::Entry;
+use crate::frame::Entry;
 use cranelift_jit::JITModule;
 use cranelift_module::FuncId;
 
 /// Owns the code of one module.
-pub(super) struct Memory(Option<JITModule>);
+pub(crate) struct Memory(Option<JITModule>);
 
 // SAFETY: after `entry` nothing reads or writes the module but `drop`, which has it alone; the code
 // itself is only read, and executed.

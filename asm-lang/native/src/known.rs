@@ -1,6 +1,6 @@
 //! What is known about a program before it runs: what a term gives, and what it may do.
 
-use super::emit::{Emitter, Known};
+use crate::emit::{Emitter, Known};
 use asmotion_ir::{
     BodyId, DomainId, Elements, FunctionKind, Kind, Node, Program, Range, RoutineId, Rule,
     RuleNode, Term,
@@ -9,7 +9,7 @@ use asmotion_value::Value;
 
 /// What a variable ranges over without looking at the state.
 #[derive(Clone, Copy)]
-pub(super) enum Span {
+pub(crate) enum Span {
     Ints(i64, i64),
     Atoms(u32, u32),
     Bools,
@@ -106,7 +106,7 @@ fn grows(program: &Program, domain: DomainId) -> bool {
 }
 
 /// Whether evaluating a term twice is as good as evaluating it once: nothing is printed.
-pub(super) fn is_repeatable(program: &Program, term: &Term) -> bool {
+pub(crate) fn is_repeatable(program: &Program, term: &Term) -> bool {
     !reaches(program, term, &mut Vec::new(), &|node| match node {
         Node::Builtin(builtin, _) => builtin.prints(),
         Node::Watched(_) => true,
@@ -115,7 +115,7 @@ pub(super) fn is_repeatable(program: &Program, term: &Term) -> bool {
 }
 
 /// Whether evaluating a term may bind variables.
-pub(super) fn counts(program: &Program, term: &Term) -> bool {
+pub(crate) fn counts(program: &Program, term: &Term) -> bool {
     reaches(program, term, &mut Vec::new(), &|node| {
         matches!(
             node,
@@ -125,7 +125,7 @@ pub(super) fn counts(program: &Program, term: &Term) -> bool {
 }
 
 /// Whether running a rule may bind variables that range over something.
-pub(super) fn rule_counts(program: &Program, rule: &Rule) -> bool {
+pub(crate) fn rule_counts(program: &Program, rule: &Rule) -> bool {
     fn search(program: &Program, rule: &Rule, seen: &mut Vec<RoutineId>) -> bool {
         any_rule(rule, &mut |rule| {
             let mut terms = rule.node.clone();

@@ -1,11 +1,10 @@
 //! Rules.
 
-use super::emit::{AtomCode, Emitter, Int, Known, Mode, Scope, Ssa};
-use super::frame::at;
-use super::known::{Span, counts, is_repeatable, rule_counts};
-use crate::compile::{MAX_BINDINGS, MAX_ITERATIONS};
-use crate::run::MAX_CALLS;
+use crate::emit::{AtomCode, Emitter, Int, Known, Mode, Scope, Ssa};
+use crate::frame::at;
+use crate::known::{Span, counts, is_repeatable, rule_counts};
 use asmotion_ir::{Binder, Interval, Local, Node, Origin, Place, RoutineId, Rule, RuleNode, Term};
+use asmotion_machine::back_end::{MAX_BINDINGS, MAX_CALLS, MAX_ITERATIONS};
 use asmotion_value::Value;
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{I8, I32, I64};
@@ -15,11 +14,11 @@ use cranelift_codegen::ir::{Block, InstBuilder, Type};
 const MAX_INLINED: usize = 48;
 
 /// A variable, what it ranges over, and where that stands.
-pub(super) type Spanned = (Local, Span, Origin);
+pub(crate) type Spanned = (Local, Span, Origin);
 
 /// How the bindings of a loop are counted.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Counting {
+pub(crate) enum Counting {
     /// Before the loop, which nobody interrupts: the detour is taken if there may be too many.
     Together,
     /// The same, and they were found not to be too many.
@@ -31,7 +30,7 @@ pub(super) enum Counting {
 }
 
 /// The loops around the code at hand.
-pub(super) struct Loops {
+pub(crate) struct Loops {
     /// How many bindings there were before, unless each is counted by itself.
     before: Option<Ssa>,
     /// For each loop how often it went round, and how many bindings there are within one round.
@@ -624,7 +623,7 @@ impl Emitter<'_> {
         let iterations = self.builder.ins().iadd_imm_s(before, 1);
         self.store(self.memory.run, iterations, run, at::ITERATIONS);
         self.guarded(guard, done);
-        if !until_idle || super::sequence::always_writes(body) {
+        if !until_idle || crate::sequence::always_writes(body) {
             self.rule(body);
             self.jump(head);
         } else {

@@ -1,8 +1,8 @@
 //! Locations of known axes, read and written in place.
 
-use super::emit::{Emitter, Int, Known, Mode, Ssa};
-use super::frame::at;
-use super::known::is_repeatable;
+use crate::emit::{Emitter, Int, Known, Mode, Ssa};
+use crate::frame::at;
+use crate::known::is_repeatable;
 use asmotion_ir::{
     AxisRange, DomainId, Elements, FunctionId, Kind, Node, Origin, Place, Slot, Storage, Term,
 };
@@ -12,7 +12,7 @@ use cranelift_codegen::ir::types::{I8, I32, I64, I64X2};
 use cranelift_codegen::ir::{InstBuilder, Type};
 
 /// A location in place.
-pub(super) struct Located {
+pub(crate) struct Located {
     /// Where the function's first slot is, in bytes from here.
     pointer: Ssa,
     offset: i32,
@@ -353,7 +353,7 @@ impl Emitter<'_> {
     }
 
     /// Writes by a call; the value lies in the frame.
-    fn write_outside(&mut self, call: super::emit::Call, slot: Ssa, value: Known, origin: Origin) {
+    fn write_outside(&mut self, call: crate::emit::Call, slot: Ssa, value: Known, origin: Origin) {
         self.put(self.memory.frame, self.frame, at::GIVEN, value);
         let slot = self.builder.ins().ireduce(I32, slot);
         let origin = self.number(I32, i64::from(origin.0));

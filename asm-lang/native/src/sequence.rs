@@ -4,7 +4,7 @@
 //! its own: its updates cannot clash. Sequences and loops directly within a sequence share its set:
 //! what they write in the end is the same.
 
-use super::emit::{Emitter, Known, Mode, Ssa};
+use crate::emit::{Emitter, Known, Mode, Ssa};
 use asmotion_ir::{Place, Rule, RuleNode, Slot, Term};
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::I8;
@@ -92,7 +92,7 @@ impl Emitter<'_> {
 }
 
 /// Whether a rule that is done has written something.
-pub(super) fn always_writes(rule: &Rule) -> bool {
+pub(crate) fn always_writes(rule: &Rule) -> bool {
     match &*rule.node {
         RuleNode::Update(..) => true,
         RuleNode::Par(rules) | RuleNode::Seq(rules) => rules.iter().any(always_writes),

@@ -1,7 +1,7 @@
 //! Terms that give integers and atoms.
 
-use super::emit::{AtomCode, Emitter, Int, Known};
-use super::known::counts;
+use crate::emit::{AtomCode, Emitter, Int, Known};
+use crate::known::counts;
 use asmotion_ir::{Arithmetic, Interval, Kind, Node, Term};
 use asmotion_value::{Value, layout};
 use cranelift_codegen::ir::InstBuilder;
@@ -97,8 +97,8 @@ impl Emitter<'_> {
         local: asmotion_ir::Local,
         tag: u8,
         ty: cranelift_codegen::ir::Type,
-    ) -> super::emit::Ssa {
-        let locals = self.field(I64, super::frame::at::LOCALS);
+    ) -> crate::emit::Ssa {
+        let locals = self.field(I64, crate::frame::at::LOCALS);
         let offset = self.local_offset(local);
         self.expect(self.memory.locals, locals, offset, tag, ty)
     }
@@ -153,7 +153,7 @@ impl Emitter<'_> {
     }
 
     /// The remainder; its sign is the dividend's.
-    fn modulo(&mut self, left: Int, right: Int) -> super::emit::Ssa {
+    fn modulo(&mut self, left: Int, right: Int) -> crate::emit::Ssa {
         let (a, b) = (left.value, right.value);
         let divisor = right.interval;
         if divisor.low == divisor.high && divisor.low > 0 {

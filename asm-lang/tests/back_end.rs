@@ -1,0 +1,37 @@
+//! A build without a code generator says so, and steps all the same.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use asmotion_lang::{BackEnd, Files, First, NoInputs};
+
+const COUNTER: &str = "asm counter
+import StandardLibrary
+signature:
+  controlled n: Integer
+definitions:
+  main rule r_Main = n := n + 1
+default init s0:
+  function n = 0
+";
+
+#[test]
+fn native_code_is_there_or_said_not_to_be() {
+    let mut files = Files::new();
+    files.add("counter.asm", COUNTER);
+    let specification = asmotion_lang::open("counter.asm", &files).unwrap();
+    let mut machine = specification.machine().unwrap();
+    let set = machine.set_back_end(BackEnd::Native);
+    match cfg!(feature = "native") {
+        true => assert_eq!((set, machine.back_end()), (Ok(()), BackEnd::Native)),
+        false => {
+            assert_eq!(set, Err(asmotion_lang::machine::NoNativeCode::NotBuilt));
+            assert_eq!(machine.back_end(), BackEnd::Closures);
+            let why = set.unwrap_err().to_string();
+            assert!(why.contains("cargo feature `native`"), "{why}");
+        }
+    }
+    for _ in 0..3 {
+        machine.step(&mut NoInputs, &mut First, 0).unwrap();
+    }
+    assert_eq!(machine.steps(), 3);
+}
