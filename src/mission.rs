@@ -89,6 +89,7 @@ pub enum Outcome {
 /// Result of a mission.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ended {
+    /// The end condition that was met, or another reason for the end.
     pub outcome: Outcome,
     /// Summary of its events.
     pub summary: Summary,

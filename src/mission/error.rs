@@ -12,6 +12,7 @@ pub enum MissionError {
     Composite {
         /// Texts that the report refers to.
         sources: Sources,
+        /// Errors of the composite.
         report: Report,
         /// Whether a value from the command line is among the causes.
         outside: bool,
@@ -45,16 +46,22 @@ pub enum MissionError {
         known: Vec<String>,
     },
     /// One process of several needs a broker.
-    NeedsBroker { process: String },
+    NeedsBroker {
+        /// The process that was to run.
+        process: String,
+    },
     /// The broker is unreachable or refuses the connection.
     Broker {
         /// Address of the broker.
         place: String,
+        /// Error of the connection.
         reason: asmotion_bus::BusError,
     },
     /// A gateway cannot listen.
     Gateway {
+        /// Name of the gateway in the composite.
         name: String,
+        /// Error of listening.
         reason: asmotion_gateway::GatewayError,
     },
     /// The system cannot be assembled.

@@ -53,6 +53,7 @@ pub struct Topic {
 pub struct Component<'b> {
     /// Name of the robot; can be empty.
     pub robot: &'b str,
+    /// Name of the process, as announced on the bus.
     pub process: &'b str,
     /// Its last description.
     pub present: &'b Present,

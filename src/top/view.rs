@@ -62,6 +62,7 @@ impl Order {
 pub struct View {
     /// Active table.
     pub pane: Pane,
+    /// Order of the rows of both tables.
     pub order: Order,
     /// Text that names must contain.
     pub filter: String,
