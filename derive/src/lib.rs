@@ -30,8 +30,9 @@ pub fn ports(input: TokenStream) -> TokenStream {
     expand(&parse_macro_input!(input), ports::derive)
 }
 
-/// Gives each variant of an enum its word: `InPlace` is written `in_place`.
-#[proc_macro_derive(Word)]
+/// Implements `asmotion_datum::Word` and `Display` for an enum without fields: each variant is a word of a file, its doc
+/// comment what the word means. `InPlace` is written `in_place`, unless `#[word("other")]` gives another word.
+#[proc_macro_derive(Word, attributes(word))]
 pub fn word(input: TokenStream) -> TokenStream {
     expand(&parse_macro_input!(input), word::derive)
 }

@@ -147,7 +147,7 @@ impl<'a> Property<'a> {
             },
             // the choices have refused what is no word
             None if self.options.words => {
-                quote!(<#of as component::Word>::of(&#value).unwrap_or_default())
+                quote!(<#of as component::Word>::of_word(&#value).unwrap_or_default())
             }
             None => value,
         }
@@ -176,7 +176,7 @@ impl<'a> Property<'a> {
         let default = match self.per_second {
             Some(per_second) => quote!(default.#field.as_secs_f64() * #per_second),
             None if self.options.words => {
-                quote!(component::Word::word(&default.#field).to_owned())
+                quote!(component::Word::word(default.#field).to_owned())
             }
             None => quote!(default.#field),
         };
@@ -201,7 +201,7 @@ impl<'a> Property<'a> {
         let choices = choices.as_ref().map(|choices| quote!(.choices(#choices)));
         let words = words.then(|| {
             quote! {
-                .choices(<#of as component::Word>::ALL.iter().map(component::Word::word))
+                .choices(<#of as component::Word>::words())
             }
         });
         Ok(quote! {

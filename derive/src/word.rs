@@ -1,47 +1,107 @@
-//! `#[derive(Word)]`: the variants of an enum become words, lawful values of a property.
+//! `#[derive(Word)]`: an enum whose variants are words of a closed list.
 
 use proc_macro2::TokenStream;
 use quote::quote;
-use syn::{Data, DeriveInput, Error, Fields, Ident, Result};
+use syn::{Attribute, Data, DeriveInput, Error, Expr, ExprLit, Fields, Lit, LitStr, Meta, Result};
 
-pub fn derive(input: &DeriveInput) -> Result<TokenStream> {
-    let of = &input.ident;
+/// Implements `asmotion_datum::Word` and `Display`. A variant is written as its name in snake case, or as
+/// `#[word("other")]` says; its documentation says what the word means.
+pub(crate) fn derive(input: &DeriveInput) -> Result<TokenStream> {
     let Data::Enum(data) = &input.data else {
-        return Err(Error::new_spanned(of, "`Word` needs an enum"));
+        return Err(Error::new_spanned(input, "only an enum is a list of words"));
     };
-    let mut variants = Vec::new();
+    let name = &input.ident;
+    let mut rows = Vec::new();
     for variant in &data.variants {
-        match variant.fields {
-            Fields::Unit => variants.push(&variant.ident),
-            Fields::Named(_) | Fields::Unnamed(_) => {
-                let message = "a word carries nothing: the variant must have no fields";
-                return Err(Error::new_spanned(variant, message));
-            }
+        if !matches!(variant.fields, Fields::Unit) {
+            let message = "a word carries nothing: the variant must have no fields";
+            return Err(Error::new_spanned(variant, message));
         }
+        let ident = &variant.ident;
+        let written = variant.attrs.iter().find(|it| it.path().is_ident("word"));
+        let word = match written {
+            Some(attribute) => attribute.parse_args::<LitStr>()?.value(),
+            None => snake(&ident.to_string()),
+        };
+        let doc = doc(&variant.attrs);
+        rows.push(quote!((#word, Self::#ident, #doc)));
     }
-    let words: Vec<String> = variants.iter().map(|variant| snake_case(variant)).collect();
     Ok(quote! {
         #[automatically_derived]
-        impl ::asmotion_component::Word for #of {
-            const ALL: &'static [Self] = &[#(Self::#variants,)*];
+        impl ::asmotion_datum::Word for #name {
+            const WORDS: &'static [(&'static str, Self, &'static str)] = &[#(#rows),*];
+        }
 
-            fn word(&self) -> &'static str {
-                match self {
-                    #(Self::#variants => #words,)*
-                }
+        #[automatically_derived]
+        impl ::std::fmt::Display for #name {
+            fn fmt(&self, f: &mut ::std::fmt::Formatter<'_>) -> ::std::fmt::Result {
+                f.write_str(::asmotion_datum::Word::word(*self))
             }
         }
     })
 }
 
-/// `AStar` is written `a_star`.
-fn snake_case(variant: &Ident) -> String {
-    let mut word = String::new();
-    for letter in variant.to_string().chars() {
-        if letter.is_uppercase() && !word.is_empty() {
-            word.push('_');
+/// `CatchUp` as `catch_up`.
+pub(crate) fn snake(name: &str) -> String {
+    let mut snake = String::new();
+    for letter in name.chars() {
+        if letter.is_uppercase() && !snake.is_empty() {
+            snake.push('_');
         }
-        word.extend(letter.to_lowercase());
+        snake.extend(letter.to_lowercase());
     }
-    word
+    snake
+}
+
+/// The documentation of an item: its lines joined, its paragraphs kept apart.
+pub(crate) fn doc(attributes: &[Attribute]) -> String {
+    let mut doc = String::new();
+    for attribute in attributes {
+        if let Meta::NameValue(pair) = &attribute.meta
+            && pair.path.is_ident("doc")
+            && let Expr::Lit(ExprLit {
+                lit: Lit::Str(line),
+                ..
+            }) = &pair.value
+        {
+            let line = line.value();
+            match line.trim() {
+                "" => doc.push('\n'),
+                line => {
+                    if !doc.is_empty() && !doc.ends_with('\n') {
+                        doc.push(' ');
+                    }
+                    doc.push_str(line);
+                }
+            }
+        }
+    }
+    doc.trim().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use syn::parse_quote;
+
+    #[test]
+    fn it_takes_words_from_names_or_attributes() {
+        let made = super::derive(&parse_quote! {
+            enum Overrun {
+                /// Left out,
+                /// and counted.
+                CatchUp,
+                #[word("rr")]
+                RoundRobin,
+            }
+        });
+        let made = made.map_or_else(|error| error.to_string(), |made| made.to_string());
+        assert!(
+            made.contains(r#"("catch_up" , Self :: CatchUp , "Left out, and counted.")"#),
+            "{made}"
+        );
+        assert!(
+            made.contains(r#"("rr" , Self :: RoundRobin , "")"#),
+            "{made}"
+        );
+    }
 }

@@ -1,10 +1,8 @@
 //! Composite files: checked plan, then running system.
 
 mod at;
-pub mod binding;
 pub mod catalogue;
 mod check;
-mod choice;
 mod codes;
 mod context;
 mod environment;

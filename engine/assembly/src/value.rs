@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use asmotion_coordinator::Constant;
 use asmotion_datum::Datum;
 use asmotion_diagnostics::FileId;
 use serde::Serialize;
@@ -109,6 +110,16 @@ impl Value {
         }
     }
 
+    /// Whether a secret is in it.
+    fn has_secret(&self) -> bool {
+        match self {
+            Self::Secret(_) => true,
+            Self::List(items) => items.iter().any(Self::has_secret),
+            Self::Record(fields) => fields.iter().any(|(_, value)| value.has_secret()),
+            Self::Boolean(_) | Self::Integer(_) | Self::Real(_) | Self::Text(_) => false,
+        }
+    }
+
     /// What it is, for people.
     pub fn describe(&self) -> &'static str {
         match self {
@@ -119,6 +130,15 @@ impl Value {
             Self::Secret(_) => "a secret",
             Self::List(_) => "a list",
             Self::Record(_) => "a table",
+        }
+    }
+}
+
+impl From<Value> for Constant {
+    fn from(value: Value) -> Self {
+        Self {
+            secret: value.has_secret(),
+            datum: value.datum(),
         }
     }
 }

@@ -4,14 +4,15 @@
 mod support;
 
 use asmotion_assembly::{
-    AsmFiles, Constructor, Context, Opened, Standard, StartError, Tables, binding, plan,
+    AsmFiles, Constructor, Context, Opened, Standard, StartError, Tables, plan,
 };
 use asmotion_component::declaration::OperationDeclaration;
 use asmotion_component::{
     Component, Cycle, Fault, In, Interface, Log, Operation, Out, Property, Provided, Run, Span,
     System,
 };
-use asmotion_datum::{Message, Schema};
+use asmotion_coordinator::{Action, Argument, Effect};
+use asmotion_datum::{Datum, Message, Schema};
 use asmotion_lang::Files;
 use support::Variables;
 
@@ -334,17 +335,14 @@ fn it_puts_the_binding_into_the_plan_without_places_and_substitutions() {
     let plan = opened.plan(None).expect("a plan");
     let brain = plan.component("Brain").expect("the brain");
     let bound = brain.binding.as_ref().expect("a binding");
-    let binding::Effect::Literals(cases) = &bound.out[0].effect else {
+    let Effect::Literals(cases) = &bound.out[0].effect else {
         panic!("literals");
     };
-    let binding::Action::Call(call) = &cases[0].actions[0] else {
+    let Action::Call(call) = &cases[0].actions[0] else {
         panic!("a call");
     };
-    let n = binding::Argument::Value(asmotion_assembly::Value::Integer(21));
-    assert_eq!(
-        call.with,
-        binding::Argument::Record(vec![("n".to_owned(), n)])
-    );
+    let n = Argument::Value(Datum::Int(21).into());
+    assert_eq!(call.with, Argument::Record(vec![("n".to_owned(), n)]));
     assert_eq!(
         plan.start_order,
         ["Starter", "Nested/Doubler", "Brain", "Nested/Echo"]

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use asmotion_derive::Word;
 use serde::{Deserialize, Serialize};
 
 use crate::Time;
@@ -26,30 +27,29 @@ pub struct Activity {
     pub deadline: Option<Deadline>,
     /// What happens when the component fails in a cycle.
     pub on_exception: OnException,
+    /// How often [`OnException::Reset`] brings it back in all its life; without end, if absent.
+    pub max_resets: Option<u32>,
     /// The scheduling class of its thread.
     pub scheduler: Scheduler,
+    /// Priority in that class, 1 to 99; of no meaning to [`Scheduler::Other`].
+    pub priority: u8,
     /// The processors that its thread may run on; all, if none is named.
     pub cpus: Vec<usize>,
 }
 
 /// The scheduling class of a thread, where the system permits it; where not, [`Event::Denied`](crate::Event::Denied)
 /// says so. A slave is in its master's thread, and so in its class.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, Word)]
 #[serde(rename_all = "snake_case")]
 pub enum Scheduler {
-    /// As any program (RTT ORO_SCHED_OTHER).
+    /// Scheduled like any program (RTT ORO_SCHED_OTHER).
     #[default]
     Other,
-    /// Before all others of a lower priority, until it waits (RTT ORO_SCHED_RT).
-    Fifo {
-        /// 1 to 99.
-        priority: u8,
-    },
-    /// By turns with others of its priority.
-    RoundRobin {
-        /// 1 to 99.
-        priority: u8,
-    },
+    /// Runs before all threads of a lower priority, until it waits (RTT ORO_SCHED_RT).
+    Fifo,
+    /// Takes turns with threads of its priority.
+    #[word("rr")]
+    RoundRobin,
 }
 
 /// Something of an activity that the system does not permit; the component runs without it.
@@ -65,18 +65,15 @@ pub struct Denied {
 }
 
 /// What happens when a component fails in a cycle. In any case it is stopped and cleaned up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, Word)]
 #[serde(rename_all = "snake_case")]
 pub enum OnException {
     /// It stays in its exception; the others go on.
     #[default]
-    Stay,
-    /// It is reset, configured and started again.
-    Reset {
-        /// So often, in all its life; without end, if absent.
-        max: Option<u32>,
-    },
-    /// Everything stops, last things first.
+    Stop,
+    /// It is reset, configured and started again, at most [`Activity::max_resets`] times.
+    Reset,
+    /// Everything stops, in reverse order of the start.
     Escalate,
 }
 
@@ -95,7 +92,7 @@ pub enum Drive {
 }
 
 /// What happens to periods that a slow cycle missed; they are counted in any case.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, Word)]
 #[serde(rename_all = "snake_case")]
 pub enum Overrun {
     /// They are left out; the next cycle is at the next whole period.
@@ -114,14 +111,14 @@ pub struct Deadline {
     /// So long.
     pub within: Duration,
     /// What happens when it takes longer.
-    pub on_late: OnLate,
+    pub on_deadline: OnDeadline,
 }
 
 /// What happens to a component whose cycle took longer than its deadline. What the cycle did has happened by then.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, Word)]
 #[serde(rename_all = "snake_case")]
-pub enum OnLate {
-    /// Nothing more.
+pub enum OnDeadline {
+    /// It is reported, and nothing more.
     #[default]
     Report,
     /// It is stopped.
@@ -169,8 +166,10 @@ impl Activity {
             may_interrupt: false,
             overrun: Overrun::Skip,
             deadline: None,
-            on_exception: OnException::Stay,
+            on_exception: OnException::Stop,
+            max_resets: None,
             scheduler: Scheduler::Other,
+            priority: 1,
             cpus: Vec::new(),
         }
     }
@@ -231,8 +230,11 @@ impl Activity {
 
     /// With this long for each cycle.
     #[must_use]
-    pub fn deadline(self, within: Duration, on_late: OnLate) -> Self {
-        let deadline = Some(Deadline { within, on_late });
+    pub fn deadline(self, within: Duration, on_deadline: OnDeadline) -> Self {
+        let deadline = Some(Deadline {
+            within,
+            on_deadline,
+        });
         Self { deadline, ..self }
     }
 
@@ -240,6 +242,12 @@ impl Activity {
     #[must_use]
     pub fn scheduler(self, scheduler: Scheduler) -> Self {
         Self { scheduler, ..self }
+    }
+
+    /// With this priority in its scheduling class.
+    #[must_use]
+    pub fn priority(self, priority: u8) -> Self {
+        Self { priority, ..self }
     }
 
     /// On these processors.
@@ -258,6 +266,12 @@ impl Activity {
             on_exception,
             ..self
         }
+    }
+
+    /// Reset at most this often; without end, if absent.
+    #[must_use]
+    pub fn max_resets(self, max_resets: Option<u32>) -> Self {
+        Self { max_resets, ..self }
     }
 }
 

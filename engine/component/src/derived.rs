@@ -20,7 +20,7 @@ use crate::setup::Setup;
 /// it may be
 /// - a [`Duration`](std::time::Duration), written as text in the attribute and as a number of its unit (`s` unless
 ///   given; `ms`, `us`) in composites; a range is mandatory,
-/// - an enum that is a [`Word`], marked `words`,
+/// - an enum that is a [`Word`](asmotion_datum::Word), marked `words`,
 /// - another struct of properties, marked `flatten`, declared as if its fields stood here.
 ///
 /// ```
@@ -83,20 +83,6 @@ pub trait Properties: Default {
 pub trait Ports: Sized {
     /// Declares every field on an interface.
     fn declare(interface: &mut Interface) -> Self;
-}
-
-/// An enum whose values are single words in composites; see [`Properties`].
-pub trait Word: Copy + Default + 'static {
-    /// Every value, in order of declaration.
-    const ALL: &'static [Self];
-
-    /// The word as composites write it.
-    fn word(&self) -> &'static str;
-
-    /// The value of a word; none if it is not one of [`Word::ALL`].
-    fn of(word: &str) -> Option<Self> {
-        Self::ALL.iter().find(|value| value.word() == word).copied()
-    }
 }
 
 /// Where properties can be read: in a cycle, and while a component is configured.

@@ -36,12 +36,15 @@ mod time;
 mod unit;
 
 pub use ::asmotion_connection::{Delivery, Kind};
-pub use activity::{Activity, Deadline, Denied, Drive, OnException, OnLate, Overrun, Scheduler};
+pub use activity::{
+    Activity, Deadline, Denied, Drive, OnDeadline, OnException, Overrun, Scheduler,
+};
+pub use asmotion_datum::Word;
 pub use asmotion_derive::{Ports, Properties, Word};
 pub use component::Component;
 pub use cycle::Cycle;
 pub use declaration::Declaration;
-pub use derived::{Ports, Properties, PropertySet, PropertySource, Word};
+pub use derived::{Ports, Properties, PropertySet, PropertySource};
 pub use event::{Event, Observer};
 pub use fault::Fault;
 pub use handle::{In, Out, Property, Provided, Required};

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use ::asmotion_connection::Kind;
+use asmotion_derive::Word;
 use serde::{Deserialize, Serialize};
 
 /// How samples travel from an output port to an input port.
@@ -12,8 +13,10 @@ pub struct Policy {
     pub kind: Kind,
     /// What keeps writers and readers apart.
     pub lock: Lock,
-    /// Who has the queue in common.
+    /// Which connections have the queue in common.
     pub sharing: Sharing,
+    /// Name of the queue that [`Sharing::Shared`] connections have in common (RTT `name_id`).
+    pub queue: String,
     /// Whether a new reader gets at once what was last written before (RTT `init`; off by default).
     pub init: bool,
     /// Whether samples stay behind a pointer until the reader looks, which then copies and converts them; otherwise the
@@ -32,7 +35,7 @@ pub struct Policy {
 }
 
 /// What keeps writers and readers apart (RTT `lock_policy`).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, Word)]
 #[serde(rename_all = "snake_case")]
 pub enum Lock {
     /// Nothing that anybody would wait for.
@@ -45,29 +48,31 @@ pub enum Lock {
 }
 
 /// Who has the queue of a buffer in common (RTT `buffer_policy`). Of the newest sample alone, every reader has its own.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, Word)]
 #[serde(rename_all = "snake_case")]
 pub enum Sharing {
     /// Nobody: each connection has one of its own.
     #[default]
     PerConnection,
     /// All connections into the input port: together they fill one queue.
+    #[word("per_input_port")]
     PerInput,
     /// All connections from the output port: a sample goes to the reader that comes first.
+    #[word("per_output_port")]
     PerOutput,
-    /// All connections that say this name (RTT `name_id`).
-    Shared(String),
+    /// All connections that name the same queue.
+    Shared,
 }
 
 /// What the reader sees of a stale sample. [`Cycle::is_stale`](crate::Cycle::is_stale) tells in any case.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, Word)]
 #[serde(rename_all = "snake_case")]
 pub enum OnStale {
     /// The sample, as before.
     #[default]
-    Keep,
+    Hold,
     /// No data.
-    Forget,
+    NoData,
     /// Once, a new sample of zeros, so that a command that stops coming becomes a stop.
     Zero,
 }
@@ -78,11 +83,12 @@ impl Policy {
             kind,
             lock: Lock::LockFree,
             sharing: Sharing::PerConnection,
+            queue: String::new(),
             init: false,
             pull: false,
             max_threads: None,
             max_age: None,
-            on_stale: OnStale::Keep,
+            on_stale: OnStale::Hold,
             mandatory: false,
             trigger: true,
         }
@@ -113,6 +119,16 @@ impl Policy {
     #[must_use]
     pub fn sharing(self, sharing: Sharing) -> Self {
         Self { sharing, ..self }
+    }
+
+    /// With the queue of this name in common.
+    #[must_use]
+    pub fn shared(self, queue: impl Into<String>) -> Self {
+        Self {
+            sharing: Sharing::Shared,
+            queue: queue.into(),
+            ..self
+        }
     }
 
     /// With what was last written before for a new reader.

@@ -176,13 +176,17 @@ impl Unit {
             return false;
         }
         match self.activity.on_exception {
-            OnException::Stay => false,
+            OnException::Stop => false,
             OnException::Escalate => {
                 outside.escalate(self.index);
                 false
             }
-            OnException::Reset { max } if max.is_some_and(|max| self.resets >= max) => false,
-            OnException::Reset { .. } => {
+            OnException::Reset
+                if (self.activity.max_resets).is_some_and(|max| self.resets >= max) =>
+            {
+                false
+            }
+            OnException::Reset => {
                 self.resets += 1;
                 let way = [
                     Transition::ResetException,

@@ -59,11 +59,11 @@ fn commander() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
 fn a_stale_command_is_kept_forgotten_or_becomes_zero_once() {
     for (on_stale, expected) in [
         (
-            OnStale::Keep,
+            OnStale::Hold,
             [("new", 0.5), ("old", 0.5), ("old", 0.5), ("old", 0.5)],
         ),
         (
-            OnStale::Forget,
+            OnStale::NoData,
             [("new", 0.5), ("old", 0.5), ("none", 0.0), ("none", 0.0)],
         ),
         (

@@ -125,8 +125,8 @@ fn words_are_the_choices_of_their_property() {
     assert_eq!(rounding.choices, ["down".into(), "towards_zero".into()]);
     let lawful: Vec<Datum> = vec!["astar".into(), "lattice".into()];
     assert_eq!(declared("algorithm").choices, lawful);
-    assert_eq!(Rounding::of("down"), Some(Rounding::Down));
-    assert_eq!(Rounding::of("up"), None);
+    assert_eq!(Rounding::of_word("down"), Some(Rounding::Down));
+    assert_eq!(Rounding::of_word("up"), None);
 }
 
 #[test]

@@ -110,6 +110,7 @@ fn coordinator() -> System {
             is: Vec::new(),
             receive: Receive::All,
             field: None,
+            map: None,
             none: None,
             stale_ms: None,
             on_stale: None,

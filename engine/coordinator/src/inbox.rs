@@ -4,7 +4,7 @@
 //! for the steps that follow. So no event hides another one (two in one frame would: a REACHED could
 //! cover a BLOCKED).
 
-use crate::binding::{Binding, Monitored, Receive, Source};
+use crate::binding::{Binding, Constant, Monitored, Receive, Source};
 use crate::convert::{literal_of, value_of};
 use crate::coordinator::BindError;
 use crate::frame::Frame;
@@ -201,11 +201,11 @@ impl Input {
         let program = &specification.program;
         let function = function(&monitored.function, specification)?;
         let shape = codomain(function, program);
-        let constant = |datum: &Option<Datum>| match datum {
+        let constant = |constant: &Option<Constant>| match constant {
             None => Ok(Value::Undef),
-            Some(datum) => value_of(datum, &shape, program).ok_or_else(|| BindError::NotAValue {
+            Some(it) => value_of(&it.datum, &shape, program).ok_or_else(|| BindError::NotAValue {
                 function: monitored.function.clone(),
-                value: format!("{datum:?}"),
+                value: format!("{it:?}"),
             }),
         };
         let none = constant(&monitored.none)?;
@@ -217,7 +217,7 @@ impl Input {
             function,
             from,
             receive: monitored.receive,
-            field: monitored.field.clone(),
+            field: monitored.field.clone().or_else(|| monitored.map.clone()),
             is: monitored.is.clone(),
             none,
             stale,

@@ -16,8 +16,8 @@ mod requests;
 mod step;
 
 pub use binding::{
-    Action, Argument, Binding, Call, Case, Effect, Interfaces, Monitored, Out, PublishWhen,
-    Receive, Source,
+    Action, Argument, Binding, Call, Case, Constant, Effect, Interfaces, Monitored, Out,
+    PublishWhen, Receive, Source,
 };
 pub use coordinator::{BindError, Coordinator, LOSSES_REPORT};
 pub use outbox::UNSENT_REPORT;

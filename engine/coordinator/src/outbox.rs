@@ -410,7 +410,7 @@ impl Known<'_> {
 fn compose(argument: &Argument, known: &Known<'_>, cycle: &Cycle<'_>) -> Result<Datum, String> {
     match argument {
         Argument::Default => Ok(Datum::Record(Vec::new())),
-        Argument::Value(value) => Ok(value.clone()),
+        Argument::Value(value) => Ok(value.datum.clone()),
         Argument::Record(fields) => {
             let compose_field = |(name, field): &(String, Argument)| {
                 Ok((name.clone(), compose(field, known, cycle)?))

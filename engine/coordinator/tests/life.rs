@@ -77,6 +77,7 @@ fn system(activity: Activity) -> System {
             is: Vec::new(),
             receive: Receive::All,
             field: None,
+            map: None,
             none: None,
             stale_ms: None,
             on_stale: None,

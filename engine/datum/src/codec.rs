@@ -7,7 +7,8 @@ pub mod json;
 use crate::{Datum, DatumError, Schema};
 
 /// How a payload is written; named by its content type.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, asmotion_derive::Word)]
+#[serde(rename_all = "snake_case")]
 pub enum Codec {
     /// Compact, exact, numeric arrays packed: for machines.
     #[default]

@@ -25,6 +25,8 @@
 
 // The macro names this crate `datum`; so must its own tests.
 extern crate self as datum;
+// So does the derive macro of words.
+extern crate self as asmotion_datum;
 
 mod codec;
 
@@ -39,6 +41,7 @@ mod sample;
 mod schema;
 mod ser;
 mod value;
+mod word;
 
 pub use codec::{Codec, cbor, cdr, json};
 pub use described::{Described, field};
@@ -48,6 +51,7 @@ pub use numbers::Numbers;
 pub use sample::Sample;
 pub use schema::{Difference, Field, Schema, Shape};
 pub use value::{Datum, Name};
+pub use word::Word;
 
 /// The serde that [`message!`] derives with, so that its users need no other.
 pub use serde;

@@ -10,10 +10,10 @@ use super::declared::declared;
 use super::face::{Face, Kind, Named, Port, Service, Way};
 use super::scene::{NameError, Part, Scene};
 use crate::At;
-use crate::choice::Choice;
 use crate::finding::Findings;
 use crate::model::{Builtin, Component, Implementation, Listed, Wanted};
 use crate::nearest::{Nearest, nearest_name};
+use asmotion_datum::Word;
 
 /// The components that take part, with what they show.
 pub(crate) fn parts<'s>(
@@ -171,7 +171,7 @@ fn builtin(scene: &Scene<'_>, name: &At<String>, kind: Option<Builtin>, report: 
             what: "built-in",
             name: name.value.clone(),
             at: name.span,
-            nearest: nearest_name(name, Builtin::WORDS.iter().map(|(word, _)| *word)),
+            nearest: nearest_name(name, Builtin::words()),
         }),
     }
 }

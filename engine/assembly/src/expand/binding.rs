@@ -3,8 +3,9 @@
 use toml_edit::{Array, InlineTable, Item, Table, Value as Toml};
 
 use super::write::{Keys, inline, value};
-use crate::binding::{Action, Argument, Binding, Call, Effect, Monitored, Source};
-use crate::value::Value;
+use crate::value::{REDACTED, Value};
+use asmotion_coordinator::{Action, Argument, Binding, Call, Constant, Effect, Monitored, Source};
+use asmotion_datum::Datum;
 
 pub(super) fn bind(binding: &Binding) -> Table {
     let mut monitored = Table::new();
@@ -46,11 +47,11 @@ fn monitored(monitored: &Monitored) -> Keys {
         keys.put("is", monitored.is.iter().collect::<Array>());
     }
     if let Some(none) = &monitored.none {
-        keys.put("none", value(none));
+        keys.put("none", constant(none));
     }
     keys.wholes("stale_ms", monitored.stale_ms);
     if let Some(on_stale) = &monitored.on_stale {
-        keys.put("on_stale", value(on_stale));
+        keys.put("on_stale", constant(on_stale));
     }
     keys
 }
@@ -119,7 +120,19 @@ fn argument(argument: &Argument) -> Toml {
             Toml::InlineTable(fields.collect())
         }
         // a text that begins with `@` is no kept reply
-        Argument::Value(Value::Text(text)) if text.starts_with('@') => format!("@{text}").into(),
-        Argument::Value(plain) => value(plain),
+        Argument::Value(Constant {
+            datum: Datum::Text(text),
+            secret: false,
+        }) if text.starts_with('@') => format!("@{text}").into(),
+        Argument::Value(plain) => constant(plain),
+    }
+}
+
+/// A constant, secrets left out.
+fn constant(constant: &Constant) -> Toml {
+    let shown = || Value::of_datum(&constant.datum);
+    match (constant.secret, shown()) {
+        (false, Some(shown)) => value(&shown),
+        (true, _) | (_, None) => REDACTED.into(),
     }
 }

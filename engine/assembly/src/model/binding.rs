@@ -1,10 +1,11 @@
-//! The binding of an ASM component as written; [`crate::binding`] is the same without places.
+//! The binding of an ASM component as written; [`asmotion_coordinator::Binding`] is the same without places.
 
 use asmotion_diagnostics::Span;
 
+use asmotion_coordinator::{PublishWhen, Receive};
+
 use super::{End, Path};
 use crate::At;
-use crate::binding::{PublishWhen, Receive};
 use crate::tree::Node;
 
 /// `bind`: functions of an ASM and the world.

@@ -1,11 +1,11 @@
 //! A component as the composite describes it.
 
+use asmotion_derive::Word;
 use asmotion_diagnostics::Span;
 
 use super::binding::Bind;
 use super::{End, Implementation, Lifecycle, Pace, Setting};
 use crate::At;
-use crate::choice::choice;
 
 /// `[components.<name>]`.
 #[derive(Clone, Debug)]
@@ -118,20 +118,21 @@ pub struct ProxyEntry {
     pub field: Option<Path>,
 }
 
-choice! {
-    /// How an operation uses a port.
-    pub enum ProxyMode {
-        /// Writes it.
-        Oneway = "oneway",
-        /// Writes it; a reply means that the target has read it.
-        Taken = "taken",
-        /// Writes it; a reply means that the motion has ended.
-        Done = "done",
-        /// Reads its last value.
-        Last = "last",
-        /// Reads everything since the last call.
-        All = "all",
-    }
+/// How an operation uses a port.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
+#[serde(rename_all = "snake_case")]
+pub enum ProxyMode {
+    /// Writes it.
+    #[default]
+    Oneway,
+    /// Writes it; a reply means that the target has read it.
+    Taken,
+    /// Writes it; a reply means that the motion has ended.
+    Done,
+    /// Reads its last value.
+    Last,
+    /// Reads everything since the last call.
+    All,
 }
 
 /// A topic here that is a topic of ROS.
@@ -151,14 +152,15 @@ pub struct RosEntry {
     pub convert: Option<At<String>>,
 }
 
-choice! {
-    /// Which way messages go through a bridge.
-    pub enum Direction {
-        /// Out.
-        ToRos = "to_ros",
-        /// In.
-        FromRos = "from_ros",
-    }
+/// Which way messages go through a bridge.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
+#[serde(rename_all = "snake_case")]
+pub enum Direction {
+    /// Out.
+    #[default]
+    ToRos,
+    /// In.
+    FromRos,
 }
 
 /// A part of a message, as in `pose.position.x`; each step with its place.
@@ -196,12 +198,13 @@ pub struct Notify {
     pub stale_ms: Option<At<i64>>,
 }
 
-choice! {
-    /// When the event `busy` is told.
-    pub enum Busy {
-        /// When a command has been accepted and written.
-        CommandWritten = "command_written",
-    }
+/// When the event `busy` is told.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
+#[serde(rename_all = "snake_case")]
+pub enum Busy {
+    /// When a command has been accepted and written.
+    #[default]
+    CommandWritten,
 }
 
 /// When an event is told: `jointStatus.new`, `jointStatus.error_flags != 0`.

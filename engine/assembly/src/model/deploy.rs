@@ -1,10 +1,10 @@
 //! Deployment: which process runs what, what is written down, who is started again.
 
+use asmotion_component::Scheduler;
+use asmotion_derive::Word;
 use asmotion_diagnostics::Span;
 
-use super::pace::Scheduler;
 use crate::At;
-use crate::choice::choice;
 
 /// `[deploy]`.
 #[derive(Clone, Debug)]
@@ -49,16 +49,17 @@ pub struct Restart {
     pub backoff_ms: Vec<At<i64>>,
 }
 
-choice! {
-    /// After what a process is started again.
-    pub enum RestartPolicy {
-        /// Never.
-        Never = "never",
-        /// After a failure.
-        OnFailure = "on_failure",
-        /// After every end.
-        Always = "always",
-    }
+/// After what a process is started again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
+#[serde(rename_all = "snake_case")]
+pub enum RestartPolicy {
+    /// Never.
+    #[default]
+    Never,
+    /// After a failure.
+    OnFailure,
+    /// After every end.
+    Always,
 }
 
 /// What of a run is written down.

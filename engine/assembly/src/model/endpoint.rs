@@ -2,7 +2,8 @@
 
 use super::Template;
 use crate::At;
-use crate::choice::choice;
+use asmotion_datum::Codec;
+use asmotion_derive::Word;
 
 /// A message broker.
 #[derive(Clone, Debug)]
@@ -21,28 +22,17 @@ pub struct Broker {
     pub reconnect: Option<Reconnect>,
 }
 
-choice! {
-    /// How payloads are encoded.
-    pub enum Codec {
-        /// Compact and exact.
-        Cbor = "cbor",
-        /// For people.
-        Json = "json",
-        /// As ROS encodes.
-        Cdr = "cdr",
-    }
-}
-
-choice! {
-    /// Whether the line to a broker is encrypted.
-    pub enum Tls {
-        /// Where the broker offers it.
-        Prefer = "prefer",
-        /// Never.
-        Off = "off",
-        /// Always.
-        Require = "require",
-    }
+/// Whether the line to a broker is encrypted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
+#[serde(rename_all = "snake_case")]
+pub enum Tls {
+    /// Where the broker offers it.
+    #[default]
+    Prefer,
+    /// Never.
+    Off,
+    /// Always.
+    Require,
 }
 
 /// How a lost connection is taken up again: waits double from first to max.
@@ -86,14 +76,15 @@ pub struct Bridge {
     pub node: Option<At<String>>,
 }
 
-choice! {
-    /// The middleware on the other side of a bridge.
-    pub enum BridgeKind {
-        /// ROS 1, by its own wire.
-        Ros1 = "ros1",
-        /// ROS 2, by DDS.
-        Ros2 = "ros2",
-        /// A rosbridge server.
-        Rosbridge = "rosbridge",
-    }
+/// The middleware on the other side of a bridge.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
+#[serde(rename_all = "snake_case")]
+pub enum BridgeKind {
+    /// ROS 1, by its own wire.
+    #[default]
+    Ros1,
+    /// ROS 2, by DDS.
+    Ros2,
+    /// A rosbridge server.
+    Rosbridge,
 }

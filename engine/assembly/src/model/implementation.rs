@@ -1,5 +1,6 @@
 //! What a component is made of.
 
+use asmotion_derive::Word;
 use asmotion_diagnostics::Span;
 
 use crate::At;
@@ -68,24 +69,33 @@ impl Implementation {
     }
 }
 
-crate::choice::choice! {
-    /// The components that are part of the engine.
-    pub enum Builtin {
-        /// Ports of a data-flow component offered as services.
-        PortProxy = "port-proxy",
-        /// Topics here joined to topics of ROS.
-        RosBridge = "ros-bridge",
-        /// The dashboard.
-        WebMonitor = "web-monitor",
-        /// Writes runs down.
-        Recorder = "recorder",
-        /// Plays a run that was written down.
-        Replayer = "replayer",
-        /// A simulated world.
-        Simulator = "simulator",
-        /// Services over HTTP.
-        HttpGateway = "http-gateway",
-        /// Events at times.
-        Timer = "timer",
-    }
+/// The components that are part of the engine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
+#[serde(rename_all = "snake_case")]
+pub enum Builtin {
+    /// Ports of a data-flow component offered as services.
+    #[default]
+    #[word("port-proxy")]
+    #[serde(rename = "port-proxy")]
+    PortProxy,
+    /// Topics here joined to topics of ROS.
+    #[word("ros-bridge")]
+    #[serde(rename = "ros-bridge")]
+    RosBridge,
+    /// The dashboard.
+    #[word("web-monitor")]
+    #[serde(rename = "web-monitor")]
+    WebMonitor,
+    /// Writes runs down.
+    Recorder,
+    /// Plays a run that was written down.
+    Replayer,
+    /// A simulated world.
+    Simulator,
+    /// Services over HTTP.
+    #[word("http-gateway")]
+    #[serde(rename = "http-gateway")]
+    HttpGateway,
+    /// Events at times.
+    Timer,
 }

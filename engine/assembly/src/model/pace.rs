@@ -1,10 +1,10 @@
 //! When a component cycles and how its life goes: the two tables `task` (TCA) and `activity` (RTT).
 
+use asmotion_component::{OnDeadline, OnException, Overrun, Scheduler};
 use asmotion_diagnostics::Span;
 
 use super::Amount;
 use crate::At;
-use crate::choice::choice;
 
 /// `task` or `activity`: when a component cycles.
 #[derive(Clone, Debug)]
@@ -41,42 +41,6 @@ pub struct Pace {
     pub master: Option<At<String>>,
 }
 
-choice! {
-    /// What happens to a cycle that could not begin in time.
-    pub enum Overrun {
-        /// It is left out and counted.
-        Skip = "skip",
-        /// It is made up for.
-        CatchUp = "catch_up",
-        /// The component fails.
-        Fail = "fail",
-    }
-}
-
-choice! {
-    /// The scheduling class of a thread or process.
-    pub enum Scheduler {
-        /// As any program.
-        Other = "other",
-        /// First in, first out, by priority.
-        Fifo = "fifo",
-        /// By turns within a priority.
-        RoundRobin = "rr",
-    }
-}
-
-choice! {
-    /// What happens when a cycle takes longer than its deadline.
-    pub enum OnDeadline {
-        /// It is reported.
-        Report = "report",
-        /// The component stops.
-        Stop = "stop",
-        /// The component fails.
-        Fail = "fail",
-    }
-}
-
 /// `lifecycle`: what happens without anybody asking.
 #[derive(Clone, Debug)]
 pub struct Lifecycle {
@@ -88,16 +52,4 @@ pub struct Lifecycle {
     pub on_exception: Option<At<OnException>>,
     /// How often it is reset before it is given up.
     pub max_resets: Option<At<i64>>,
-}
-
-choice! {
-    /// What follows an exception of a component.
-    pub enum OnException {
-        /// It stays where it is; the others go on.
-        Stop = "stop",
-        /// It is reset and started again.
-        Reset = "reset",
-        /// The whole composite stops.
-        Escalate = "escalate",
-    }
 }

@@ -1,11 +1,11 @@
 //! Values that may be set from outside: properties, substitutions, amounts.
 
+use asmotion_derive::Word;
 use std::fmt;
 
 use asmotion_diagnostics::Span;
 
 use crate::At;
-use crate::choice::choice;
 use crate::plan::mask;
 use crate::tree::Node;
 
@@ -35,40 +35,45 @@ pub struct PropertyType {
     pub list: bool,
 }
 
-choice! {
-    /// The type of one value.
-    pub enum Scalar {
-        /// A text.
-        Text = "string",
-        /// A Boolean.
-        Boolean = "bool",
-        /// A whole number of 8 bits.
-        I8 = "i8",
-        /// A whole number of 16 bits.
-        I16 = "i16",
-        /// A whole number of 32 bits.
-        I32 = "i32",
-        /// A whole number of 64 bits.
-        I64 = "i64",
-        /// A natural number of 8 bits.
-        U8 = "u8",
-        /// A natural number of 16 bits.
-        U16 = "u16",
-        /// A natural number of 32 bits.
-        U32 = "u32",
-        /// A natural number of 64 bits (as far as TOML can write it: 63).
-        U64 = "u64",
-        /// A number in single precision.
-        F32 = "f32",
-        /// A number in double precision.
-        F64 = "f64",
-        /// An address, as in `http://…`, `file:…`.
-        Uri = "uri",
-        /// A file or a directory.
-        Path = "path",
-        /// A text that is never shown.
-        Secret = "secret",
-    }
+/// The type of one value.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
+#[serde(rename_all = "snake_case")]
+pub enum Scalar {
+    /// A text.
+    #[default]
+    #[word("string")]
+    #[serde(rename = "string")]
+    Text,
+    /// A Boolean.
+    #[word("bool")]
+    #[serde(rename = "bool")]
+    Boolean,
+    /// A whole number of 8 bits.
+    I8,
+    /// A whole number of 16 bits.
+    I16,
+    /// A whole number of 32 bits.
+    I32,
+    /// A whole number of 64 bits.
+    I64,
+    /// A natural number of 8 bits.
+    U8,
+    /// A natural number of 16 bits.
+    U16,
+    /// A natural number of 32 bits.
+    U32,
+    /// A natural number of 64 bits (as far as TOML can write it: 63).
+    U64,
+    /// A number in single precision.
+    F32,
+    /// A number in double precision.
+    F64,
+    /// An address, as in `http://…`, `file:…`.
+    Uri,
+    /// A file or a directory.
+    Path,
+    /// A text that is never shown.
+    Secret,
 }
 
 /// A property of a component or of a nested composite, being set.

@@ -1,8 +1,8 @@
 //! How topics go over a broker.
 
-use super::Codec;
 use crate::At;
-use crate::choice::choice;
+use asmotion_datum::Codec;
+use asmotion_derive::Word;
 
 /// `[topics.<name>]`. What is left out follows from the connections.
 #[derive(Clone, Debug)]
@@ -19,14 +19,15 @@ pub struct Topic {
     pub codec: Option<At<Codec>>,
 }
 
-choice! {
-    /// What becomes of messages while the broker is away.
-    pub enum Outage {
-        /// They are dropped, and counted.
-        Drop = "drop",
-        /// The newest is kept.
-        Latest = "latest",
-        /// The oldest so many are kept.
-        Queue = "queue",
-    }
+/// What becomes of messages while the broker is away.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
+#[serde(rename_all = "snake_case")]
+pub enum Outage {
+    /// They are dropped, and counted.
+    #[default]
+    Drop,
+    /// The newest is kept.
+    Latest,
+    /// The oldest so many are kept.
+    Queue,
 }

@@ -1,9 +1,10 @@
 //! Wires join a reference to services; connections join ports and topics.
 
+use asmotion_component::{Lock, OnStale, Sharing};
+use asmotion_derive::Word;
 use asmotion_diagnostics::Span;
 
 use crate::At;
-use crate::choice::choice;
 
 /// `Component.name`: a port, a service, a reference or a property of a component.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,28 +84,30 @@ pub struct Wire {
     pub oneway: Option<At<bool>>,
 }
 
-choice! {
-    /// What a wire or a promotion goes over.
-    pub enum Transport {
-        /// Within the process.
-        Local = "local",
-        /// A broker.
-        Amqp = "amqp",
-        /// ROS services.
-        Ros = "ros",
-        /// HTTP.
-        Http = "http",
-    }
+/// What a wire or a promotion goes over.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
+#[serde(rename_all = "snake_case")]
+pub enum Transport {
+    /// Within the process.
+    #[default]
+    Local,
+    /// A broker.
+    Amqp,
+    /// ROS services.
+    Ros,
+    /// HTTP.
+    Http,
 }
 
-choice! {
-    /// What happens to a call nobody waits for any longer.
-    pub enum Cancel {
-        /// It is withdrawn when its time is over.
-        OnTimeout = "on_timeout",
-        /// It runs to its end.
-        Never = "never",
-    }
+/// What happens to a call nobody waits for any longer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
+#[serde(rename_all = "snake_case")]
+pub enum Cancel {
+    /// It is withdrawn when its time is over.
+    #[default]
+    OnTimeout,
+    /// It runs to its end.
+    Never,
 }
 
 /// `retry`: how often a call is tried again.
@@ -177,64 +180,30 @@ pub struct Policy {
     pub poll_ms: Option<At<i64>>,
 }
 
-choice! {
-    /// Last value or queue.
-    pub enum Flow {
-        /// The last value.
-        Data = "data",
-        /// A queue; the newest is dropped when it is full.
-        Buffer = "buffer",
-        /// A queue; the oldest is dropped when it is full.
-        Circular = "circular_buffer",
-    }
+/// Last value or queue.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
+#[serde(rename_all = "snake_case")]
+pub enum Flow {
+    /// The last value.
+    #[default]
+    Data,
+    /// A queue; the newest is dropped when it is full.
+    Buffer,
+    /// A queue; the oldest is dropped when it is full.
+    #[word("circular_buffer")]
+    #[serde(rename = "circular_buffer")]
+    Circular,
 }
 
-choice! {
-    /// How writers and readers are kept apart.
-    pub enum Lock {
-        /// Nobody waits.
-        LockFree = "lock_free",
-        /// By a lock.
-        Locked = "locked",
-        /// Not at all: both ends run in one thread.
-        Unsync = "unsync",
-    }
-}
-
-choice! {
-    /// Who shares the queue of a buffer connection.
-    pub enum Sharing {
-        /// Nobody.
-        PerConnection = "per_connection",
-        /// All connections into one input port.
-        PerInputPort = "per_input_port",
-        /// All connections from one output port.
-        PerOutputPort = "per_output_port",
-        /// All connections of the entry.
-        Shared = "shared",
-    }
-}
-
-choice! {
-    /// What a reader sees instead of data that is too old.
-    pub enum OnStale {
-        /// The old data.
-        Hold = "hold",
-        /// The default of the type.
-        Zero = "zero",
-        /// Nothing.
-        NoData = "no_data",
-    }
-}
-
-choice! {
-    /// Whether new data wakes the reader.
-    pub enum Delivery {
-        /// It does, if the reader is event-driven.
-        Event = "event",
-        /// It does not: the reader reads when it cycles.
-        Cycle = "cycle",
-        /// The reader looks every `poll_ms`.
-        Poll = "poll",
-    }
+/// Whether new data wakes the reader.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
+#[serde(rename_all = "snake_case")]
+pub enum Delivery {
+    /// It does, if the reader is event-driven.
+    #[default]
+    Event,
+    /// It does not: the reader reads when it cycles.
+    Cycle,
+    /// The reader looks every `poll_ms`.
+    Poll,
 }

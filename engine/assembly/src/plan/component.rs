@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::Settings;
-use crate::binding::Binding;
 use crate::model::{Builtin, Direction, OnDeadline, OnException, Overrun, ProxyMode, Scheduler};
+use asmotion_coordinator::Binding;
 
 /// A component.
 #[derive(Clone, Debug, PartialEq, Serialize)]

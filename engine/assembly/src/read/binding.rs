@@ -5,11 +5,11 @@ use super::error::ReadError;
 use super::keys::{Keys, Reader};
 use super::{name, setting};
 use crate::At;
-use crate::binding::Receive;
 use crate::finding::Findings;
 use crate::model::Path;
 use crate::model::binding::{Action, Argument, Bind, Call, Effect, Monitored, Out, Source};
 use crate::tree::{Branch, Node, Table};
+use asmotion_coordinator::Receive;
 
 const MONITORED: &str = "{ topic = \"estop\", field = \"data\" }";
 const PUBLISH: &str = "{ topic = \"command\", publish = \"on_update\" }";

@@ -1,8 +1,8 @@
 //! `implementation`: exactly one of `rust`, `asm`, `composite`, `builtin`, `process`, `ros`, `orocos`.
 
 use super::keys::Keys;
-use crate::choice::Choice;
 use crate::model::{Builtin, Implementation};
+use asmotion_datum::Word;
 
 const KINDS: &[&str] = &[
     "rust",
@@ -28,9 +28,8 @@ pub(crate) fn implementation(mut keys: Keys<'_, '_, '_>) -> Option<Implementatio
             let target = keys.text("target", "\"youBotDriver\"");
             let bridge = keys.text("bridge", "\"ros\"");
             let port = keys.whole("port", 0..=65_535);
-            let kind = Builtin::WORDS.iter().find(|(word, _)| *word == name.value);
             Implementation::Builtin {
-                kind: kind.map(|(_, kind)| *kind),
+                kind: Builtin::of_word(&name.value),
                 name,
                 target,
                 bridge,

@@ -11,11 +11,11 @@ use super::error::ReadError;
 use super::outline::{Asked, Fields, Way};
 use super::template;
 use crate::At;
-use crate::choice::Choice;
 use crate::finding::Findings;
 use crate::model::{Amount, Template};
 use crate::nearest::nearest_name;
 use crate::tree::{Branch, Node, Table};
+use asmotion_datum::Word;
 
 /// The text being read and what was found in it.
 pub(crate) struct Reader<'t> {
@@ -178,17 +178,16 @@ impl<'t> Reader<'t> {
     }
 
     /// A word out of a list.
-    pub(crate) fn word<T: Choice>(&mut self, key: &str, node: &Node) -> Option<At<T>> {
-        let known = T::WORDS.iter().map(|(word, _)| *word);
-        self.asked.add(Way::word(known));
-        let example = T::WORDS
+    pub(crate) fn word<T: Word>(&mut self, key: &str, node: &Node) -> Option<At<T>> {
+        let known = T::words();
+        self.asked.add(Way::word(known.iter().copied()));
+        let example = known
             .first()
-            .map_or(String::new(), |(word, _)| format!("\"{word}\""));
+            .map_or(String::new(), |word| format!("\"{word}\""));
         let word = self.plain(key, node, &example)?;
-        match T::WORDS.iter().find(|(known, _)| *known == word.value) {
-            Some((_, choice)) => Some(At::new(*choice, word.span)),
+        match T::of_word(&word.value) {
+            Some(choice) => Some(At::new(choice, word.span)),
             None => {
-                let known: Vec<&'static str> = T::WORDS.iter().map(|(word, _)| *word).collect();
                 self.report.found(ReadError::UnknownWord {
                     key: key.to_owned(),
                     nearest: nearest_name(&word, known.iter().copied()),
@@ -452,15 +451,14 @@ impl<'n> Keys<'_, '_, 'n> {
         }
     }
 
-    pub(crate) fn word<T: Choice>(&mut self, key: &'static str) -> Option<At<T>> {
-        let known = T::WORDS.iter().map(|(word, _)| *word);
-        let node = self.ask(key, Way::word(known))?;
+    pub(crate) fn word<T: Word>(&mut self, key: &'static str) -> Option<At<T>> {
+        let node = self.ask(key, Way::word(T::words().into_iter()))?;
         self.reader.word(key, node)
     }
 
     /// One word or a list of them.
-    pub(crate) fn words<T: Choice>(&mut self, key: &'static str) -> Vec<At<T>> {
-        let word = Way::word(T::WORDS.iter().map(|(word, _)| *word));
+    pub(crate) fn words<T: Word>(&mut self, key: &'static str) -> Vec<At<T>> {
+        let word = Way::word(T::words().into_iter());
         let node = self.ask(key, word.clone());
         self.reader.asked.add(Way::List(Asked { ways: vec![word] }));
         let Some(node) = node else {

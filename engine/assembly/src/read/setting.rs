@@ -5,11 +5,11 @@ use super::keys::Reader;
 use super::name;
 use super::outline::Way;
 use crate::At;
-use crate::choice::Choice;
 use crate::finding::Findings;
 use crate::model::{Property, PropertyType, Scalar, Setting};
 use crate::nearest::nearest_name;
 use crate::tree::{Branch, Node};
+use asmotion_datum::Word;
 
 pub(crate) fn property(reader: &mut Reader<'_>, key: &At<String>, node: &Node) -> Option<Property> {
     let name = name::thing(reader, key)?;
@@ -36,25 +36,18 @@ pub(crate) fn property(reader: &mut Reader<'_>, key: &At<String>, node: &Node) -
 
 /// `f64`, `string[]`.
 fn kind(reader: &mut Reader<'_>, node: &Node) -> Option<At<PropertyType>> {
-    let one = Scalar::WORDS.iter().map(|(word, _)| (*word).to_owned());
-    let many = Scalar::WORDS.iter().map(|(word, _)| format!("{word}[]"));
+    let one = Scalar::words().into_iter().map(str::to_owned);
+    let many = Scalar::words().into_iter().map(|word| format!("{word}[]"));
     reader.asked.add(Way::Word(one.chain(many).collect()));
     let word = reader.plain("type", node, "\"f64\"")?;
     let (scalar, list) = match word.strip_suffix("[]") {
         Some(scalar) => (scalar, true),
         None => (word.as_str(), false),
     };
-    let known = Scalar::WORDS.iter().find(|(known, _)| *known == scalar);
-    if let Some((_, scalar)) = known {
-        return Some(At::new(
-            PropertyType {
-                scalar: *scalar,
-                list,
-            },
-            word.span,
-        ));
+    if let Some(scalar) = Scalar::of_word(scalar) {
+        return Some(At::new(PropertyType { scalar, list }, word.span));
     }
-    let known: Vec<&'static str> = Scalar::WORDS.iter().map(|(word, _)| *word).collect();
+    let known = Scalar::words();
     reader.report.found(ReadError::UnknownWord {
         key: "type".to_owned(),
         nearest: nearest_name(scalar, known.iter().copied()),

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use asmotion_component::{Activity, OnException, OnLate, Overrun, Scheduler};
+use asmotion_component::{Activity, Scheduler};
 
 use crate::model;
 use crate::plan::{self, Plan, Process, Terminal};
@@ -20,16 +20,14 @@ pub(crate) fn of(component: &plan::Component, plan: &Plan) -> Activity {
         .configure_on_startup(component.lifecycle.autoconf)
         .run_on_startup(pace.run_on_startup && component.lifecycle.autostart)
         .may_interrupt(pace.may_interrupt_if_running)
-        .overrun(match pace.overrun {
-            model::Overrun::Skip => Overrun::Skip,
-            model::Overrun::CatchUp => Overrun::CatchUp,
-            model::Overrun::Fail => Overrun::Fail,
-        })
-        .on_exception(on_exception(&component.lifecycle))
+        .overrun(pace.overrun)
+        .on_exception(component.lifecycle.on_exception)
+        .max_resets(u32::try_from(component.lifecycle.max_resets).ok())
         .scheduler(scheduler(pace, process))
+        .priority(priority(pace, process))
         .cpus(processors(pace, process));
     match pace.deadline_ms {
-        Some(ms) => activity.deadline(Duration::from_millis(ms), on_late(pace)),
+        Some(ms) => activity.deadline(Duration::from_millis(ms), pace.on_deadline),
         None => activity,
     }
 }
@@ -48,39 +46,20 @@ fn polls(component: &plan::Component, plan: &Plan) -> Option<u64> {
         .min()
 }
 
-fn on_exception(lifecycle: &plan::Lifecycle) -> OnException {
-    match lifecycle.on_exception {
-        model::OnException::Stop => OnException::Stay,
-        model::OnException::Reset => OnException::Reset {
-            max: u32::try_from(lifecycle.max_resets).ok(),
-        },
-        model::OnException::Escalate => OnException::Escalate,
-    }
-}
-
-fn on_late(pace: &plan::Pace) -> OnLate {
-    match pace.on_deadline {
-        model::OnDeadline::Report => OnLate::Report,
-        model::OnDeadline::Stop => OnLate::Stop,
-        model::OnDeadline::Fail => OnLate::Fail,
-    }
-}
-
 /// The lowest priority of a class, where nobody names one.
 const LOWEST_PRIORITY: u8 = 1;
 
-/// What the component says, or else its process.
+/// The class that the component names, or else its process.
 fn scheduler(pace: &plan::Pace, process: Option<&Process>) -> Scheduler {
-    let of_process = |process: &Process| process.scheduler;
-    let class = pace.scheduler.or(process.map(of_process));
+    let class = pace.scheduler.or(process.map(|it| it.scheduler));
+    class.unwrap_or_default()
+}
+
+/// The priority in that class.
+fn priority(pace: &plan::Pace, process: Option<&Process>) -> u8 {
     let priority = pace.priority.or(process.and_then(|it| it.priority));
     let priority = priority.and_then(|given| u8::try_from(given).ok());
-    let priority = priority.unwrap_or(LOWEST_PRIORITY);
-    match class.unwrap_or_default() {
-        model::Scheduler::Other => Scheduler::Other,
-        model::Scheduler::Fifo => Scheduler::Fifo { priority },
-        model::Scheduler::RoundRobin => Scheduler::RoundRobin { priority },
-    }
+    priority.unwrap_or(LOWEST_PRIORITY)
 }
 
 fn processors(pace: &plan::Pace, process: Option<&Process>) -> Vec<usize> {

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use asmotion_component::{Kind, Lock, OnStale, Policy, Sharing};
+use asmotion_component::{Kind, Policy};
 
 use crate::{model, plan};
 
@@ -14,26 +14,14 @@ pub(crate) fn of(policy: &plan::Policy) -> Policy {
             model::Flow::Buffer => Kind::Buffer(size),
             model::Flow::Circular => Kind::Circular(size),
         },
-        lock: match policy.lock {
-            model::Lock::LockFree => Lock::LockFree,
-            model::Lock::Locked => Lock::Locked,
-            model::Lock::Unsync => Lock::Unsync,
-        },
-        sharing: match policy.buffer {
-            model::Sharing::PerConnection => Sharing::PerConnection,
-            model::Sharing::PerInputPort => Sharing::PerInput,
-            model::Sharing::PerOutputPort => Sharing::PerOutput,
-            model::Sharing::Shared => Sharing::Shared(policy.queue.clone().unwrap_or_default()),
-        },
+        lock: policy.lock,
+        sharing: policy.buffer,
+        queue: policy.queue.clone().unwrap_or_default(),
         init: policy.init,
         pull: policy.pull,
         max_threads: policy.max_threads.and_then(|max| usize::try_from(max).ok()),
         max_age: policy.max_age_ms.map(Duration::from_millis),
-        on_stale: match policy.on_stale {
-            model::OnStale::Hold => OnStale::Keep,
-            model::OnStale::Zero => OnStale::Zero,
-            model::OnStale::NoData => OnStale::Forget,
-        },
+        on_stale: policy.on_stale,
         mandatory: policy.mandatory,
         trigger: policy.delivery == model::Delivery::Event,
     }

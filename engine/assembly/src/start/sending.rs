@@ -56,15 +56,7 @@ fn of_connections<'p>(
 fn codec(plan: &Plan, publisher: Option<&End>) -> Codec {
     let name = publisher.and_then(|end| plan.broker_of(&end.component));
     let broker = plan.brokers.iter().find(|it| Some(&*it.name) == name);
-    broker.map_or_else(Codec::default, |broker| of_word(broker.codec))
-}
-
-fn of_word(codec: model::Codec) -> Codec {
-    match codec {
-        model::Codec::Cbor => Codec::Cbor,
-        model::Codec::Json => Codec::Json,
-        model::Codec::Cdr => Codec::Cdr,
-    }
+    broker.map_or_else(Codec::default, |broker| broker.codec)
 }
 
 /// What the composite says of a topic goes before what follows from its connections.
@@ -83,7 +75,7 @@ fn as_written(topic: &Topic, mut sending: Sending) -> Sending {
     };
     match topic.codec {
         None => sending,
-        Some(codec) => sending.by(of_word(codec)),
+        Some(codec) => sending.by(codec),
     }
 }
 
@@ -133,7 +125,7 @@ mod tests {
         topic.confirm = Some(true);
         topic.outage = Some(model::Outage::Queue);
         topic.size = Some(7);
-        topic.codec = Some(model::Codec::Json);
+        topic.codec = Some(Codec::Json);
         let seven = NonZeroUsize::new(7).unwrap();
         let wanted = Sending::events(seven).by(Codec::Json);
         assert_eq!(as_written(&topic, Sending::state()), wanted);

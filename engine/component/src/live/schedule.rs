@@ -11,16 +11,15 @@ use crate::{Activity, Denied, Scheduler};
 /// Puts the present thread on its processors and into its class. What is not permitted is left as it was.
 pub(super) fn adopt(activity: &Activity) -> impl Iterator<Item = Denied> {
     let cpus = processors(&activity.cpus).err();
-    cpus.into_iter().chain(class(activity.scheduler).err())
+    cpus.into_iter()
+        .chain(class(activity.scheduler, activity.priority).err())
 }
 
-fn class(scheduler: Scheduler) -> Result<(), Denied> {
-    let (name, priority, policy) = match scheduler {
+fn class(scheduler: Scheduler, priority: u8) -> Result<(), Denied> {
+    let (name, policy) = match scheduler {
         Scheduler::Other => return Ok(()),
-        Scheduler::Fifo { priority } => ("FIFO", priority, RealtimeThreadSchedulePolicy::Fifo),
-        Scheduler::RoundRobin { priority } => {
-            ("RR", priority, RealtimeThreadSchedulePolicy::RoundRobin)
-        }
+        Scheduler::Fifo => ("FIFO", RealtimeThreadSchedulePolicy::Fifo),
+        Scheduler::RoundRobin => ("RR", RealtimeThreadSchedulePolicy::RoundRobin),
     };
     let denied = |reason| Denied {
         wish: format!("{name} {priority}"),

@@ -81,7 +81,7 @@ impl<T: Message> Inlet for Of<T> {
                 let zeros = Datum::Record(Vec::new());
                 Some(zeros.to().map_err(OpenError::NoZero)?)
             }
-            OnStale::Keep | OnStale::Forget => None,
+            OnStale::Hold | OnStale::NoData => None,
         };
         let (sender, receiver): (Box<dyn AnySender>, _) = if policy.pull {
             let (sender, receiver) = ends(policy, queue)?;

@@ -103,8 +103,8 @@ impl<T: Message> Input<T> {
         }
         self.stale = true;
         match way.policy.on_stale {
-            OnStale::Keep => {}
-            OnStale::Forget => {
+            OnStale::Hold => {}
+            OnStale::NoData => {
                 self.fresh.clear();
                 self.last = None;
             }

@@ -168,11 +168,11 @@ impl Joints {
         to: &End,
         policy: &Policy,
     ) -> Result<Option<usize>, BuildError> {
-        let whose = match (&policy.sharing, policy.kind) {
+        let whose = match (policy.sharing, policy.kind) {
             (Sharing::PerConnection, _) | (_, Kind::Data) => return Ok(None),
             (Sharing::PerInput, _) => Whose::Input(to.clone()),
             (Sharing::PerOutput, _) => Whose::Output(from.clone()),
-            (Sharing::Shared(name), _) => Whose::Named(name.clone()),
+            (Sharing::Shared, _) => Whose::Named(policy.queue.clone()),
         };
         // One that nobody uses any more is made anew.
         self.queues.iter_mut().for_each(|common| {

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::Unit;
 use crate::outside::Outside;
-use crate::{Event, Fault, OnLate, Overrun, Time, Transition};
+use crate::{Event, Fault, OnDeadline, Overrun, Time, Transition};
 
 impl Unit {
     /// After a periodic cycle: counts the periods it has missed, and says when the next one is due.
@@ -49,15 +49,15 @@ impl Unit {
             deadline,
         };
         outside.emit(now, &event);
-        match held.on_late {
+        match held.on_deadline {
             // It does not run any more, for another reason.
             _ if !self.state.is_running() => {}
-            OnLate::Report => {}
-            OnLate::Stop => {
+            OnDeadline::Report => {}
+            OnDeadline::Stop => {
                 // What goes wrong in stopping is in its state, and told.
                 let _ = self.transition(Transition::Stop, now, outside);
             }
-            OnLate::Fail => self.fail(Fault::Late { took, deadline }, now, outside),
+            OnDeadline::Fail => self.fail(Fault::Late { took, deadline }, now, outside),
         }
     }
 }

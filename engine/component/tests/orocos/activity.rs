@@ -164,7 +164,8 @@ fn o3_a_thread_is_in_the_class_and_on_the_processors_that_the_activity_names_whe
     let mut system = System::new();
     system.observe(log.clone());
     let activity = Activity::periodic(10.ms())
-        .scheduler(Scheduler::Fifo { priority: 80 })
+        .scheduler(Scheduler::Fifo)
+        .priority(80)
         .cpus([0]);
     system.add("It", activity, telling(&number)).unwrap();
     let mut run = system.live();

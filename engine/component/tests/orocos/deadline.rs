@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use asmotion_component::{
-    Activity, Component, Event, Interface, Log, OnLate, Run, Span, State, System, Time,
+    Activity, Component, Event, Interface, Log, OnDeadline, Run, Span, State, System, Time,
 };
 
 use crate::common::{Number, behaviour, number};
@@ -26,17 +26,17 @@ fn dawdler(long: Duration) -> impl FnOnce(&mut Interface) -> Box<dyn Component> 
 }
 
 /// Its system, in which a cycle of 20 ms may take 10.
-fn system(on_late: OnLate) -> System {
+fn system(on_deadline: OnDeadline) -> System {
     let mut system = System::new();
-    let activity = Activity::periodic(20.ms()).deadline(10.ms(), on_late);
+    let activity = Activity::periodic(20.ms()).deadline(10.ms(), on_deadline);
     system.add("It", activity, dawdler(15.ms())).unwrap();
     system
 }
 
 /// What happens to it within 100 ms of simulated time.
-fn lines(on_late: OnLate) -> Vec<String> {
+fn lines(on_deadline: OnDeadline) -> Vec<String> {
     let log = Log::new();
-    let mut system = system(on_late);
+    let mut system = system(on_deadline);
     system.observe(log.clone());
     system.simulate().run_for(100.ms());
     let mut lines = log.lines_with("It");
@@ -47,7 +47,7 @@ fn lines(on_late: OnLate) -> Vec<String> {
 #[test]
 fn a_late_cycle_is_told_and_the_next_ones_go_on() {
     assert_eq!(
-        lines(OnLate::Report)[..4],
+        lines(OnDeadline::Report)[..4],
         [
             "0.04 s It.n #3 = {n: 3}",
             "0.04 s It: a cycle took 15ms, and has 10ms",
@@ -60,7 +60,7 @@ fn a_late_cycle_is_told_and_the_next_ones_go_on() {
 #[test]
 fn a_late_cycle_stops_its_component_when_what_it_did_has_happened() {
     assert_eq!(
-        lines(OnLate::Stop),
+        lines(OnDeadline::Stop),
         [
             "0.04 s It.n #3 = {n: 3}",
             "0.04 s It: a cycle took 15ms, and has 10ms",
@@ -72,7 +72,7 @@ fn a_late_cycle_stops_its_component_when_what_it_did_has_happened() {
 #[test]
 fn a_late_cycle_is_a_fault_where_the_activity_says_so() {
     assert_eq!(
-        lines(OnLate::Fail),
+        lines(OnDeadline::Fail),
         [
             "0.04 s It.n #3 = {n: 3}",
             "0.04 s It: a cycle took 15ms, and has 10ms",
@@ -86,8 +86,8 @@ fn a_late_cycle_is_a_fault_where_the_activity_says_so() {
 fn who_is_brought_back_after_a_failure_is_so_after_a_late_cycle() {
     use asmotion_component::OnException::Reset;
     let mut system = System::new();
-    let activity = Activity::periodic(20.ms()).deadline(10.ms(), OnLate::Fail);
-    let activity = activity.on_exception(Reset { max: None });
+    let activity = Activity::periodic(20.ms()).deadline(10.ms(), OnDeadline::Fail);
+    let activity = activity.on_exception(Reset);
     system.add("It", activity, dawdler(15.ms())).unwrap();
     let mut run = system.simulate();
     run.run_for(100.ms());
@@ -97,12 +97,12 @@ fn who_is_brought_back_after_a_failure_is_so_after_a_late_cycle() {
 
 #[test]
 fn live_the_clock_says_whether_a_cycle_is_late() {
-    for (on_late, becomes) in [
-        (OnLate::Report, State::Running),
-        (OnLate::Stop, State::Stopped),
-        (OnLate::Fail, State::Exception),
+    for (on_deadline, becomes) in [
+        (OnDeadline::Report, State::Running),
+        (OnDeadline::Stop, State::Stopped),
+        (OnDeadline::Fail, State::Exception),
     ] {
-        let mut run = system(on_late).live();
+        let mut run = system(on_deadline).live();
         let late = |_: Time, event: &Event<'_>| match event {
             Event::Late { took, deadline, .. } => *took >= 15.ms() && *deadline == 10.ms(),
             _ => false,

@@ -334,13 +334,15 @@ fn o2_while_a_hook_is_at_work_its_target_is_seen_of_outsider() {
 }
 
 /// A component that fails in every third of its cycles, and its neighbour.
-fn failing_often(on_exception: OnException) -> System {
+fn failing_often(on_exception: OnException, max_resets: Option<u32>) -> System {
     let mut system = System::new();
     let failing = |cycle: &mut Cycle<'_>| match cycle.number() % 3 {
         0 => Err(Fault::new("the third")),
         _ => Ok(()),
     };
-    let activity = Activity::periodic(10.ms()).on_exception(on_exception);
+    let activity = Activity::periodic(10.ms())
+        .on_exception(on_exception)
+        .max_resets(max_resets);
     system
         .add("It", activity, |_| Box::new(Behaviour(failing)))
         .unwrap();
@@ -354,23 +356,25 @@ fn failing_often(on_exception: OnException) -> System {
 
 #[test]
 fn o2_after_an_exception_it_stays_is_reset_so_often_or_stops_everything() {
-    for (on_exception, cycles, state, neighbour) in [
-        (OnException::Stay, 3, State::Exception, State::Running),
+    for (on_exception, max_resets, cycles, state, neighbour) in [
+        (OnException::Stop, None, 3, State::Exception, State::Running),
         (
-            OnException::Reset { max: Some(2) },
+            OnException::Reset,
+            Some(2),
             9,
             State::Exception,
             State::Running,
         ),
+        (OnException::Reset, None, 20, State::Running, State::Running),
         (
-            OnException::Reset { max: None },
-            20,
-            State::Running,
-            State::Running,
+            OnException::Escalate,
+            None,
+            3,
+            State::Exception,
+            State::Stopped,
         ),
-        (OnException::Escalate, 3, State::Exception, State::Stopped),
     ] {
-        let mut run = failing_often(on_exception).simulate();
+        let mut run = failing_often(on_exception, max_resets).simulate();
         run.run_for(200.ms());
         assert!(
             run.cycles("It") >= cycles,
@@ -387,14 +391,14 @@ fn o2_after_an_exception_it_stays_is_reset_so_often_or_stops_everything() {
 
 #[test]
 fn o2_live_a_component_is_brought_back_or_everything_stops() {
-    let mut run = failing_often(OnException::Reset { max: Some(2) }).live();
+    let mut run = failing_often(OnException::Reset, Some(2)).live();
     run.run_for(500.ms());
     assert_eq!(
         (run.cycles("It"), run.state("It")),
         (9, Some(State::Exception))
     );
     assert!(run.is_running("Neighbour"));
-    let mut run = failing_often(OnException::Escalate).live();
+    let mut run = failing_often(OnException::Escalate, None).live();
     run.run_for(200.ms());
     assert_eq!(run.state("It"), Some(State::Exception));
     assert_eq!(run.state("Neighbour"), Some(State::Stopped));

@@ -14,11 +14,12 @@ fn o8_the_defaults_are_those_of_the_book() {
             kind: Kind::Data,
             lock: Lock::LockFree,
             sharing: Sharing::PerConnection,
+            queue: String::new(),
             init: false,
             pull: false,
             max_threads: None,
             max_age: None,
-            on_stale: asmotion_component::OnStale::Keep,
+            on_stale: asmotion_component::OnStale::Hold,
             mandatory: false,
             trigger: true,
         }
@@ -67,8 +68,11 @@ fn o8_connections_into_a_port_that_share_its_queue_fill_it_together() {
 
 #[test]
 fn o8_readers_that_share_a_queue_take_turns() {
-    for sharing in [Sharing::PerOutput, Sharing::Shared("jobs".to_owned())] {
-        let policy = Policy::buffer(8).sharing(sharing);
+    let jobs = Policy::buffer(8);
+    for policy in [
+        jobs.clone().sharing(Sharing::PerOutput),
+        jobs.shared("jobs"),
+    ] {
         let mut hands = Bench::connected(&["A X", "A Y"], &policy).simulate();
         hands.write("A", 1..=3);
         assert_eq!((hands.read("Y"), hands.read("X")), (vec![1, 2, 3], vec![]));
@@ -80,9 +84,7 @@ fn o8_readers_that_share_a_queue_take_turns() {
 #[test]
 fn o8_all_who_share_one_queue_are_several_writers_and_several_readers() {
     for lock in [Lock::LockFree, Lock::Locked] {
-        let policy = Policy::circular(3)
-            .sharing(Sharing::Shared("all".to_owned()))
-            .lock(lock);
+        let policy = Policy::circular(3).shared("all").lock(lock);
         let ends = ["A X", "A Y", "B X", "B Y"];
         let mut hands = Bench::connected(&ends, &policy).simulate();
         hands.write("A", 1..=2);

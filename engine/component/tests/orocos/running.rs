@@ -69,9 +69,7 @@ fn o8_a_connection_that_has_ended_carries_nothing_and_its_last_sample_is_gone() 
 #[test]
 fn o8_one_who_leaves_a_queue_in_common_leaves_the_others_alone() {
     for lock in [Lock::LockFree, Lock::Locked] {
-        let policy = Policy::buffer(8)
-            .sharing(Sharing::Shared("all".to_owned()))
-            .lock(lock);
+        let policy = Policy::buffer(8).shared("all").lock(lock);
         let ends = ["A X", "A Y", "B X", "B Y"];
         let mut hands = Bench::connected(&ends, &policy).simulate();
         hands.run.disconnect("A.n", "X.n").unwrap();

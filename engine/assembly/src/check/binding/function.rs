@@ -6,7 +6,6 @@ use asmotion_diagnostics::{Report, Span};
 use super::error::BindingError;
 use super::{Bound, action};
 use crate::At;
-use crate::binding::Receive;
 use crate::check::component::unknown;
 use crate::check::face::{Port, find, nearest_service};
 use crate::finding::Findings;
@@ -15,6 +14,7 @@ use crate::model::{End, Path};
 use crate::nearest::nearest;
 use crate::signature::{Codomain, FunctionInfo, FunctionKind};
 use crate::tree::{Branch, Node};
+use asmotion_coordinator::Receive;
 
 pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut Report) {
     let message = match &monitored.from {

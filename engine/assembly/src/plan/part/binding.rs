@@ -1,14 +1,15 @@
 //! The binding of a specification, as the plan has it.
 
 use super::Source;
-use crate::binding::{
-    Action, Argument, Binding, Call, Case, Effect, Monitored, Out, Source as From,
-};
 use crate::check::chosen_field;
 use crate::check::face;
 use crate::model::{self, binding as written};
 use crate::plan::fill::{given, number};
 use crate::scope::Notes;
+use asmotion_coordinator::{
+    Action, Argument, Binding, Call, Case, Constant, Effect, Monitored, Out, Receive,
+    Source as From,
+};
 
 /// The binding without places, with everything substituted.
 pub(super) fn binding(source: &Source<'_>, notes: &mut Notes) -> Option<Binding> {
@@ -28,10 +29,11 @@ pub(super) fn binding(source: &Source<'_>, notes: &mut Notes) -> Option<Binding>
 }
 
 fn monitored(source: &Source<'_>, written: &written::Monitored, notes: &mut Notes) -> Monitored {
-    let edge = written.receive.value == crate::binding::Receive::Edge;
+    let edge = written.receive.value == Receive::Edge;
     let mut value = |node: &Option<crate::tree::Node>| {
         node.as_ref()
             .and_then(|node| source.scope.node(node, notes))
+            .map(Constant::from)
     };
     let (none, on_stale) = (value(&written.none), value(&written.on_stale));
     let mut field = written.field.as_ref().map(ToString::to_string);
@@ -146,6 +148,6 @@ fn argument(source: &Source<'_>, written: &written::Argument, notes: &mut Notes)
         written::Argument::Value(node) => source
             .scope
             .node(node, notes)
-            .map_or(Argument::Default, Argument::Value),
+            .map_or(Argument::Default, |value| Argument::Value(value.into())),
     }
 }

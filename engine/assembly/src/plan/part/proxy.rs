@@ -12,6 +12,7 @@ use crate::map;
 use crate::model::{self, Builtin, Implementation, MapEntry, ProxyMode};
 use crate::plan::fill::number;
 use crate::plan::{Idle, Notify, ProxyEntry};
+use asmotion_datum::Word;
 
 pub(super) fn entry(entry: &MapEntry) -> Option<ProxyEntry> {
     match entry {
