@@ -1,29 +1,78 @@
 //! The subcommands, one file each.
 
+#[cfg(feature = "amqp")]
 mod call;
 mod check;
+#[cfg(feature = "amqp")]
 mod component;
 mod demo;
 mod describe;
+#[cfg(feature = "amqp")]
 mod doctor;
 mod expand;
 mod fmt;
 mod graph;
+#[cfg(feature = "amqp")]
 mod port;
+#[cfg(feature = "amqp")]
 mod reconfigure;
 mod repl;
 mod run;
+#[cfg(feature = "scdl")]
 mod scdl;
 mod schema;
+#[cfg(feature = "amqp")]
 mod shell;
 mod sim;
 mod test;
 mod tool;
+#[cfg(all(feature = "amqp", feature = "tui"))]
 mod top;
+#[cfg(feature = "amqp")]
 mod topic;
 mod up;
 
 pub use demo::BLOCKED_CORRIDOR;
+
+#[cfg(any(not(feature = "amqp"), not(feature = "scdl"), not(feature = "tui")))]
+use crate::feature::{self, Without};
+
+/// The commands on a running system.
+#[cfg(feature = "amqp")]
+mod live {
+    pub use super::call::Call;
+    pub use super::component::Component;
+    pub use super::doctor::Doctor;
+    pub use super::port::Port;
+    pub use super::reconfigure::Reconfigure;
+    pub use super::shell::Shell;
+    pub use super::topic::Topic;
+}
+/// What stands for them.
+#[cfg(not(feature = "amqp"))]
+mod live {
+    use crate::feature::{Amqp, Without};
+
+    pub type Call = Without<Amqp>;
+    pub type Component = Without<Amqp>;
+    pub type Doctor = Without<Amqp>;
+    pub type Port = Without<Amqp>;
+    pub type Reconfigure = Without<Amqp>;
+    pub type Shell = Without<Amqp>;
+    pub type Topic = Without<Amqp>;
+}
+
+#[cfg(feature = "scdl")]
+use scdl::Scdl;
+#[cfg(not(feature = "scdl"))]
+type Scdl = Without<feature::Scdl>;
+
+#[cfg(all(feature = "amqp", feature = "tui"))]
+use top::Top;
+#[cfg(all(feature = "amqp", not(feature = "tui")))]
+type Top = Without<feature::Tui>;
+#[cfg(not(feature = "amqp"))]
+type Top = Without<feature::Amqp>;
 
 use crate::exit::Exit;
 use crate::terminal::Terminal;
@@ -47,7 +96,7 @@ pub enum Command {
     /// Draws a composite
     Graph(graph::Graph),
     /// Converts composites from and to the XML of the Service Component Architecture (SCDL)
-    Scdl(scdl::Scdl),
+    Scdl(Scdl),
     /// Prints the JSON Schema of composite files, for editors
     Schema(schema::Schema),
     /// Formats specifications and scenarios
@@ -59,21 +108,21 @@ pub enum Command {
     /// Runs scenarios
     Test(test::Test),
     /// Lists, shows and publishes messages of topics on a broker
-    Topic(topic::Topic),
+    Topic(live::Topic),
     /// Lists, inspects and controls live components on a broker
-    Component(component::Component),
+    Component(live::Component),
     /// Applies the current version of a composite to the running system without a restart
-    Reconfigure(reconfigure::Reconfigure),
+    Reconfigure(live::Reconfigure),
     /// Shows a running system on the terminal, updated continuously
-    Top(top::Top),
+    Top(Top),
     /// Reads and writes ports of live components
-    Port(port::Port),
+    Port(live::Port),
     /// Calls an operation of a live component
-    Call(call::Call),
+    Call(live::Call),
     /// Opens a prompt in a running system: inspects, calls, reads, writes, watches
-    Shell(shell::Shell),
+    Shell(live::Shell),
     /// Diagnoses a broker and says how to repair it
-    Doctor(doctor::Doctor),
+    Doctor(live::Doctor),
 }
 
 impl Command {

@@ -5,7 +5,9 @@ use asmotion_lang::diagnostics::LoadError;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
+#[cfg(feature = "amqp")]
+use std::sync::{Mutex, PoisonError};
 
 /// Upper bound on the size of a text file.
 const MAX_BYTES: u64 = 32 << 20;
@@ -56,11 +58,13 @@ fn candidates(from: &str, import: &str) -> [PathBuf; 4] {
 }
 
 /// Loads files through another loader and records them.
+#[cfg(feature = "amqp")]
 pub struct Remembering<'a> {
     files: &'a dyn Loader,
     read: Mutex<BTreeMap<String, Arc<str>>>,
 }
 
+#[cfg(feature = "amqp")]
 impl<'a> Remembering<'a> {
     /// Wraps a loader.
     pub fn new(files: &'a dyn Loader) -> Self {
@@ -75,6 +79,7 @@ impl<'a> Remembering<'a> {
     }
 }
 
+#[cfg(feature = "amqp")]
 impl Loader for Remembering<'_> {
     fn read(&self, path: &str) -> Result<Arc<str>, LoadError> {
         let text = self.files.read(path)?;

@@ -4,12 +4,15 @@
 //! and [`record`] write them to files.
 
 mod books;
+mod brief;
 mod broker;
 mod build;
 mod command;
 mod describe;
 mod diff;
 mod exit;
+#[allow(dead_code, reason = "a feature that this build has needs no stand-in")]
+mod feature;
 mod files;
 mod gateway;
 pub mod mission;
@@ -19,6 +22,7 @@ mod show;
 pub mod story;
 mod table;
 mod terminal;
+#[cfg(feature = "tui")]
 pub mod top;
 pub mod trace;
 
@@ -26,7 +30,7 @@ pub use command::BLOCKED_CORRIDOR;
 pub use exit::Exit;
 pub use files::Disk;
 
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches, Parser};
 use command::Command;
 use std::process::ExitCode;
 use terminal::{Colour, Terminal};
@@ -51,7 +55,8 @@ First steps:
 
 /// Parses the command line and executes the command.
 pub fn main() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
+    let matches = feature::mark(Arguments::command()).try_get_matches();
+    let arguments = match matches.and_then(|matches| Arguments::from_arg_matches(&matches)) {
         Ok(arguments) => arguments,
         Err(error) => {
             // help and version are not errors; a failing standard output cannot be reported anywhere

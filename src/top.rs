@@ -12,6 +12,5 @@ mod view;
 
 pub use board::{Board, Component, Silence, Topic};
 pub use draw::draw;
-pub(crate) use joints::brief;
 pub use screen::show;
 pub use view::{Key, View};

@@ -13,7 +13,7 @@ const FLOORS: &[&[&str]] = &[
     // the language
     &["asmotion-value"],
     &["asmotion-syntax", "asmotion-stdlib"],
-    &["asmotion-hir"],
+    &["asmotion-hir", "asmotion-grammar"],
     &["asmotion-ir"],
     &["asmotion-machine"],
     &["asmotion-simulate", "asmotion-native"],

@@ -1,6 +1,9 @@
 //! `asmotion run`: runs a composite.
 
 mod told;
+#[cfg(not(feature = "tui"))]
+mod unwatched;
+#[cfg(feature = "tui")]
 mod watched;
 
 use std::io::Write;
@@ -22,6 +25,10 @@ use crate::gateway;
 use crate::mission::{Brokers, Clock, Mission, MissionError, Named, Outcome, Told};
 use crate::terminal::Terminal;
 use told::{event_json, summarise, summary_json};
+#[cfg(not(feature = "tui"))]
+use unwatched::spectator;
+#[cfg(feature = "tui")]
+use watched::spectator;
 
 /// Runs a composite.
 #[derive(Args)]
@@ -143,13 +150,7 @@ impl Run {
         mission.brokers = self.brokers(&mission)?;
         self.common.open_to_spectators(&mut mission);
         for settings in mission.brokers.settings_mut() {
-            settings.robot = self.robot.clone();
-            if self.common.top {
-                continue;
-            }
-            settings.notices = Arc::new(|notice| {
-                let _ = writeln!(anstream::stderr(), "         Bus {notice}");
-            });
+            broker::prepare(settings, self.robot.clone(), self.common.top);
         }
         mission.gateways = gateway::open(&self.http, &mission.named_gateways(), self.told())?;
         let over = match (mission.brokers.are_there(), mission.gateways.are_there()) {
@@ -271,7 +272,7 @@ impl Common {
         on_interrupt(&stop);
         let books = Arc::new(Mutex::new(self.books.open()));
         let listener = self.listener(books.clone());
-        let ended = match watched::spectator(self.top, mission) {
+        let ended = match spectator(self.top, mission) {
             Ok(None) => mission.run(listener, &stop),
             Ok(Some(spectator)) => spectator.beside(&stop, || mission.run(listener, &stop)),
             Err(problem) => Err(MissionError::Launch(problem)),

@@ -5,6 +5,8 @@ use asmotion_lang::simulate::Unawaited;
 use asmotion_lang::{Report, Sources};
 use std::fmt;
 
+use crate::feature::LeftOut;
+
 /// Reasons why a mission cannot start.
 #[derive(Debug)]
 pub enum MissionError {
@@ -62,7 +64,14 @@ pub enum MissionError {
         /// Name of the gateway in the composite.
         name: String,
         /// Error of listening.
-        reason: asmotion_gateway::GatewayError,
+        reason: String,
+    },
+    /// The composite has a gateway, and this build does not.
+    WithoutGateway {
+        /// Name of the gateway in the composite.
+        name: String,
+        /// Names the feature that adds gateways.
+        reason: LeftOut,
     },
     /// The system cannot be assembled.
     Launch(String),
@@ -131,6 +140,10 @@ impl fmt::Display for MissionError {
                 to,
                 "the gateway `{name}`: {reason}\n  `--http {name}=127.0.0.1:0` takes a free port; `--http off` runs \
                  without one"
+            ),
+            Self::WithoutGateway { name, reason } => write!(
+                to,
+                "the gateway `{name}`: {reason}\n  `--http off` runs without one"
             ),
             Self::Launch(reason) => to.write_str(reason),
         }

@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::{SystemTime, UNIX_EPOCH};
 
-use asmotion_amqp::{AmqpBus, Settings};
 use asmotion_assembly::plan::Broker;
 use asmotion_assembly::{Opened, Part, Plan};
 use asmotion_bus::{Bus, BusError, Local};
@@ -13,10 +12,8 @@ use asmotion_remote::{Contact, Newest};
 
 use super::successor::Successor;
 use super::{Mission, MissionError};
+use crate::broker::{self, Settings};
 use crate::files::Disk;
-
-/// Time limit for the first connection to a broker; later interruptions have none.
-const CONNECT: Duration = Duration::from_secs(10);
 
 /// Brokers of a mission.
 #[derive(Clone, Debug, Default)]
@@ -144,15 +141,8 @@ impl Mission {
             Brokers::Each(brokers) => brokers.iter().map(named).collect(),
         };
         let connect = |(name, settings): (Option<String>, &Settings)| {
-            let mut settings = settings.clone();
-            settings.robot.get_or_insert_with(|| plan.name.clone());
-            if let Some(process) = &self.process {
-                settings.process.clone_from(process);
-            }
-            let place = settings.place();
-            let bus = AmqpBus::connect(settings, CONNECT);
+            let (place, bus) = broker::connect(settings, &plan.name, self.process.as_deref());
             let bus = bus.map_err(|reason| broker_error(&place, reason))?;
-            let bus = Arc::new(bus);
             Ok(Connected { name, place, bus })
         };
         brokers.into_iter().map(connect).collect()

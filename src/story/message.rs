@@ -3,7 +3,7 @@
 use asmotion_datum::{Datum, Message, Sample};
 use asmotion_messages::{OccupancyGrid, Path};
 
-use crate::top::brief as number;
+use crate::brief::brief as number;
 
 /// More numbers than these are data, not words.
 const FEW: usize = 8;

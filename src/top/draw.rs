@@ -13,9 +13,10 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Paragraph, Row, Table, TableState};
 
 use super::board::{Component, Topic};
-use super::joints::{brief, joints};
+use super::joints::joints;
 use super::view::{Pane, seconds};
 use super::{Board, View};
+use crate::brief::brief;
 
 /// Minimum width for the message beside the tables.
 const WIDE: u16 = 140;

@@ -2,8 +2,7 @@
 
 use asmotion_datum::Datum;
 
-/// Maximum length of a list in a table; longer lists are maps and scans.
-const MOST: usize = 32;
+use crate::brief::{MOST, brief};
 
 /// A table of lists.
 #[derive(Debug, PartialEq)]
@@ -45,42 +44,9 @@ pub fn joints(message: &Datum) -> Option<Joints> {
     })
 }
 
-/// Formats a value briefly: numbers with four decimals.
-pub fn brief(value: &Datum) -> String {
-    match value {
-        Datum::Float(number) if number.is_finite() => {
-            let shown = format!("{number:.4}");
-            let shown = shown.trim_end_matches('0').trim_end_matches('.');
-            match shown {
-                "-0" => "0".to_owned(),
-                shown => shown.to_owned(),
-            }
-        }
-        Datum::List(_) | Datum::Numbers(_) | Datum::Bytes(_) => {
-            let count = value.count().unwrap_or(0);
-            let shown = (0..count.min(MOST)).filter_map(|index| value.element(index));
-            let shown: Vec<_> = shown.map(|it| brief(&it)).collect();
-            let more = match count > MOST {
-                true => format!(", … {count} in all"),
-                false => String::new(),
-            };
-            format!("[{}{more}]", shown.join(", "))
-        }
-        Datum::Record(fields) => {
-            let fields = fields.iter();
-            let shown: Vec<_> = fields
-                .map(|(name, it)| format!("{name}: {}", brief(it)))
-                .collect();
-            format!("{{{}}}", shown.join(", "))
-        }
-        Datum::Text(text) => text.clone(),
-        Datum::Null | Datum::Bool(_) | Datum::Int(_) | Datum::Float(_) => value.to_string(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{brief, joints};
+    use super::joints;
     use asmotion_datum::{Datum, Numbers};
 
     #[test]
@@ -102,11 +68,5 @@ mod tests {
         let list = Datum::List(vec![Datum::Int(1), Datum::Int(2)]);
         assert_eq!(joints(&Datum::record([("one", list.clone())])), None);
         assert_eq!(joints(&list), None);
-    }
-
-    #[test]
-    fn a_long_list_is_cut() {
-        let list = Datum::List(vec![Datum::Int(1); 40]);
-        assert!(brief(&list).ends_with("1, … 40 in all]"));
     }
 }

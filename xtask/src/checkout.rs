@@ -8,6 +8,9 @@ use tempfile::TempDir;
 /// Folders that hold no source of ours.
 const SKIPPED: &[&str] = &["target", "node_modules"];
 
+/// Files that a program writes.
+const GENERATED: &[&str] = &["asm-lang/syntax/src/grammar.rs"];
+
 /// Folders whose code is compiled for tests or benchmarks only.
 const TEST_FOLDERS: &[&str] = &["tests", "benches", "examples", "fuzz"];
 
@@ -125,7 +128,9 @@ impl Checkout {
         for path in paths {
             let relative = path.strip_prefix(&root).unwrap_or(&path);
             let relative = relative.to_string_lossy().replace('\\', "/");
-            if relative.ends_with(".rs") {
+            if relative.ends_with(".rs") && GENERATED.contains(&&*relative) {
+                continue;
+            } else if relative.ends_with(".rs") {
                 files.push(source_file(&path, relative)?);
             } else if relative.ends_with("Cargo.toml") {
                 crates.extend(crate_dir(&path, &relative)?);

@@ -1,10 +1,11 @@
 //! Single terms and rules: what scenarios, prompts and scripts contain.
 
-use crate::explain::{Explainer, Failure};
+use crate::explain::Explainer;
 use crate::findings::Findings;
+use crate::lexer::TextKind;
 use crate::nesting::Tokens;
-use crate::node::Nodes;
-use crate::{ast, grammar};
+use crate::node::{Nodes, ParsedText};
+use crate::{ast, never, read};
 use asmotion_diagnostics::{Diagnostic, FileId, Report, Span};
 use std::ops::Range;
 
@@ -21,8 +22,9 @@ pub fn parse_term(file: FileId, text: &str) -> Result<ast::Term, Report> {
 /// # Errors
 /// The part is not one term.
 pub fn parse_term_in(file: FileId, text: &str, part: Range<usize>) -> Result<ast::Term, Report> {
-    parse(file, text, part, |nodes, tokens| {
-        grammar::TermParser::new().parse(nodes, tokens)
+    parse(file, text, part, TextKind::Term, |parsed| match parsed {
+        ParsedText::Term(term) => Some(term),
+        ParsedText::File(_) | ParsedText::Rule(_) => None,
     })
 }
 
@@ -39,8 +41,9 @@ pub fn parse_rule(file: FileId, text: &str) -> Result<ast::Rule, Report> {
 /// # Errors
 /// The part is not one rule.
 pub fn parse_rule_in(file: FileId, text: &str, part: Range<usize>) -> Result<ast::Rule, Report> {
-    parse(file, text, part, |nodes, tokens| {
-        grammar::RuleParser::new().parse(nodes, tokens)
+    parse(file, text, part, TextKind::Rule, |parsed| match parsed {
+        ParsedText::Rule(rule) => Some(rule),
+        ParsedText::File(_) | ParsedText::Term(_) => None,
     })
 }
 
@@ -82,10 +85,8 @@ fn parse<T>(
     file: FileId,
     text: &str,
     part: Range<usize>,
-    parser: impl for<'input, 'run> FnOnce(
-        &Nodes<'input, 'run>,
-        Tokens<'input, 'run>,
-    ) -> Result<T, Failure<'input>>,
+    kind: TextKind,
+    of_kind: impl FnOnce(ParsedText) -> Option<T>,
 ) -> Result<T, Report> {
     let text = text.get(..part.end).unwrap_or(text);
     let (findings, unheard) = (Findings::new(file), Findings::new(file));
@@ -94,7 +95,8 @@ fn parse<T>(
     let mut tokens = Tokens::new(text, &findings);
     tokens.lexer.start_at(part.start);
     tokens.lexer.names_elements = true;
-    let parsed = parser(&nodes, tokens);
+    let parsed = read(kind, part.start, &nodes, tokens);
+    let parsed = parsed.and_then(|parsed| of_kind(parsed).ok_or_else(|| never(part.start)));
     if let Err(failure) = &parsed {
         nodes.explain(failure, part.start, text.len());
     }

@@ -9,7 +9,7 @@ mod word;
 
 pub(crate) use number::complex_parts;
 pub(crate) use quoted::character;
-pub(crate) use token::{Keyword, Sign, Token};
+pub(crate) use token::{Keyword, Sign, TextKind, Token};
 pub(crate) use word::length as word_length;
 
 use crate::ast::Annotation;

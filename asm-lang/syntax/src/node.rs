@@ -23,6 +23,16 @@ use std::sync::Arc;
 /// What the parser hands over where it caught an error.
 pub(crate) type Caught<'input> = ErrorRecovery<usize, Token<'input>, Infallible>;
 
+/// A text as a whole, of the kind that its first token says.
+pub(crate) enum ParsedText {
+    /// A specification.
+    File(File),
+    /// One rule.
+    Rule(Rule),
+    /// One term.
+    Term(Term),
+}
+
 /// The constructors the grammar calls.
 pub(crate) struct Nodes<'input, 'run> {
     text: &'input str,

@@ -5,11 +5,13 @@
 #![allow(clippy::print_stdout, reason = "an example tells what it drew")]
 
 use std::error::Error;
+use std::fs::File;
+use std::io::BufWriter;
 
 use asmotion_geometry::{Grid, Occupancy, Point, Pose, heading};
 use asmotion_map::{Disk, Map, Settings, load};
 use asmotion_planner::{AStar, Planner, Settings as Needs};
-use image::{Rgb, RgbImage};
+use png::{ColorType, Encoder};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -24,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             &map.grid,
             place(&point.pose),
             3,
-            Rgb([200, 0, 120]),
+            [200, 0, 120],
         );
         println!("{} at {}", point.name, place(&point.pose));
     }
@@ -38,11 +40,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             plan.explored
         );
         for pose in &plan.poses {
-            dot(&mut picture, &map.grid, place(pose), 1, Rgb([220, 60, 0]));
+            dot(&mut picture, &map.grid, place(pose), 1, [220, 60, 0]);
         }
     }
     println!("{:?} {:?} {:?}", map.grid.layout(), map.origin, map.notes);
-    Ok(picture.save(out)?)
+    picture.save(out)
 }
 
 fn place(pose: &Pose) -> Point {
@@ -57,36 +59,69 @@ fn end(map: &Map, text: &str) -> Result<Pose, Box<dyn Error>> {
     Ok(heading(Point::new(x.parse()?, y.parse()?), 0.0))
 }
 
-fn draw(grid: &Grid) -> RgbImage {
+/// Red, green, blue.
+type Rgb = [u8; 3];
+
+/// Pixels in rows from the top.
+struct Picture {
+    width: u32,
+    height: u32,
+    samples: Vec<u8>,
+}
+
+impl Picture {
+    fn set(&mut self, x: u32, y: u32, colour: Rgb) {
+        let at = (y as usize * self.width as usize + x as usize) * 3;
+        if let Some(pixel) = self.samples.get_mut(at..at + 3) {
+            pixel.copy_from_slice(&colour);
+        }
+    }
+
+    fn save(&self, path: &str) -> Result<(), Box<dyn Error>> {
+        let mut encoder =
+            Encoder::new(BufWriter::new(File::create(path)?), self.width, self.height);
+        encoder.set_color(ColorType::Rgb);
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&self.samples)?;
+        Ok(writer.finish()?)
+    }
+}
+
+fn draw(grid: &Grid) -> Picture {
     let layout = grid.layout();
-    let mut picture = RgbImage::new(layout.width(), layout.height());
+    let (width, height) = (layout.width(), layout.height());
+    let mut picture = Picture {
+        width,
+        height,
+        samples: vec![0; layout.len() * 3],
+    };
     for (index, value) in grid.cells().iter().enumerate() {
         let cell = layout.cell_at(index);
         let colour = match Occupancy::of(*value) {
-            Occupancy::Occupied => Rgb([30, 30, 40]),
-            Occupancy::Free => Rgb([250, 250, 245]),
-            Occupancy::Unknown => Rgb([170, 175, 180]),
+            Occupancy::Occupied => [30, 30, 40],
+            Occupancy::Free => [250, 250, 245],
+            Occupancy::Unknown => [170, 175, 180],
         };
-        picture.put_pixel(cell.column, layout.height() - 1 - cell.row, colour);
+        picture.set(cell.column, height - 1 - cell.row, colour);
     }
     picture
 }
 
-fn dot(picture: &mut RgbImage, grid: &Grid, at: Point, radius: i64, colour: Rgb<u8>) {
+fn dot(picture: &mut Picture, grid: &Grid, at: Point, radius: i64, colour: Rgb) {
     let Some(cell) = grid.layout().cell(at) else {
         return;
     };
     let (x, y) = (
         i64::from(cell.column),
-        i64::from(picture.height() - 1 - cell.row),
+        i64::from(picture.height - 1 - cell.row),
     );
     for (dx, dy) in (-radius..=radius).flat_map(|dx| (-radius..=radius).map(move |dy| (dx, dy))) {
         let (x, y) = (u32::try_from(x + dx), u32::try_from(y + dy));
         if let (Ok(x), Ok(y)) = (x, y)
-            && x < picture.width()
-            && y < picture.height()
+            && x < picture.width
+            && y < picture.height
         {
-            picture.put_pixel(x, y, colour);
+            picture.set(x, y, colour);
         }
     }
 }

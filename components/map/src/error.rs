@@ -92,6 +92,14 @@ pub enum Fault {
         /// Their endings.
         known: String,
     },
+    /// This build leaves the reader of the format out.
+    #[error(
+        "maps of this format need the feature `{feature}`, which is not in this build: build it with `--features {feature}`"
+    )]
+    LeftOut {
+        /// The Cargo feature that adds it.
+        feature: &'static str,
+    },
     /// The file is not what its ending says.
     #[error("{what}")]
     Syntax {

@@ -4,7 +4,10 @@ use asmotion_geometry::Occupancy;
 
 use crate::files::{FileFault, Files, read_at_most};
 use crate::geo_json::GeoJson;
-use crate::osm::{OsmPbf, OsmXml};
+use crate::osm::OsmPbf;
+#[cfg(feature = "maps")]
+use crate::osm::OsmXml;
+#[cfg(feature = "maps")]
 use crate::ros::RosMap;
 use crate::{Fault, Map, MapError, Rules, Where};
 
@@ -20,10 +23,18 @@ pub trait Format: Sync {
 /// Every format by its name. Where a place has files of several formats, the first row wins.
 pub const FORMATS: &[(&str, &dyn Format)] = &[
     ("geojson", &GeoJson),
+    #[cfg(feature = "maps")]
     ("ros", &RosMap),
+    #[cfg(feature = "maps")]
     ("osm", &OsmXml),
     ("osm.pbf", &OsmPbf),
 ];
+
+/// The endings of formats that a build without the feature `maps` leaves out.
+const LEFT_OUT: &[&str] = match cfg!(feature = "maps") {
+    true => &[],
+    false => &[".yaml", ".yml", ".osm", ".osm.xml"],
+};
 
 /// What a loader is told.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,6 +69,9 @@ pub fn load(files: &dyn Files, name: &str, settings: &Settings) -> Result<Map, M
     let source = Source::new(files, name, settings);
     match format_of(name) {
         Some(format) => format.load(&source, settings),
+        None if LEFT_OUT.iter().any(|ending| stem(name, ending).is_some()) => {
+            Err(source.error(Fault::LeftOut { feature: "maps" }))
+        }
         None => Err(source.error(Fault::UnknownFormat {
             known: endings().collect::<Vec<_>>().join(" "),
         })),

@@ -11,6 +11,7 @@ mod library;
 mod map;
 mod osm;
 mod projection;
+#[cfg(feature = "maps")]
 pub mod ros;
 mod rules;
 mod server;

@@ -4,6 +4,8 @@
 mod extract;
 mod pbf;
 mod rings;
+mod wire;
+#[cfg(feature = "maps")]
 mod xml;
 
 use asmotion_geometry::{Occupancy, Point};
@@ -15,6 +17,7 @@ use crate::{Fault, LonLat, Map, MapError, NamedPoint, Rule, Tags};
 use extract::Extract;
 
 /// OSM XML.
+#[cfg(feature = "maps")]
 pub struct OsmXml;
 
 /// The binary format.
@@ -23,6 +26,7 @@ pub struct OsmPbf;
 /// Side of a cell where nobody says, m: streets and yards.
 const RESOLUTION: f64 = 0.5;
 
+#[cfg(feature = "maps")]
 impl Format for OsmXml {
     fn endings(&self) -> &'static [&'static str] {
         &[".osm", ".osm.xml"]

@@ -2,10 +2,11 @@
 //!
 //! The image's lower left corner is the origin; darker is more occupied unless `negate` says otherwise.
 
-use std::io::Cursor;
+mod netpbm;
+mod picture;
 
 use asmotion_geometry::{Grid, Layout, LayoutError, Occupancy, Point, heading};
-use image::{DynamicImage, GenericImageView, ImageFormat, ImageReader, Limits};
+use picture::{Picture, Pixel};
 use serde::Deserialize;
 
 use crate::drawing::fitting;
@@ -23,7 +24,7 @@ impl Format for RosMap {
     fn load(&self, source: &Source<'_>, settings: &Settings) -> Result<Map, MapError> {
         let about = parse(source)?;
         let beside = source.beside(&about.image);
-        let image = decode(&beside, settings)?;
+        let image = picture::read(&beside, settings)?;
         let grid = grid(&about, &image).map_err(|error| source.error(error.into()))?;
         let fine = (grid.layout().width(), grid.layout().height());
         fit(grid, settings)
@@ -109,61 +110,14 @@ fn check(about: &About) -> Result<(), Fault> {
     Ok(())
 }
 
-/// The image, unless unpacking it would take more bytes than allowed.
-fn decode(source: &Source<'_>, settings: &Settings) -> Result<DynamicImage, MapError> {
-    let bytes = source.bytes()?;
-    let wrong = |error: image::ImageError| {
-        source.error(match error {
-            image::ImageError::Limits(_) => Fault::TooManyBytes {
-                limit: settings.max_bytes,
-            },
-            error => Fault::Syntax {
-                what: error.to_string(),
-            },
-        })
-    };
-    let reader = || {
-        let guessed = ImageReader::new(Cursor::new(&bytes)).with_guessed_format();
-        guessed.map_err(|error| wrong(image::ImageError::IoError(error)))
-    };
-    let (width, height) = reader()?.into_dimensions().map_err(wrong)?;
-    if u64::from(width) * u64::from(height) > settings.max_bytes {
-        return Err(source.error(Fault::TooManyBytes {
-            limit: settings.max_bytes,
-        }));
-    }
-    let mut limits = Limits::default();
-    limits.max_alloc = Some(settings.max_bytes.saturating_mul(2));
-    let mut reader = reader()?;
-    reader.limits(limits);
-    reader.decode().map_err(wrong)
-}
-
-fn grid(about: &About, image: &DynamicImage) -> Result<Grid, LayoutError> {
+fn grid(about: &About, image: &Picture) -> Result<Grid, LayoutError> {
     let origin = match about.origin[..] {
         [x, y, yaw] => heading(Point::new(x, y), yaw),
         _ => heading(Point::origin(), 0.0),
     };
-    let layout = Layout::new(about.resolution, image.width(), image.height(), origin)?;
-    let mut cells = Vec::with_capacity(layout.len());
-    let transparent = image.color().has_alpha();
-    for row in (0..image.height()).rev() {
-        for column in 0..image.width() {
-            let [red, green, blue, alpha] = image.get_pixel(column, row).0;
-            let pixel = Pixel {
-                colour: [red, green, blue],
-                alpha: transparent.then_some(alpha),
-            };
-            cells.push(about.cell(&pixel));
-        }
-    }
+    let layout = Layout::new(about.resolution, image.width, image.height, origin)?;
+    let cells = image.upwards().map(|pixel| about.cell(&pixel)).collect();
     Grid::with_cells(layout, cells)
-}
-
-struct Pixel {
-    colour: [u8; 3],
-    /// 255 is opaque; none if the image has no such channel.
-    alpha: Option<u8>,
 }
 
 impl Pixel {
@@ -275,14 +229,9 @@ pub fn save(grid: &Grid, image: &str) -> Result<(String, Vec<u8>), Fault> {
         Occupancy::Unknown => 205,
         Occupancy::Free => 254,
     });
-    let wrong = |what: String| Fault::Syntax { what };
-    let picture = image::GrayImage::from_raw(layout.width(), layout.height(), shades.collect());
-    let picture = picture.ok_or_else(|| wrong("the grid has no cells".to_owned()))?;
-    let mut bytes = Cursor::new(Vec::new());
-    picture
-        .write_to(&mut bytes, ImageFormat::Png)
-        .map_err(|error| wrong(error.to_string()))?;
-    Ok((yaml, bytes.into_inner()))
+    let shades: Vec<u8> = shades.collect();
+    let png = picture::write_png(layout.width(), layout.height(), &shades)?;
+    Ok((yaml, png))
 }
 
 #[cfg(test)]
@@ -330,17 +279,16 @@ mod tests {
 
     #[test]
     fn it_takes_transparency_for_the_unknown_when_it_scales() {
-        let mut png = Cursor::new(Vec::new());
-        let pixels = vec![0, 0, 0, 255, 0, 0, 0, 10];
-        image::RgbaImage::from_raw(2, 1, pixels)
-            .unwrap()
-            .write_to(&mut png, ImageFormat::Png)
+        let mut png = Vec::new();
+        let mut encoder = png::Encoder::new(&mut png, 2, 1);
+        encoder.set_color(png::ColorType::Rgba);
+        let mut writer = encoder.write_header().unwrap();
+        writer
+            .write_image_data(&[0, 0, 0, 255, 0, 0, 0, 10])
             .unwrap();
+        writer.finish().unwrap();
         let yaml = "image: a.png\nresolution: 1\norigin: [0, 0, 0]\nmode: scale\nnegate: 0\noccupied_thresh: 0.9\nfree_thresh: 0.1\n";
-        let files = Memory::new([
-            ("a.yaml", yaml.as_bytes().to_vec()),
-            ("a.png", png.into_inner()),
-        ]);
+        let files = Memory::new([("a.yaml", yaml.as_bytes().to_vec()), ("a.png", png)]);
         let map = load(&files, "a.yaml", &Settings::default()).unwrap();
         assert_eq!(map.grid.cells(), [100, -1]);
     }

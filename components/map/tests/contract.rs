@@ -147,10 +147,22 @@ fn it_names_the_file_that_is_missing() {
 fn it_knows_no_other_ending() {
     let files = Memory::new([("yard.dwg", "")]);
     let error = load(&files, "yard.dwg", &Settings::default()).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "yard.dwg: no map format has this ending; known are .geojson .yaml .yml .osm .osm.xml .osm.pbf .pbf"
-    );
+    let known = match cfg!(feature = "maps") {
+        true => ".geojson .yaml .yml .osm .osm.xml .osm.pbf .pbf",
+        false => ".geojson .osm.pbf .pbf",
+    };
+    let expected = format!("yard.dwg: no map format has this ending; known are {known}");
+    assert_eq!(error.to_string(), expected);
+}
+
+#[cfg(not(feature = "maps"))]
+#[test]
+fn a_format_that_was_left_out_says_how_to_get_it() {
+    let files = Memory::new([("yard.yaml", ""), ("yard.osm.gz", "")]);
+    for name in ["yard.yaml", "yard.osm.gz"] {
+        let error = load(&files, name, &Settings::default()).unwrap_err();
+        assert!(error.to_string().contains("`--features maps`"), "{error}");
+    }
 }
 
 /// Loads damaged files; that it returns is the test, and that an error names a file.
@@ -214,7 +226,7 @@ proptest! {
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..20),
         cut in any::<prop::sample::Index>(),
         insert in prop::collection::vec(any::<u8>(), 0..20),
-        format in 0..4usize,
+        format in 0..FORMATS.len(),
     ) {
         let fixture = fixture::all().swap_remove(format);
         for which in 0..fixture.files.len() {
@@ -230,10 +242,28 @@ proptest! {
     }
 
     #[test]
-    fn it_survives_noise(bytes in prop::collection::vec(any::<u8>(), 0..300), format in 0..4usize) {
+    fn it_survives_noise(bytes in prop::collection::vec(any::<u8>(), 0..300), format in 0..FORMATS.len()) {
         let fixture = fixture::all().swap_remove(format);
         for which in 0..fixture.files.len() {
             let _ = read_damaged(&fixture, which, bytes.clone());
         }
+    }
+}
+
+/// The yard as libosmium 2.20 wrote it, with a bench that has a name, and a relation that is no area.
+#[test]
+fn it_reads_what_another_program_wrote() {
+    let fixture = fixture::all().pop().unwrap();
+    let expected = read(&fixture, &Settings::default()).unwrap();
+    for bytes in [
+        &include_bytes!("data/yard-plain.osm.pbf")[..],
+        &include_bytes!("data/yard-dense.osm.pbf")[..],
+    ] {
+        let files = Memory::new([("yard.osm.pbf", bytes)]);
+        let map = load(&files, "yard.osm.pbf", &Settings::default()).unwrap();
+        assert_eq!(map.grid.layout(), expected.grid.layout());
+        check_content(&map, &fixture);
+        let names: Vec<_> = map.points.iter().map(|it| it.name.as_str()).collect();
+        assert_eq!(names, ["Tor Süd"]);
     }
 }

@@ -91,6 +91,7 @@ fn check_way(map: &Map, expected: &Expected) {
     }
 }
 
+#[cfg(feature = "maps")]
 #[test]
 fn it_crosses_bautzen() {
     check(&Expected {
@@ -102,6 +103,7 @@ fn it_crosses_bautzen() {
     });
 }
 
+#[cfg(feature = "maps")]
 #[test]
 fn it_crosses_berlin() {
     check(&Expected {

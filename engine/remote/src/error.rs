@@ -1,5 +1,6 @@
 //! What cannot be done from outside.
 
+#[cfg(feature = "amqp")]
 use asmotion_amqp::AddressError;
 use asmotion_bus::{BusError, Refusal};
 use asmotion_component::CallError;
@@ -11,6 +12,7 @@ use crate::Reason;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RemoteError {
     /// The broker's address is none.
+    #[cfg(feature = "amqp")]
     #[error(transparent)]
     Address(#[from] AddressError),
     /// The bus is not there, or does not let us.

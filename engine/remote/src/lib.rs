@@ -4,17 +4,22 @@
 //! ([`Order`]), and who does both ([`Contact`]). The outside's: [`Remote`] finds [`Component`]s, whose life cycle,
 //! properties, ports and services are at hand as if they were here. `docs/wire.md` says what goes over the wire.
 //!
+//! With the feature `amqp`, of a broker by its address:
+//!
 //! ```no_run
+//! # #[cfg(feature = "amqp")]
+//! # fn show() -> Result<(), Box<dyn std::error::Error>> {
 //! use std::time::Duration;
 //!
-//! let rover = remote::Remote::connect("amqp://ann:secret@rover1/cell", Some("navigation"))?;
+//! let rover = asmotion_remote::Remote::connect("amqp://ann:secret@rover1/cell", Some("navigation"))?;
 //! let follower = rover.component("TrajectoryFollower")?;
 //! follower.set("max_speed", 0.3)?;
 //! let map = rover.component("MapServer")?.service("maps")?;
 //! let request = asmotion_datum::Datum::record([("name", asmotion_datum::Datum::text("office"))]);
 //! map.send("getMap", request, Duration::from_secs(1))?
 //!     .then(|answer| println!("{answer:?}"))?;
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! # Ok(())
+//! # }
 //! ```
 
 mod call;

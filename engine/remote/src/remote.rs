@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+#[cfg(feature = "amqp")]
 use asmotion_amqp::{AmqpBus, Settings};
 use asmotion_bus::{
     Bell, Bus, BusError, CallFailure, Origin, Overflow, Pattern, Payload, Queue, Request,
@@ -15,6 +16,7 @@ use crate::roster::{Found, Roster, WORDS, named};
 use crate::{Component, Order, RemoteError, Sent, Wish, Word, control_address, key};
 
 /// How long to wait for a broker.
+#[cfg(feature = "amqp")]
 const CONNECT: Duration = Duration::from_secs(10);
 /// How long to listen for who is there: each process speaks once a second.
 const LISTEN: Duration = Duration::from_millis(1500);
@@ -41,6 +43,7 @@ impl Remote {
     ///
     /// # Errors
     /// The address is none, or the broker is not there or does not let us.
+    #[cfg(feature = "amqp")]
     pub fn connect(url: &str, robot: Option<&str>) -> Result<Self, RemoteError> {
         let mut settings = Settings::parse(url)?;
         settings.process = TOOL.to_owned();

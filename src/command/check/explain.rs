@@ -26,9 +26,15 @@ pub fn explain(name: Option<&str>, terminal: &mut Terminal) -> Exit {
     Exit::Usage
 }
 
-/// All codes, by family.
+/// Codes of SCDL.
+#[cfg(feature = "scdl")]
+const OF_SCDL: &[Code] = asmotion_scdl::CODES;
+#[cfg(not(feature = "scdl"))]
+const OF_SCDL: &[Code] = &[];
+
+/// All codes of this build, by family.
 fn all() -> impl Iterator<Item = &'static Code> {
-    codes::CODES.iter().chain(CODES).chain(asmotion_scdl::CODES)
+    codes::CODES.iter().chain(CODES).chain(OF_SCDL)
 }
 
 /// Returns the first code that differs from `name` in one letter or in its number of zeros.

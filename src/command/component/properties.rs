@@ -1,13 +1,13 @@
 //! Saves, loads and compares the properties of a live component.
 
 use crate::exit::Exit;
+use crate::feature::LeftOut;
 use crate::files::{Disk, reason};
 use crate::terminal::{Terminal, count};
 use asmotion_assembly::declaration::Declaration;
 use asmotion_assembly::property_file::{self, Read};
 use asmotion_lang::Loader;
 use asmotion_remote::Remote;
-use asmotion_scdl::Cpf;
 use clap::Subcommand;
 use std::error::Error;
 
@@ -103,13 +103,26 @@ fn diff(
 }
 
 /// Reads and checks the properties of a CPF file.
-fn of_rtt(cpf: Cpf, component: &str, declared: &Declaration) -> Read {
+#[cfg(feature = "scdl")]
+fn of_rtt(
+    file: &str,
+    text: &str,
+    component: &str,
+    declared: &Declaration,
+) -> Result<Read, LeftOut> {
+    let cpf = asmotion_scdl::cpf(file, text);
     let mut read = property_file::of_tree(&cpf.properties, component, declared);
     read.report.extend(cpf.report);
-    Read {
+    Ok(Read {
         sources: cpf.sources,
         ..read
-    }
+    })
+}
+
+/// Fails: CPF files are read by the reader of SCDL.
+#[cfg(not(feature = "scdl"))]
+fn of_rtt(_: &str, _: &str, _: &str, _: &Declaration) -> Result<Read, LeftOut> {
+    Err(LeftOut::new::<crate::feature::Scdl>())
 }
 
 /// Reads the file and checks it against the declaration; prints errors and returns `None` if there are any.
@@ -122,7 +135,7 @@ fn read(
     let text = text.map_err(|error| format!("cannot read `{file}`: {}", error.reason))?;
     let (name, declared) = (component.name(), component.declaration()?);
     let read = match file.ends_with(".cpf") || file.ends_with(".xml") {
-        true => of_rtt(asmotion_scdl::cpf(file, &text), name, &declared),
+        true => of_rtt(file, &text, name, &declared)?,
         false => property_file::read(file, &text, name, &declared),
     };
     terminal.report(&read.report, &read.sources);

@@ -42,10 +42,8 @@ pub fn spectator(wanted: bool, mission: &Mission) -> Result<Option<Spectator>, S
     let Some(settings) = settings else {
         return Ok(None);
     };
-    let place = settings.place();
-    let mut settings = settings.clone();
-    settings.robot = None;
-    let remote = broker::remote(settings)?;
+    let (place, remote) = broker::watch(settings);
+    let remote = remote?;
     Ok(Some(Spectator { remote, place }))
 }
 

@@ -1,24 +1,18 @@
-//! JUnit report.
+//! JUnit report, as Jenkins and GitLab read it.
+
+use std::fmt::{self, Display, Write};
+use std::path::Path;
+
+use asmotion_lang::simulate::scenario::Verdict;
+use asmotion_lang::{Style, render_all};
 
 use super::{End, Ended};
 use crate::exit::Exit;
 use crate::terminal::Terminal;
-use asmotion_lang::simulate::scenario::Verdict;
-use asmotion_lang::{Style, render_all};
-use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
-use std::path::Path;
 
-/// Writes one suite with a test case for each scenario.
+/// Writes the report: a suite, a case a scenario.
 pub fn write(file: &Path, ended: &[Ended], terminal: &mut Terminal) -> Exit {
-    let mut suite = TestSuite::new("scenarios");
-    suite.add_test_cases(ended.iter().map(case));
-    let mut report = Report::new("asmotion test");
-    report.add_test_suite(suite);
-    let written = report
-        .to_string()
-        .map_err(|error| error.to_string())
-        .and_then(|text| std::fs::write(file, text).map_err(|error| error.to_string()));
-    match written {
+    match std::fs::write(file, Report(ended).to_string()) {
         Ok(()) => Exit::Ok,
         Err(error) => {
             terminal.error(format_args!("cannot write `{}`: {error}", file.display()));
@@ -27,33 +21,91 @@ pub fn write(file: &Path, ended: &[Ended], terminal: &mut Terminal) -> Exit {
     }
 }
 
-fn case(one: &Ended) -> TestCase {
-    let kind = match one.end {
+struct Report<'a>(&'a [Ended]);
+
+/// The element of a case that went wrong; none of one that went well.
+fn trouble(end: &End) -> Option<&'static str> {
+    match end {
         End::Ran(Verdict::Pass) => None,
-        End::Ran(Verdict::Fail | Verdict::Invariant) => Some(NonSuccessKind::Failure),
-        End::Ran(Verdict::Fault) | End::Unusable => Some(NonSuccessKind::Error),
-    };
-    let status = match kind {
-        None => TestCaseStatus::success(),
-        Some(kind) => {
-            let mut status = TestCaseStatus::non_success(kind);
-            let first = one.report.diagnostics.first();
-            status
-                .set_type(one.end.word())
-                .set_message(first.map_or("", |finding| &finding.message))
-                .set_description(render_all(&one.report, &one.sources, Style::Plain));
-            status
-        }
-    };
+        End::Ran(Verdict::Fail | Verdict::Invariant) => Some("failure"),
+        End::Ran(Verdict::Fault) | End::Unusable => Some("error"),
+    }
+}
+
+impl Display for Report<'_> {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let tests = self.0.len();
+        let count = |kind| {
+            let troubles = self.0.iter().map(|it| trouble(&it.end));
+            troubles.filter(|it| *it == Some(kind)).count()
+        };
+        let (failures, errors) = (count("failure"), count("error"));
+        let counts =
+            format!(r#"tests="{tests}" skipped="0" errors="{errors}" failures="{failures}""#);
+        writeln!(to, r#"<?xml version="1.0" encoding="UTF-8"?>"#)?;
+        writeln!(to, r#"<testsuites name="asmotion test" {counts}>"#)?;
+        writeln!(to, r#"    <testsuite name="scenarios" {counts}>"#)?;
+        self.0.iter().try_for_each(|one| case(one, to))?;
+        writeln!(to, "    </testsuite>\n</testsuites>")
+    }
+}
+
+fn case(one: &Ended, to: &mut fmt::Formatter<'_>) -> fmt::Result {
     let path = one.path.display().to_string();
-    let mut case = TestCase::new(
-        if one.name.is_empty() {
-            &path
-        } else {
-            &one.name
-        },
-        status,
-    );
-    case.set_classname(path).set_time(one.took);
-    case
+    let name = match &*one.name {
+        "" => &path,
+        name => name,
+    };
+    let seconds = one.took.as_secs_f64();
+    write!(
+        to,
+        r#"        <testcase name="{}" classname="{}" time="{seconds:.3}""#,
+        Escaped(name),
+        Escaped(&path)
+    )?;
+    let Some(element) = trouble(&one.end) else {
+        return writeln!(to, "/>");
+    };
+    let first = one.report.diagnostics.first();
+    let message = first.map_or("", |finding| &finding.message);
+    let findings = render_all(&one.report, &one.sources, Style::Plain);
+    writeln!(
+        to,
+        ">\n            <{element} message=\"{}\" type=\"{}\">{}</{element}>\n        </testcase>",
+        Escaped(message),
+        Escaped(one.end.word()),
+        Escaped(&findings)
+    )
+}
+
+/// A text in XML 1.0, between tags or quotes. What XML cannot hold at all, control characters, is left out.
+struct Escaped<'a>(&'a str);
+
+impl Display for Escaped<'_> {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for letter in self.0.chars() {
+            match letter {
+                '&' => to.write_str("&amp;")?,
+                '<' => to.write_str("&lt;")?,
+                '>' => to.write_str("&gt;")?,
+                '"' => to.write_str("&quot;")?,
+                '\t' | '\n' | '\r' => to.write_char(letter)?,
+                '\0'..' ' | '\u{fffe}' | '\u{ffff}' => {}
+                _ => to.write_char(letter)?,
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_text_can_stand_in_xml() {
+        let text = "a < b && c > \"d\"\n\u{1b}[1mbold\u{0}é";
+        let escaped = "a &lt; b &amp;&amp; c &gt; &quot;d&quot;\n[1mboldé";
+        assert_eq!(Escaped(text).to_string(), escaped);
+    }
 }

@@ -33,6 +33,19 @@ pub(crate) enum Token<'input> {
     Char(&'input str),
     /// `"text"`, without quotes.
     Text(&'input str),
+    /// Stands before the tokens of a text and says what the text is; no text has it.
+    Start(TextKind),
+}
+
+/// What a text is as a whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum TextKind {
+    /// A specification.
+    File,
+    /// One rule.
+    Rule,
+    /// One term.
+    Term,
 }
 
 /// A fixed spelling for every variant; a later spelling of the same variant is its synonym.
@@ -135,6 +148,7 @@ impl Token<'_> {
             | Self::Complex(_)
             | Self::Char(_)
             | Self::Text(_) => true,
+            Self::Start(_) => false,
         }
     }
 }
@@ -147,6 +161,7 @@ impl fmt::Display for Token<'_> {
             Self::Sign(sign) => out.write_str(sign.spelling()),
             Self::Char(text) => write!(out, "'{text}'"),
             Self::Text(text) => write!(out, "\"{text}\""),
+            Self::Start(_) => Ok(()),
             Self::Name(text)
             | Self::Constant(text)
             | Self::Rule(text)

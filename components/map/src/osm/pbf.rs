@@ -1,45 +1,64 @@
-//! OSM PBF (<https://wiki.openstreetmap.org/wiki/PBF_Format>), read with osmpbf.
+//! OSM PBF (<https://wiki.openstreetmap.org/wiki/PBF_Format>): a sequence of blocks, each packed by itself, each a
+//! protobuf message. Field numbers are those of `fileformat.proto` and `osmformat.proto`.
 
-use std::io::Cursor;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
-use osmpbf::{BlobDecode, BlobReader, Element, HeaderBlock, PrimitiveBlock, RelMemberType};
+use flate2::read::ZlibDecoder;
 
 use super::extract::{Extract, Relation, Way, matters};
+use super::wire::{Field, Numbers, WireError, fields};
+use crate::error::{Fault, MapError};
+use crate::files::read_at_most;
 use crate::format::Source;
+use crate::map::LonLat;
 use crate::projection::checked;
-use crate::{Fault, LonLat, MapError, Rules, Tags};
+use crate::rules::{Rules, Tags};
+
+/// Bytes of a block's header, at most, as the format demands.
+const MAX_HEADER: usize = 64 << 10;
+
+/// Bytes of a block, unpacked, at most, as the format demands.
+const MAX_BLOCK: u64 = 32 << 20;
 
 /// The elements of the file.
 pub fn read(source: &Source<'_>, rules: &Rules) -> Result<Extract, MapError> {
     let bytes = source.bytes()?;
-    // osmpbf 0.3 panics on an unknown member type, and in debug builds on deltas that overflow; only damaged files
-    // have them, and a damaged file must not take the robot down
-    let read = catch_unwind(AssertUnwindSafe(|| blobs(&bytes, rules)));
-    let damaged = |_| syntax("a block's numbers are damaged");
-    read.map_err(damaged)
-        .flatten()
-        .map_err(|fault| source.error(fault))
+    blocks(&bytes, rules).map_err(|fault| source.error(fault))
 }
 
-fn blobs(bytes: &[u8], rules: &Rules) -> Result<Extract, Fault> {
+fn blocks(bytes: &[u8], rules: &Rules) -> Result<Extract, Fault> {
     let mut extract = Extract::default();
-    let mut headers = 0;
-    for blob in BlobReader::new(Cursor::new(bytes)) {
-        let blob = blob.map_err(syntax)?;
-        match blob.decode().map_err(syntax)? {
-            BlobDecode::OsmHeader(header) => {
-                headers += 1;
-                extract.bounds = extract.bounds.or(corners(&header)?);
+    let mut has_header = false;
+    let mut rest = bytes;
+    while !rest.is_empty() {
+        let length = take(&mut rest, 4)?.iter();
+        let length = length.fold(0, |length, byte| length << 8 | usize::from(*byte));
+        if length > MAX_HEADER {
+            return Err(syntax(
+                "is no OSM PBF file, or damaged: a block's header is too long",
+            ));
+        }
+        let (kind, length) = blob_header(take(&mut rest, length)?)?;
+        let blob = take(&mut rest, length)?;
+        match kind {
+            b"OSMHeader" => {
+                has_header = true;
+                extract.bounds = extract.bounds.or(bounds(&unpack(blob)?)?);
             }
-            BlobDecode::OsmData(block) => add_block(&mut extract, &block, rules)?,
-            BlobDecode::Unknown(_) => {}
+            b"OSMData" => add_block(&mut extract, &unpack(blob)?, rules)?,
+            // a reader leaves out what it does not know
+            _ => {}
         }
     }
-    if headers == 0 {
+    if !has_header {
         return Err(syntax("is no OSM PBF file: it has no header block"));
     }
     Ok(extract)
+}
+
+fn take<'a>(rest: &mut &'a [u8], length: usize) -> Result<&'a [u8], Fault> {
+    let cut = || syntax("ends in the middle of a block");
+    let (taken, after) = rest.split_at_checked(length).ok_or_else(cut)?;
+    *rest = after;
+    Ok(taken)
 }
 
 fn syntax(what: impl ToString) -> Fault {
@@ -48,50 +67,286 @@ fn syntax(what: impl ToString) -> Fault {
     }
 }
 
-fn corners(header: &HeaderBlock) -> Result<Option<(LonLat, LonLat)>, Fault> {
-    let Some(bounds) = header.bbox() else {
-        return Ok(None);
-    };
-    let low = checked(bounds.left, bounds.bottom)?;
-    let high = checked(bounds.right, bounds.top)?;
-    Ok(Some((low, high)))
-}
-
-fn add_block(extract: &mut Extract, block: &PrimitiveBlock, rules: &Rules) -> Result<(), Fault> {
-    block
-        .elements()
-        .try_for_each(|element| add(extract, element, rules))
-}
-
-fn add(extract: &mut Extract, element: Element<'_>, rules: &Rules) -> Result<(), Fault> {
-    match element {
-        Element::Node(node) => {
-            let place = (node.lon(), node.lat());
-            extract.add_node(node.id(), place, tags(node.tags(), rules))
-        }
-        Element::DenseNode(node) => {
-            let place = (node.lon(), node.lat());
-            extract.add_node(node.id(), place, tags(node.tags(), rules))
-        }
-        Element::Way(way) => extract.add_way(Way {
-            id: way.id(),
-            nodes: way.refs().collect(),
-            tags: tags(way.tags(), rules),
-        }),
-        Element::Relation(relation) => {
-            let members = relation.members();
-            let ways = members.filter(|member| member.member_type == RelMemberType::Way);
-            extract.add_relation(Relation {
-                ways: ways.map(|member| member.member_id).collect(),
-                tags: tags(relation.tags(), rules),
-            })
-        }
+impl From<WireError> for Fault {
+    fn from(error: WireError) -> Self {
+        syntax(format_args!("a block is damaged: {error}"))
     }
 }
 
-fn tags<'a>(pairs: impl Iterator<Item = (&'a str, &'a str)>, rules: &Rules) -> Tags {
-    let wanted = pairs.filter(|(key, _)| matters(rules, key));
-    wanted
-        .map(|(key, value)| (key.to_owned(), value.to_owned()))
-        .collect()
+/// A field that the schema requires.
+fn required<T>(found: Option<T>, what: &str) -> Result<T, Fault> {
+    found.ok_or_else(|| syntax(format_args!("a block is damaged: {what} is missing")))
+}
+
+/// The kind of the block that follows, and how many bytes it has.
+fn blob_header(message: &[u8]) -> Result<(&[u8], usize), Fault> {
+    let (mut kind, mut length) = (None, None);
+    for field in fields(message) {
+        let field = field?;
+        match field.number {
+            1 => kind = Some(field.bytes()?),
+            3 => length = usize::try_from(field.int()?).ok(),
+            _ => {}
+        }
+    }
+    let kind = required(kind, "its type")?;
+    Ok((kind, required(length, "its size")?))
+}
+
+/// The message in a block.
+fn unpack(blob: &[u8]) -> Result<Vec<u8>, Fault> {
+    for field in fields(blob) {
+        let field = field?;
+        let read = match field.number {
+            1 => read_at_most(field.bytes()?, MAX_BLOCK),
+            3 => read_at_most(ZlibDecoder::new(field.bytes()?), MAX_BLOCK),
+            4..=7 => {
+                return Err(syntax(
+                    "is packed otherwise than with zlib; `osmium cat` writes a file that is",
+                ));
+            }
+            _ => continue,
+        };
+        return read.map_err(|fault| syntax(format_args!("a block cannot be unpacked: {fault}")));
+    }
+    Err(syntax("a block is empty"))
+}
+
+/// The corners of the extract, if the header block says; they are in nanodegrees.
+fn bounds(header: &[u8]) -> Result<Option<(LonLat, LonLat)>, Fault> {
+    let mut found = None;
+    for field in fields(header) {
+        let field = field?;
+        if field.number == 1 {
+            found = Some(corners(field.bytes()?)?);
+        }
+    }
+    Ok(found)
+}
+
+fn corners(message: &[u8]) -> Result<(LonLat, LonLat), Fault> {
+    let mut sides = [None; 4];
+    for field in fields(message) {
+        let field = field?;
+        if let number @ 1..=4 = field.number {
+            sides[number as usize - 1] = Some(field.sint()? as f64 * 1e-9);
+        }
+    }
+    let [left, right, top, bottom] = sides;
+    let side = |degrees| required(degrees, "a side of the bounding box");
+    let low = checked(side(left)?, side(bottom)?)?;
+    let high = checked(side(right)?, side(top)?)?;
+    Ok((low, high))
+}
+
+/// What the elements of a block share.
+struct Block<'a> {
+    /// Keys and values of tags, by index; the first one is no string.
+    strings: Vec<&'a [u8]>,
+    /// Nanodegrees.
+    granularity: i64,
+    /// Nanodegrees.
+    longitude_offset: i64,
+    /// Nanodegrees.
+    latitude_offset: i64,
+    rules: &'a Rules,
+}
+
+fn add_block(extract: &mut Extract, message: &[u8], rules: &Rules) -> Result<(), Fault> {
+    let mut block = Block {
+        strings: Vec::new(),
+        granularity: 100,
+        longitude_offset: 0,
+        latitude_offset: 0,
+        rules,
+    };
+    // the numbers that groups are read with stand behind them
+    let mut groups = Vec::new();
+    for field in fields(message) {
+        let field = field?;
+        match field.number {
+            1 => {
+                for string in fields(field.bytes()?) {
+                    let string = string?;
+                    if string.number == 1 {
+                        block.strings.push(string.bytes()?);
+                    }
+                }
+            }
+            2 => groups.push(field.bytes()?),
+            17 => block.granularity = field.int()?,
+            19 => block.latitude_offset = field.int()?,
+            20 => block.longitude_offset = field.int()?,
+            _ => {}
+        }
+    }
+    groups
+        .iter()
+        .try_for_each(|group| block.add_group(extract, group))
+}
+
+impl Block<'_> {
+    fn add_group(&self, extract: &mut Extract, group: &[u8]) -> Result<(), Fault> {
+        for element in fields(group) {
+            let element = element?;
+            match element.number {
+                1 => self.add_node(extract, element.bytes()?)?,
+                2 => self.add_dense_nodes(extract, element.bytes()?)?,
+                3 => self.add_way(extract, element.bytes()?)?,
+                4 => self.add_relation(extract, element.bytes()?)?,
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn add_node(&self, extract: &mut Extract, message: &[u8]) -> Result<(), Fault> {
+        let (mut id, mut latitude, mut longitude) = (None, None, None);
+        let mut tags = TagIndices::default();
+        for field in fields(message) {
+            let field = field?;
+            match field.number {
+                1 => id = Some(field.sint()?),
+                8 => latitude = Some(field.sint()?),
+                9 => longitude = Some(field.sint()?),
+                _ => tags.extend(&field)?,
+            }
+        }
+        let longitude = required(longitude, "the longitude of a node")?;
+        let latitude = required(latitude, "the latitude of a node")?;
+        let place = self.place(longitude, latitude)?;
+        extract.add_node(required(id, "the id of a node")?, place, tags.read(self)?)
+    }
+
+    /// Nodes as columns: ids, latitudes, longitudes, and the tags of all, with a 0 after those of each.
+    fn add_dense_nodes(&self, extract: &mut Extract, message: &[u8]) -> Result<(), Fault> {
+        let (mut ids, mut tags) = (Numbers::default(), Numbers::default());
+        let (mut latitudes, mut longitudes) = (Numbers::default(), Numbers::default());
+        for field in fields(message) {
+            let field = field?;
+            match field.number {
+                1 => ids.extend(&field)?,
+                8 => latitudes.extend(&field)?,
+                9 => longitudes.extend(&field)?,
+                10 => tags.extend(&field)?,
+                _ => {}
+            }
+        }
+        let mut indices = tags.ints();
+        let places = longitudes.sums().zip(latitudes.sums());
+        for (id, (longitude, latitude)) in ids.sums().zip(places) {
+            let place = self.place(longitude?, latitude?)?;
+            let mut tags = Tags::new();
+            while let Some(key) = indices.next().transpose()?.filter(|key| *key != 0) {
+                let value = indices.next().transpose()?;
+                self.add_tag(&mut tags, key, required(value, "the value of a tag")?)?;
+            }
+            extract.add_node(id?, place, tags)?;
+        }
+        Ok(())
+    }
+
+    fn add_way(&self, extract: &mut Extract, message: &[u8]) -> Result<(), Fault> {
+        let (mut id, mut nodes) = (None, Numbers::default());
+        let mut tags = TagIndices::default();
+        for field in fields(message) {
+            let field = field?;
+            match field.number {
+                1 => id = Some(field.int()?),
+                8 => nodes.extend(&field)?,
+                _ => tags.extend(&field)?,
+            }
+        }
+        extract.add_way(Way {
+            id: required(id, "the id of a way")?,
+            nodes: nodes.sums().collect::<Result<_, _>>()?,
+            tags: tags.read(self)?,
+        })
+    }
+
+    fn add_relation(&self, extract: &mut Extract, message: &[u8]) -> Result<(), Fault> {
+        let (mut members, mut kinds) = (Numbers::default(), Numbers::default());
+        let mut tags = TagIndices::default();
+        for field in fields(message) {
+            let field = field?;
+            match field.number {
+                9 => members.extend(&field)?,
+                10 => kinds.extend(&field)?,
+                _ => tags.extend(&field)?,
+            }
+        }
+        let mut ways = Vec::new();
+        for (member, kind) in members.sums().zip(kinds.ints()) {
+            match (member?, kind?) {
+                (way, 1) => ways.push(way),
+                (_node_or_relation, 0 | 2) => {}
+                (_, other) => {
+                    let what =
+                        format_args!("a member of a relation is of the unknown kind {other}");
+                    return Err(syntax(what));
+                }
+            }
+        }
+        let tags = tags.read(self)?;
+        extract.add_relation(Relation { ways, tags })
+    }
+
+    /// Longitude and latitude in degrees, of numbers in the block's own unit.
+    fn place(&self, longitude: i64, latitude: i64) -> Result<(f64, f64), Fault> {
+        let degrees = |offset: i64, number: i64| {
+            let nanodegrees = number.checked_mul(self.granularity);
+            let nanodegrees = nanodegrees.and_then(|it| it.checked_add(offset));
+            Ok(1e-9 * nanodegrees.ok_or(WireError::TooLarge)? as f64)
+        };
+        let longitude: Result<f64, WireError> = degrees(self.longitude_offset, longitude);
+        Ok((longitude?, degrees(self.latitude_offset, latitude)?))
+    }
+
+    /// Adds a tag, by the indices of its strings, if it matters.
+    fn add_tag(&self, tags: &mut Tags, key: u64, value: u64) -> Result<(), Fault> {
+        let string = |index: u64| {
+            let found = usize::try_from(index)
+                .ok()
+                .and_then(|it| self.strings.get(it));
+            required(found.copied(), "a string of a tag")
+        };
+        let (key, value) = (string(key)?, string(value)?);
+        // a rule's keys are UTF-8, so another key is none of them
+        let Some(key) = str::from_utf8(key)
+            .ok()
+            .filter(|key| matters(self.rules, key))
+        else {
+            return Ok(());
+        };
+        let value = str::from_utf8(value)
+            .map_err(|_| syntax(format_args!("the value of a tag `{key}` is not UTF-8 text")))?;
+        tags.insert(key.to_owned(), value.to_owned());
+        Ok(())
+    }
+}
+
+/// The tags of an element: keys and values as indices of strings, in two columns.
+#[derive(Default)]
+struct TagIndices<'a> {
+    keys: Numbers<'a>,
+    values: Numbers<'a>,
+}
+
+impl<'a> TagIndices<'a> {
+    /// Takes over a field of a node, a way or a relation, if it is one of tags.
+    fn extend(&mut self, field: &Field<'a>) -> Result<(), WireError> {
+        match field.number {
+            2 => self.keys.extend(field),
+            3 => self.values.extend(field),
+            _ => Ok(()),
+        }
+    }
+
+    fn read(&self, block: &Block<'_>) -> Result<Tags, Fault> {
+        let mut tags = Tags::new();
+        for (key, value) in self.keys.ints().zip(self.values.ints()) {
+            block.add_tag(&mut tags, key?, value?)?;
+        }
+        Ok(tags)
+    }
 }

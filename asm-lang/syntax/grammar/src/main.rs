@@ -1,0 +1,49 @@
+//! Writes the parser of `asmotion-syntax` from its grammar: `cargo run -p asmotion-grammar`.
+//!
+//! The parser stands beside the grammar in the repository, so a build of asmotion needs neither LALRPOP nor its run. A
+//! test holds both together. This is a crate of its own because it must also work while the old parser does not
+//! compile.
+
+use std::error::Error;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    fs::write(source("grammar.rs"), generate(&source("grammar.lalrpop"))?)?;
+    Ok(())
+}
+
+/// A file among the sources of `asmotion-syntax`.
+fn source(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../src");
+    folder.join(name)
+}
+
+/// What LALRPOP makes of a grammar.
+fn generate(grammar: &Path) -> Result<String, Box<dyn Error>> {
+    let folder = tempfile::tempdir()?;
+    fs::copy(grammar, folder.path().join("grammar.lalrpop"))?;
+    lalrpop::Configuration::new()
+        .set_in_dir(folder.path())
+        .set_out_dir(folder.path())
+        .emit_comments(false)
+        .emit_whitespace(false)
+        .log_quiet()
+        .process()?;
+    Ok(fs::read_to_string(folder.path().join("grammar.rs"))?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_parser_is_that_of_the_grammar() {
+        let wanted = generate(&source("grammar.lalrpop")).unwrap();
+        let found = fs::read_to_string(source("grammar.rs")).unwrap();
+        assert!(
+            found == wanted,
+            "the grammar has changed and its parser has not: `cargo run -p asmotion-grammar` writes it anew"
+        );
+    }
+}

@@ -1,0 +1,50 @@
+//! A value in a few characters: for the story, and for the monitor's tables.
+
+use asmotion_datum::Datum;
+
+/// Elements of a list that are shown; longer ones are maps and scans.
+pub const MOST: usize = 32;
+
+/// Formats a value briefly: numbers with four decimals.
+pub fn brief(value: &Datum) -> String {
+    match value {
+        Datum::Float(number) if number.is_finite() => {
+            let shown = format!("{number:.4}");
+            let shown = shown.trim_end_matches('0').trim_end_matches('.');
+            match shown {
+                "-0" => "0".to_owned(),
+                shown => shown.to_owned(),
+            }
+        }
+        Datum::List(_) | Datum::Numbers(_) | Datum::Bytes(_) => {
+            let count = value.count().unwrap_or(0);
+            let shown = (0..count.min(MOST)).filter_map(|index| value.element(index));
+            let shown: Vec<_> = shown.map(|it| brief(&it)).collect();
+            let more = match count > MOST {
+                true => format!(", … {count} in all"),
+                false => String::new(),
+            };
+            format!("[{}{more}]", shown.join(", "))
+        }
+        Datum::Record(fields) => {
+            let fields = fields.iter();
+            let shown: Vec<_> = fields
+                .map(|(name, it)| format!("{name}: {}", brief(it)))
+                .collect();
+            format!("{{{}}}", shown.join(", "))
+        }
+        Datum::Text(text) => text.clone(),
+        Datum::Null | Datum::Bool(_) | Datum::Int(_) | Datum::Float(_) => value.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_list_is_cut() {
+        let list = Datum::List(vec![Datum::Int(1); 40]);
+        assert!(brief(&list).ends_with("1, … 40 in all]"));
+    }
+}

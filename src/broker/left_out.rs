@@ -1,0 +1,46 @@
+//! What stands for RabbitMQ in a build without it: there are no settings, so nothing is ever connected.
+
+use std::sync::Arc;
+
+use asmotion_assembly::plan;
+use asmotion_bus::{Bus, BusError};
+
+use super::Access;
+use crate::feature::{Amqp, LeftOut};
+
+/// Settings of a broker: this build has none.
+#[derive(Clone, Debug)]
+pub enum Settings {}
+
+/// Refuses: this build cannot connect to `address`.
+pub fn settings(address: &str, _: &Access) -> Result<Settings, String> {
+    Err(format!("`--bus {address}`: {}", LeftOut::new::<Amqp>()))
+}
+
+/// Refuses: this build cannot connect to the broker that a composite names.
+pub fn named(broker: &plan::Broker, _: &Access) -> Result<Settings, String> {
+    let (name, left_out) = (&broker.name, LeftOut::new::<Amqp>());
+    Err(format!(
+        "the broker `{name}` of the composite: {left_out}\n  `--bus local` runs without a broker"
+    ))
+}
+
+/// Never called: there are no settings.
+pub fn prepare(settings: &mut Settings, _: Option<String>, _: bool) {
+    match *settings {}
+}
+
+/// Never called: there are no settings.
+pub fn connect(
+    settings: &Settings,
+    _: &str,
+    _: Option<&str>,
+) -> (String, Result<Arc<dyn Bus>, BusError>) {
+    match *settings {}
+}
+
+/// Never called: there are no settings.
+#[cfg(feature = "tui")]
+pub fn watch(settings: &Settings) -> (String, Result<asmotion_remote::Remote, String>) {
+    match *settings {}
+}

@@ -1,0 +1,205 @@
+//! RabbitMQ: settings from an address and the command line, and connections.
+
+use std::io::Write;
+use std::sync::Arc;
+use std::time::Duration;
+
+use asmotion_amqp::{AmqpBus, Credentials, Identity};
+use asmotion_assembly::model::Tls;
+use asmotion_assembly::plan;
+use asmotion_bus::{Bus, BusError};
+use asmotion_remote::Remote;
+use clap::Args;
+
+use super::Access;
+
+pub use asmotion_amqp::Settings;
+
+/// Time limit for the first connection.
+const CONNECT: Duration = Duration::from_secs(10);
+
+/// Environment variable with the password.
+const PASSWORD: &str = "ASMOTION_PASSWORD";
+
+/// Options of commands that use a live broker.
+#[derive(Args, Clone)]
+pub struct Broker {
+    /// Address of the broker, `amqp://user@host:port/vhost` [default: the environment variable ASMOTION_BUS]. The
+    /// password is read from ASMOTION_PASSWORD or `--credentials`.
+    #[arg(long, global = true, value_name = "URL")]
+    bus: Option<String>,
+
+    #[command(flatten)]
+    access: Access,
+}
+
+impl Broker {
+    /// Returns the connection settings. Topics and addresses are whole keys, including the robot's name.
+    ///
+    /// # Errors
+    /// Fails if no broker is given or the password is unknown.
+    pub fn settings(&self) -> Result<Settings, String> {
+        let variable = || std::env::var("ASMOTION_BUS").ok();
+        let address =
+            self.bus.clone().or_else(variable).ok_or(
+                "which broker? Add `--bus amqp://user@host:port/vhost`, or set ASMOTION_BUS",
+            )?;
+        let mut settings = settings(&address, &self.access)?;
+        settings.process = "asmotion-tool".to_owned();
+        Ok(settings)
+    }
+
+    /// Connects to the broker to inspect the systems on it.
+    ///
+    /// # Errors
+    /// Fails if the broker is unreachable or refuses the connection.
+    pub fn remote(&self) -> Result<Remote, String> {
+        remote(self.settings()?)
+    }
+}
+
+/// Connects to a broker on behalf of a tool.
+///
+/// # Errors
+/// Fails if the broker is unreachable or refuses the connection.
+pub fn remote(mut settings: Settings) -> Result<Remote, String> {
+    settings.process = "asmotion-tool".to_owned();
+    let place = settings.place();
+    let bus = AmqpBus::connect(settings, CONNECT).map_err(|reason| {
+        format!("the broker at {place}: {reason}\n  `asmotion doctor` says how to mend it")
+    })?;
+    Remote::over(Arc::new(bus), None).map_err(|error| error.to_string())
+}
+
+/// Completes the settings of a run: the robot whose topics these are, and whether the person at the terminal hears what
+/// becomes of the link.
+pub fn prepare(settings: &mut Settings, robot: Option<String>, quiet: bool) {
+    settings.robot = robot;
+    if !quiet {
+        settings.notices = Arc::new(|notice| {
+            let _ = writeln!(anstream::stderr(), "         Bus {notice}");
+        });
+    }
+}
+
+/// The place of a broker, and the bus over it for a process of a robot, unless the settings name another robot.
+///
+/// # Errors
+/// The broker is not there, or refuses the credentials.
+pub fn connect(
+    settings: &Settings,
+    robot: &str,
+    process: Option<&str>,
+) -> (String, Result<Arc<dyn Bus>, BusError>) {
+    let mut settings = settings.clone();
+    settings.robot.get_or_insert_with(|| robot.to_owned());
+    if let Some(process) = process {
+        process.clone_into(&mut settings.process);
+    }
+    let place = settings.place();
+    let bus = AmqpBus::connect(settings, CONNECT);
+    (place, bus.map(|bus| Arc::new(bus) as Arc<dyn Bus>))
+}
+
+/// The place of a broker, and all systems on it, for the monitor beside a run.
+///
+/// # Errors
+/// The broker is not there, or refuses the credentials.
+#[cfg(feature = "tui")]
+pub fn watch(settings: &Settings) -> (String, Result<Remote, String>) {
+    let mut settings = settings.clone();
+    settings.robot = None;
+    (settings.place(), remote(settings))
+}
+
+/// Returns the settings of a broker named in a composite.
+///
+/// # Errors
+/// Fails if its address is invalid or contradicts `tls`, or if there is no password.
+pub fn named(broker: &plan::Broker, access: &Access) -> Result<Settings, String> {
+    let of = |reason: String| format!("the broker `{}` of the composite: {reason}", broker.name);
+    let address = broker.url.as_ref().map_or("", plan::Endpoint::reveal);
+    let address = match broker.tls {
+        Tls::Prefer => address.to_owned(),
+        Tls::Require => address.replacen("amqp://", "amqps://", 1),
+        Tls::Off if address.starts_with("amqps://") => {
+            return Err(of(
+                "`tls = \"off\"`, but its address says `amqps`".to_owned()
+            ));
+        }
+        Tls::Off => address.to_owned(),
+    };
+    let mut settings = settings(&address, access).map_err(of)?;
+    settings.exchange.clone_from(&broker.exchange);
+    settings.timing.first_retry = Duration::from_millis(broker.reconnect_first_ms);
+    settings.timing.last_retry = Duration::from_millis(broker.reconnect_max_ms);
+    Ok(settings)
+}
+
+/// Returns the settings for `amqp://user@host:port/vhost`. The password is read from the credentials file or the
+/// environment. A password in the address is accepted, although other users can see it in the process list.
+///
+/// # Errors
+/// Fails if the address is invalid or there is no password.
+pub fn settings(address: &str, access: &Access) -> Result<Settings, String> {
+    let (address, has_password) = with_password(address);
+    let mut settings = Settings::parse(&address).map_err(|error| error.to_string())?;
+    if let Some(tls) = &mut settings.tls {
+        tls.authority.clone_from(&access.ca);
+        let identity = access.certificate.clone().zip(access.key.clone());
+        tls.identity = identity.map(|(certificate, key)| Identity { certificate, key });
+    }
+    if let Some(file) = &access.credentials {
+        settings.credentials = Credentials::from_file(file).map_err(|error| error.to_string())?;
+    } else if !has_password {
+        let user = settings.credentials.user().to_owned();
+        let password = std::env::var(PASSWORD).map_err(|_| {
+            format!("the password of `{user}` is not known: set {PASSWORD}, or name a file with `--credentials`")
+        })?;
+        settings.credentials = Credentials::new(user, password);
+    }
+    Ok(settings)
+}
+
+/// Returns the address with a password, and whether that password belongs to the user. An address without a user gets
+/// RabbitMQ's default user, `guest`.
+fn with_password(address: &str) -> (String, bool) {
+    let user = address.split_once("://").and_then(|(scheme, rest)| {
+        let authority = rest.split('/').next().unwrap_or(rest);
+        let (user, _) = authority.rsplit_once('@')?;
+        let after = rest.get(user.len()..)?;
+        (!user.contains(':')).then(|| format!("{scheme}://{user}:{after}"))
+    });
+    match user {
+        Some(address) => (address, false),
+        None => (address.to_owned(), true),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_user_without_password_keeps_name_and_place() {
+        let (address, has_password) = with_password("amqp://ann@rover1:5673/cell");
+        assert_eq!(address, "amqp://ann:@rover1:5673/cell");
+        assert!(!has_password);
+        for whole in ["amqp://ann:secret@h", "amqp://h:5672/v", "local"] {
+            assert_eq!(with_password(whole), (whole.to_owned(), true));
+        }
+    }
+
+    #[test]
+    fn credentials_of_a_file_count() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("credentials");
+        std::fs::write(&file, "bob\nsecret\n").unwrap();
+        let access = Access {
+            credentials: Some(file),
+            ..Access::default()
+        };
+        let settings = settings("amqp://ann@h", &access).unwrap();
+        assert_eq!(settings.credentials, Credentials::new("bob", "secret"));
+    }
+}

@@ -1,0 +1,179 @@
+//! Cargo features of this build: the one place that knows which there are, what they bring, and how to get one that
+//! was left out.
+
+use std::ffi::OsString;
+use std::fmt;
+use std::marker::PhantomData;
+
+use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
+
+use crate::exit::Exit;
+use crate::terminal::Terminal;
+
+/// Part of asmotion that a build may leave out, to compile faster.
+pub trait Feature {
+    /// Name in `Cargo.toml`.
+    const NAME: &'static str;
+    /// Subject of the sentence "… is not in this build".
+    const BRINGS: &'static str;
+}
+
+/// Systems on RabbitMQ: `run --bus`, and the commands that see and drive a running system.
+pub struct Amqp;
+
+/// Services over HTTP: gateways of composites.
+pub struct Http;
+
+/// Composites of the Service Component Architecture, and RTT's property files.
+pub struct Scdl;
+
+/// Drawing on the terminal: `top` and `run --top`.
+pub struct Tui;
+
+impl Feature for Amqp {
+    const NAME: &'static str = "amqp";
+    const BRINGS: &'static str = "the bus over RabbitMQ";
+}
+
+impl Feature for Http {
+    const NAME: &'static str = "http";
+    const BRINGS: &'static str = "the gateway for services over HTTP";
+}
+
+impl Feature for Scdl {
+    const NAME: &'static str = "scdl";
+    const BRINGS: &'static str = "the reader and writer of SCDL";
+}
+
+impl Feature for Tui {
+    const NAME: &'static str = "tui";
+    const BRINGS: &'static str = "the terminal monitor";
+}
+
+/// Something was asked for that this build has no feature for. Its text says how to get it.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "{brings} is not in this build: it needs the feature `{feature}`\n  \
+     `cargo install --path . --features {feature}` adds it, `--features full` adds everything"
+)]
+pub struct LeftOut {
+    brings: &'static str,
+    feature: &'static str,
+}
+
+impl LeftOut {
+    /// The feature `F` is missing.
+    pub fn new<F: Feature>() -> Self {
+        let (brings, feature) = (F::BRINGS, F::NAME);
+        Self { brings, feature }
+    }
+}
+
+/// Stands for a command that needs the feature `F`: takes any arguments, and says how to get it.
+pub struct Without<F>(PhantomData<F>);
+
+impl<F: Feature> Without<F> {
+    /// Refuses.
+    pub fn run(self, terminal: &mut Terminal) -> Exit {
+        terminal.error(LeftOut::new::<F>());
+        Exit::Usage
+    }
+}
+
+/// The argument by which [`mark`] knows a stand-in; its help is the feature's name.
+const ANYTHING: &str = "anything";
+
+impl<F: Feature> Args for Without<F> {
+    fn augment_args(command: Command) -> Command {
+        let anything = Arg::new(ANYTHING)
+            .help(F::NAME)
+            .value_parser(clap::value_parser!(OsString))
+            .num_args(0..)
+            .trailing_var_arg(true)
+            .allow_hyphen_values(true)
+            .hide(true);
+        command.disable_help_flag(true).arg(anything)
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl<F> FromArgMatches for Without<F> {
+    fn from_arg_matches(_: &ArgMatches) -> Result<Self, clap::Error> {
+        Ok(Self(PhantomData))
+    }
+
+    fn update_from_arg_matches(&mut self, _: &ArgMatches) -> Result<(), clap::Error> {
+        Ok(())
+    }
+}
+
+/// Marks the commands that need a feature in the list of `--help`.
+pub fn mark(mut command: Command) -> Command {
+    for subcommand in command.get_subcommands_mut() {
+        let stands_in = |argument: &&Arg| argument.get_id() == ANYTHING;
+        let feature = subcommand.get_arguments().find(stands_in);
+        let Some(feature) = feature.and_then(Arg::get_help).map(ToString::to_string) else {
+            continue;
+        };
+        let about = subcommand.get_about().map(ToString::to_string);
+        let about = about.unwrap_or_default();
+        let marked = std::mem::take(subcommand);
+        *subcommand = marked.about(format!("{about} [needs the feature `{feature}`]"));
+    }
+    command
+}
+
+impl<F: Feature> fmt::Debug for Without<F> {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(to, "Without<{}>", F::NAME)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::{CommandFactory, Parser};
+
+    #[derive(Debug, Parser)]
+    #[command(name = "asmotion")]
+    enum Line {
+        /// Shows topics
+        Topic(Without<Amqp>),
+        /// Is always there
+        Check,
+    }
+
+    #[test]
+    fn a_command_that_was_left_out_takes_any_arguments() {
+        for line in [
+            "asmotion topic",
+            "asmotion topic list --bus amqp://h",
+            "asmotion topic --help",
+            "asmotion topic pub cmd_vel {x=1} -- --json -q",
+        ] {
+            let read = Line::try_parse_from(line.split(' '));
+            assert!(matches!(read, Ok(Line::Topic(_))), "{line}: {read:?}");
+        }
+        assert!(Line::try_parse_from(["asmotion", "check", "--bus"]).is_err());
+    }
+
+    #[test]
+    fn it_is_marked_where_commands_are_listed() {
+        let help = mark(Line::command()).render_help().to_string();
+        assert!(
+            help.contains("Shows topics [needs the feature `amqp`]"),
+            "{help}"
+        );
+        assert!(help.contains("Is always there\n"), "{help}");
+    }
+
+    #[test]
+    fn what_is_missing_says_how_to_get_it() {
+        let said = LeftOut::new::<Scdl>().to_string();
+        assert!(said.starts_with("the reader and writer of SCDL is not in this build"));
+        assert!(said.contains("--features scdl`"), "{said}");
+    }
+}

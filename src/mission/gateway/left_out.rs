@@ -1,0 +1,31 @@
+//! What stands for gateways in a build without them: a composite that needs none runs, another one does not.
+
+use asmotion_assembly::{Opened, Part, Plan};
+use asmotion_component::System;
+
+use super::Gateways;
+use crate::feature::{Http, LeftOut};
+use crate::mission::{Mission, MissionError};
+
+/// An open gateway: this build has none.
+pub(in crate::mission) enum Gateway {}
+
+impl Mission {
+    /// Nothing to keep open; refuses if the composite wants a gateway.
+    pub(in crate::mission) fn open_gateways(
+        &self,
+        _: &mut System,
+        _: &Opened,
+        plan: &Plan,
+        part: &Part,
+    ) -> Result<Vec<Gateway>, MissionError> {
+        let first = plan.gateways_of(part).into_iter().next();
+        match (&self.gateways, first) {
+            (Gateways::Open { .. }, Some((gateway, _))) => Err(MissionError::WithoutGateway {
+                name: gateway.name.clone(),
+                reason: LeftOut::new::<Http>(),
+            }),
+            (Gateways::Open { .. }, None) | (Gateways::Closed, _) => Ok(Vec::new()),
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! Gateways of a system that is about to run: opened where the composite or the command line says.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::Duration;
+
+use asmotion_assembly::{Opened, Part, Plan, plan};
+use asmotion_bus::Local;
+use asmotion_component::System;
+use asmotion_gateway::{Gateway, Operation, Service, Settings};
+
+use super::Gateways;
+use crate::describe::{self, Served};
+use crate::mission::{Mission, MissionError};
+
+impl Mission {
+    /// Opens the gateways for a system that is about to run.
+    pub(in crate::mission) fn open_gateways(
+        &self,
+        system: &mut System,
+        opened: &Opened,
+        plan: &Plan,
+        part: &Part,
+    ) -> Result<Vec<Gateway>, MissionError> {
+        let Gateways::Open { elsewhere, told } = &self.gateways else {
+            return Ok(Vec::new());
+        };
+        let gateways = plan.gateways_of(part);
+        let served = gateways.iter().flat_map(|(_, promoted)| promoted);
+        let served: Vec<(&str, &str)> = served.map(|it| (&*it.inside, &*it.name)).collect();
+        let bus = Arc::new(Local::new());
+        let launch =
+            |error: asmotion_component::BuildError| MissionError::Launch(error.to_string());
+        system.serve_on(bus.clone(), &served).map_err(launch)?;
+        let operations = describe::describe(opened, plan).operations;
+        let open = |(gateway, promoted): &(&plan::Gateway, Vec<&plan::Promoted>)| {
+            let other = elsewhere.iter().find(|(name, _)| *name == gateway.name);
+            let listen = other.map(|(_, address)| *address).or(gateway.listen);
+            // a missing variable has already been reported
+            let listen = listen.unwrap_or_else(|| SocketAddr::from(([127, 0, 0, 1], 0)));
+            let services = promoted.iter().map(|it| service(it, &operations));
+            let open = Gateway::open(settings(gateway, listen), services.collect(), bus.clone());
+            let open = open.map_err(|reason| MissionError::Gateway {
+                name: gateway.name.clone(),
+                reason: reason.to_string(),
+            })?;
+            (told.0)(&gateway.name, open.address());
+            Ok(open)
+        };
+        gateways.iter().map(open).collect()
+    }
+}
+
+fn settings(gateway: &plan::Gateway, listen: SocketAddr) -> Settings {
+    let count = |number: u64| usize::try_from(number).unwrap_or(usize::MAX);
+    Settings {
+        max_connections: count(gateway.max_connections),
+        max_body: count(gateway.max_body_kb.saturating_mul(1000)),
+        ..Settings::at(listen)
+    }
+}
+
+/// The interface of a promoted service for HTTP clients.
+fn service(promoted: &plan::Promoted, operations: &[Served]) -> Service {
+    let own = operations.iter();
+    let own: Vec<&Served> = own
+        .filter(|it| it.service.to_string() == promoted.inside)
+        .collect();
+    let interface = own.first().map_or("", |served| &*served.interface);
+    let operations = own.iter().map(|served| Operation {
+        name: served.operation.name.clone(),
+        request: served.operation.request.clone(),
+        response: served.operation.response.clone(),
+        one_way: served.one_way,
+    });
+    let timeout_ms = promoted.timeout_ms.unwrap_or(plan::DEFAULT_TIMEOUT_MS);
+    Service {
+        name: promoted.name.clone(),
+        interface: interface.to_owned(),
+        timeout: Duration::from_millis(timeout_ms),
+        operations: operations.collect(),
+    }
+}
