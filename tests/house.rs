@@ -2,7 +2,11 @@
 
 use cargo_metadata::{DependencyKind, MetadataCommand};
 use std::collections::BTreeSet;
+use std::path::Path;
 use std::process::Command;
+use xtask::checkout::Checkout;
+use xtask::debts::{self, HouseDebts};
+use xtask::type_names;
 
 /// The rooms from the ground up; a room uses only rooms below it.
 const FLOORS: &[&[&str]] = &[
@@ -43,8 +47,8 @@ const FLOORS: &[&[&str]] = &[
     &["asmotion-components"],
     // the front door
     &["asmotion"],
-    // chores
-    &["xtask"],
+    // tests of all wings, and chores
+    &["asmotion-robustness", "xtask"],
 ];
 
 fn floor(package: &str) -> Option<usize> {
@@ -189,5 +193,54 @@ fn j6_back_ends_are_named_only_where_systems_are_joined_and_pass_one_suite() {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(suite);
         let text = std::fs::read_to_string(path).expect(suite);
         assert!(text.contains("contract::violations("), "{suite}");
+    }
+}
+
+/// Names used through `lib.rs`, arrows that climb between first-level modules, cycles of more than five
+/// files, and type names with several meanings.
+#[test]
+fn debts_only_shrink() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let record = std::fs::read_to_string(root.join(debts::RECORD)).expect(debts::RECORD);
+    let recorded = HouseDebts::parse(&record).expect(debts::RECORD);
+    let now = HouseDebts::of(&Checkout::working_tree(root).expect("the sources"));
+    let grown = now.grown(&recorded);
+    assert!(grown.is_empty(), "{}", grown.join("\n"));
+    assert_eq!(
+        recorded,
+        now.lowered(&recorded),
+        "the code is better than {} allows: run `cargo xtask debts`",
+        debts::RECORD
+    );
+}
+
+#[test]
+fn crates_are_used_by_their_own_names() {
+    let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
+    let text = std::fs::read_to_string(manifest).expect("Cargo.toml");
+    let manifest: toml::Table = toml::from_str(&text).expect("TOML");
+    let dependencies = manifest["workspace"]["dependencies"]
+        .as_table()
+        .expect("a table");
+    assert!(dependencies.contains_key("asmotion-datum"));
+    for (name, dependency) in dependencies {
+        let renamed = dependency.get("package");
+        assert!(renamed.is_none(), "{name} is renamed: {renamed:?}");
+    }
+}
+
+/// A row of the glossary may end with a type: `| term | meaning | `Type` |`.
+#[test]
+fn terms_of_the_glossary_are_types_with_one_meaning() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(root.join("docs/glossary.md")).expect("the glossary");
+    let rows = text.lines().filter_map(|line| line.strip_suffix("` |"));
+    let names: Vec<&str> = rows.filter_map(|row| Some(row.rsplit_once("| `")?.1)).collect();
+    assert!(names.len() > 20, "{names:?}");
+    let checkout = Checkout::working_tree(root).expect("the sources");
+    let definitions = type_names::definitions(&checkout);
+    for name in names {
+        let places = definitions.get(name).map_or(&[][..], Vec::as_slice);
+        assert_eq!(places.len(), 1, "`{name}` is defined in {places:?}");
     }
 }

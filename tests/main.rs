@@ -30,6 +30,7 @@ mod routes;
 mod scenario;
 mod shell;
 mod stranger;
+mod supply;
 mod up;
 mod ways;
 mod youbot;

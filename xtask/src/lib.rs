@@ -7,10 +7,12 @@
 pub mod arms;
 pub mod build_cost;
 pub mod checkout;
+pub mod debts;
 pub mod doc_blocks;
 pub mod functions;
 pub mod graph;
 pub mod history;
+pub mod licences;
 pub mod lines;
 pub mod modules;
 pub mod report;

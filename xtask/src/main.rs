@@ -5,6 +5,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use xtask::checkout::Checkout;
+use xtask::debts::{self, HouseDebts};
 use xtask::modules::{self, CrateModules};
 use xtask::{graph, report, table, type_names};
 
@@ -22,6 +23,12 @@ enum Chore {
         /// Also measure this revision; can be repeated
         #[arg(long, value_name = "REVISION")]
         at: Vec<String>,
+    },
+    /// Lowers the recorded debts in tests/house.toml to what they are now
+    Debts {
+        /// Record debts that have grown, too
+        #[arg(long)]
+        grow: bool,
     },
     /// Lists the cycles of files and of first-level modules, and the arrows that climb
     Cycles {
@@ -51,6 +58,7 @@ fn run(chore: Chore) -> Result<(), Box<dyn Error>> {
     let root = root();
     match chore {
         Chore::House { at } => house(&root, &at),
+        Chore::Debts { grow } => debts(&root, grow),
         Chore::Cycles { package } => cycles(&root, package.as_deref()),
         Chore::Hubs { package } => hubs(&root, package.as_deref()),
         Chore::Names => names(&root),
@@ -85,6 +93,21 @@ fn names(root: &Path) -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
+}
+
+fn debts(root: &Path, grow: bool) -> Result<(), Box<dyn Error>> {
+    let path = root.join(debts::RECORD);
+    let now = HouseDebts::of(&Checkout::working_tree(root)?);
+    if grow {
+        std::fs::write(path, now.to_toml())?;
+        return Ok(());
+    }
+    let recorded = HouseDebts::parse(&std::fs::read_to_string(&path)?)?;
+    std::fs::write(path, now.lowered(&recorded).to_toml())?;
+    match now.grown(&recorded).as_slice() {
+        [] => Ok(()),
+        grown => Err(grown.join("\n").into()),
+    }
 }
 
 /// The modules of every crate, or of those of one package.

@@ -2,6 +2,7 @@
 
 use crate::arms::{self, MatchCount};
 use crate::checkout::{Checkout, CheckoutError};
+use crate::debts::LARGEST_CYCLE;
 use crate::doc_blocks::{self, DocCount};
 use crate::functions::{self, percentile};
 use crate::history::{self, Addition};
@@ -12,9 +13,6 @@ use crate::type_names::{self, NameReuse};
 use crate::{build_cost, graph};
 use std::collections::BTreeMap;
 use std::path::Path;
-
-/// Files of a cycle above which `tests/house.rs` fails.
-pub const LARGEST_CYCLE: usize = 5;
 
 /// Keys of the composite dialect, looked for in the code.
 const SAMPLE_KEYS: &[&str] = &["on_stale", "unavailable", "deadline_ms"];

@@ -1,0 +1,12 @@
+//! Properties that hold for any input of the readers of files and messages. Each function takes bytes and panics where its
+//! property does not hold; the fuzzers in `fuzz/` and the tests of this crate feed them.
+
+mod composite;
+mod message;
+mod place;
+mod xml;
+
+pub use composite::{composite, property_file};
+pub use message::{cbor, cdr, json, queue};
+pub use place::{osm, osm_pbf};
+pub use xml::{cpf, scdl};

@@ -1,0 +1,22 @@
+//! The XML formats: SCDL and CPF.
+
+use crate::composite::shown;
+use asmotion_assembly::Tables;
+
+/// A composite in SCDL ends as composite files and a report that can be shown. The files are TOML.
+pub fn scdl(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes).into_owned();
+    let imported = asmotion_scdl::import(&[("fuzz.composite".to_owned(), text)], &Tables::EMPTY);
+    shown(&imported.report, &imported.sources);
+    for (name, text) in &imported.files {
+        let table = toml::from_str::<toml::Table>(text);
+        assert!(table.is_ok(), "{name}: {table:?}\n{text}");
+    }
+}
+
+/// A file of properties in CPF ends as a table and a report that can be shown.
+pub fn cpf(bytes: &[u8]) {
+    let text = String::from_utf8_lossy(bytes);
+    let read = asmotion_scdl::cpf("fuzz.cpf", &text);
+    shown(&read.report, &read.sources);
+}

@@ -1,0 +1,213 @@
+//! The properties on files and messages with something changed in them: a bounded run of what the fuzzers do without end, the
+//! same every time.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+#[path = "../../../components/map/tests/fixture/mod.rs"]
+#[allow(dead_code, reason = "shared with the contract of map formats")]
+mod fixture;
+
+use asmotion_datum::{Codec, Datum, Message, Schema};
+use asmotion_messages::{JointStatus, LaserScan, OccupancyGrid, Odometry, Path, PoseStamped, Twist};
+use asmotion_mqueue::Layout;
+use asmotion_robustness::{cbor, cdr, composite, cpf, json, osm, osm_pbf, property_file, queue, scdl};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::path;
+
+/// Bytes that mean something to a reader of numbers and lengths.
+const EDGES: &[u8] = &[0x00, 0x01, 0x1b, 0x3b, 0x5b, 0x7f, 0x80, 0x9b, 0xbb, 0xd8, 0xf9, 0xfb, 0xfe, 0xff];
+
+/// Words that mean something to a reader of composites.
+const WORDS: &[&str] = &[
+    "\"\"", "true", "-1", "1e400", "nan", "9223372036854775807", "[]", "{}", "\"*\"", "\"${X}\"", "\"a.b\"", "[[", "'''", "\u{feff}",
+    "&#0;", "<!DOCTYPE a [<!ENTITY b \"b\">]>", "<![CDATA[", "xmlns:a=\"b\"",
+];
+
+fn files(folder: &str, ending: &str) -> Vec<Vec<u8>> {
+    let root = path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let entries = std::fs::read_dir(root.join(folder)).unwrap();
+    let mut paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
+    paths.retain(|path| path.to_string_lossy().ends_with(ending));
+    paths.sort();
+    assert!(!paths.is_empty(), "{folder} has no {ending}");
+    paths.iter().map(|path| std::fs::read(path).unwrap()).collect()
+}
+
+/// One small change to bytes.
+fn mutate_bytes(bytes: &mut Vec<u8>, random: &mut impl Rng) {
+    let at = random.random_range(0..=bytes.len());
+    let end = (at + random.random_range(0..16)).min(bytes.len());
+    let part = bytes[at..end].to_vec();
+    match random.random_range(0..6) {
+        0 => drop(bytes.drain(at..end)),
+        1 => bytes.truncate(at),
+        2 => drop(bytes.splice(at..at, part.repeat(random.random_range(1..8)))),
+        3 if at < bytes.len() => bytes[at] ^= 1 << random.random_range(0..8),
+        4 if at < bytes.len() => bytes[at] = EDGES[random.random_range(0..EDGES.len())],
+        _ => drop(bytes.splice(at..end, part.iter().map(|_| random.random::<u8>()))),
+    }
+}
+
+/// One small change to a text: of its bytes, of a word, of a line.
+fn mutate_text(bytes: &mut Vec<u8>, other: &[u8], random: &mut impl Rng) {
+    let line = |bytes: &[u8], random: &mut dyn FnMut(usize) -> usize| {
+        let starts: Vec<usize> = std::iter::once(0)
+            .chain((0..bytes.len()).filter(|at| bytes[*at] == b'\n').map(|at| at + 1))
+            .collect();
+        let index = random(starts.len());
+        let end = starts.get(index + 1).copied().unwrap_or(bytes.len());
+        starts[index]..end
+    };
+    let mut below = |limit: usize| random.random_range(0..limit);
+    let here = line(bytes, &mut below);
+    match below(5) {
+        0 => drop(bytes.drain(here)),
+        1 => {
+            let there = line(other, &mut below);
+            bytes.splice(here.start..here.start, other[there].iter().copied());
+        }
+        2 | 3 => {
+            let words: Vec<usize> = here.clone().filter(|at| !bytes[*at].is_ascii_alphanumeric()).collect();
+            if words.is_empty() {
+                return;
+            }
+            let start = words[below(words.len())] + 1;
+            let end = (start..here.end).find(|at| !bytes[*at].is_ascii_alphanumeric()).unwrap_or(here.end);
+            let word = WORDS[below(WORDS.len())];
+            bytes.splice(start.min(end)..end, word.bytes());
+        }
+        _ => mutate_bytes(bytes, random),
+    }
+}
+
+/// Feeds a property with the seeds and with so many changed ones.
+fn holds(property: fn(&[u8]), seeds: &[Vec<u8>], is_text: bool, count: usize) {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    for seed in seeds {
+        property(seed);
+    }
+    for _ in 0..count {
+        let mut bytes = seeds[random.random_range(0..seeds.len())].clone();
+        for _ in 0..random.random_range(1..4) {
+            let other = &seeds[random.random_range(0..seeds.len())];
+            match is_text {
+                true => mutate_text(&mut bytes, other, &mut random),
+                false => mutate_bytes(&mut bytes, &mut random),
+            }
+        }
+        let shown = ShownOnPanic(&bytes);
+        property(&bytes);
+        drop(shown);
+    }
+}
+
+/// Shows the input that a property panicked on.
+struct ShownOnPanic<'bytes>(&'bytes [u8]);
+
+impl Drop for ShownOnPanic<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            eprintln!("--- input:\n{}\n--- {:?}", String::from_utf8_lossy(self.0), self.0);
+        }
+    }
+}
+
+/// A message with its schema.
+fn sample<T: Message>(message: &T) -> (Datum, &'static Schema) {
+    (Datum::of(message).unwrap(), T::schema())
+}
+
+/// Messages of every shape: flat, nested, with text, with lists of numbers and of records.
+fn samples() -> Vec<(Datum, &'static Schema)> {
+    let path = Path {
+        poses: vec![PoseStamped::default(); 3],
+        ..Path::default()
+    };
+    let scan = LaserScan {
+        ranges: vec![1.5, f32::INFINITY, f32::NAN],
+        ..LaserScan::default()
+    };
+    let grid = OccupancyGrid {
+        data: vec![-1, 0, 100],
+        ..OccupancyGrid::default()
+    };
+    vec![
+        sample(&path),
+        sample(&scan),
+        sample(&grid),
+        sample(&Twist::default()),
+        sample(&Odometry::default()),
+        sample(&JointStatus::default()),
+    ]
+}
+
+fn encoded(codec: Codec) -> Vec<Vec<u8>> {
+    let encode = |(datum, schema): (Datum, &Schema)| codec.encode(&datum, schema).unwrap();
+    samples().into_iter().map(encode).collect()
+}
+
+fn map(format: &str) -> Vec<Vec<u8>> {
+    let mut found = fixture::all().into_iter().filter(|it| it.format == format);
+    vec![found.next().unwrap().files.remove(0).1]
+}
+
+#[test]
+fn composites_are_read() {
+    holds(composite, &files("engine/assembly/tests/composites", ".toml"), true, 2_000);
+}
+
+#[test]
+fn files_of_properties_are_read() {
+    let seed = b"max_speed = 0.5\nlookahead_s = 1.5\ncurve_radius_m = 0.9\nmin_curve_speed = 0.1\n".to_vec();
+    holds(property_file, &[seed], true, 2_000);
+}
+
+#[test]
+fn scdl_is_read() {
+    holds(scdl, &files("engine/scdl/tests/scdl", ".composite"), true, 2_000);
+}
+
+#[test]
+fn cpf_is_read() {
+    let seed = b"<?xml version=\"1.0\"?>\n<!DOCTYPE properties SYSTEM \"cpf.dtd\">\n<properties>\n<simple name=\"a\" type=\"double\"><value>1.5</value></simple>\n<struct name=\"b\" type=\"PropertyBag\">\n<sequence name=\"c\" type=\"s\"><simple type=\"long\"><value>3</value></simple></sequence>\n</struct>\n</properties>\n".to_vec();
+    holds(cpf, &[seed], true, 4_000);
+}
+
+#[test]
+fn cbor_is_read() {
+    holds(cbor, &encoded(Codec::Cbor), false, 20_000);
+}
+
+#[test]
+fn json_is_read() {
+    holds(json, &encoded(Codec::Json), true, 10_000);
+}
+
+#[test]
+fn cdr_is_read() {
+    holds(cdr, &encoded(Codec::Cdr), false, 2_000);
+}
+
+#[test]
+fn messages_of_queues_are_read() {
+    let encode = |(datum, schema): (Datum, &Schema)| {
+        let layout = Layout::of(schema).ok()?;
+        let mut bytes = Vec::new();
+        layout.encode(&datum, &mut bytes).ok()?;
+        Some(bytes)
+    };
+    let seeds: Vec<_> = samples().into_iter().filter_map(encode).collect();
+    assert!(seeds.len() > 1);
+    holds(queue, &seeds, false, 2_000);
+}
+
+#[test]
+fn extracts_in_xml_are_read() {
+    holds(osm, &map("osm"), true, 1_000);
+}
+
+#[test]
+fn extracts_in_pbf_are_read() {
+    holds(osm_pbf, &map("osm.pbf"), false, 3_000);
+}
