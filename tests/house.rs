@@ -21,7 +21,7 @@ const FLOORS: &[&[&str]] = &[
     &["asmotion-ir"],
     &["asmotion-machine"],
     &["asmotion-simulate", "asmotion-native"],
-    &["asm-lang"],
+    &["asmotion-lang"],
     &["asmotion-properties"],
     // the engine
     &["asmotion-datum", "asmotion-connection", "asmotion-broker"],
@@ -235,7 +235,9 @@ fn terms_of_the_glossary_are_types_with_one_meaning() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(root.join("docs/glossary.md")).expect("the glossary");
     let rows = text.lines().filter_map(|line| line.strip_suffix("` |"));
-    let names: Vec<&str> = rows.filter_map(|row| Some(row.rsplit_once("| `")?.1)).collect();
+    let names: Vec<&str> = rows
+        .filter_map(|row| Some(row.rsplit_once("| `")?.1))
+        .collect();
     assert!(names.len() > 20, "{names:?}");
     let checkout = Checkout::working_tree(root).expect("the sources");
     let definitions = type_names::definitions(&checkout);

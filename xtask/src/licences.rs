@@ -6,7 +6,10 @@ use std::collections::BTreeSet;
 ///
 /// An expression that cannot be read is not accepted.
 pub fn accepts(allowed: &BTreeSet<String>, expression: &str) -> bool {
-    let spaced = expression.replace('/', " OR ").replace('(', " ( ").replace(')', " ) ");
+    let spaced = expression
+        .replace('/', " OR ")
+        .replace('(', " ( ")
+        .replace(')', " ) ");
     let words: Vec<&str> = spaced.split_whitespace().collect();
     let mut reader = LicenceReader {
         words: &words,
@@ -72,7 +75,9 @@ mod tests {
 
     #[test]
     fn expressions_are_evaluated() {
-        let allowed: BTreeSet<String> = ["MIT", "ISC", "Apache-2.0 WITH LLVM-exception"].map(str::to_owned).into();
+        let allowed: BTreeSet<String> = ["MIT", "ISC", "Apache-2.0 WITH LLVM-exception"]
+            .map(str::to_owned)
+            .into();
         for good in [
             "MIT",
             "GPL-3.0 OR MIT",
@@ -82,7 +87,15 @@ mod tests {
         ] {
             assert!(accepts(&allowed, good), "{good}");
         }
-        for bad in ["", "GPL-3.0", "MIT AND GPL-3.0", "(MIT", "MIT OR", "Apache-2.0", "MIT ISC"] {
+        for bad in [
+            "",
+            "GPL-3.0",
+            "MIT AND GPL-3.0",
+            "(MIT",
+            "MIT OR",
+            "Apache-2.0",
+            "MIT ISC",
+        ] {
             assert!(!accepts(&allowed, bad), "{bad}");
         }
     }

@@ -1,6 +1,8 @@
 //! Composite files and files of properties.
 
-use asmotion_assembly::{AsmFiles, Context, EmptyEnvironment, Opened, Tables, expand, property_file as file};
+use asmotion_assembly::{
+    AsmFiles, Context, EmptyEnvironment, Opened, Tables, expand, property_file as file,
+};
 use asmotion_component::{Declaration, Interface};
 use asmotion_diagnostics::{Report, Sources, Style, render_all};
 use asmotion_lang::Files;
@@ -25,9 +27,16 @@ pub fn composite(bytes: &[u8]) {
         let expanded = expand(&opened, plan);
         let again = open(&expanded);
         let Some(plan) = again.plan(None) else {
-            panic!("what was expanded does not open:\n{expanded}\n{:?}", again.report);
+            panic!(
+                "what was expanded does not open:\n{expanded}\n{:?}",
+                again.report
+            );
         };
-        assert_eq!(expanded, expand(&again, plan), "it does not expand to itself");
+        assert_eq!(
+            expanded,
+            expand(&again, plan),
+            "it does not expand to itself"
+        );
     }
 }
 
@@ -41,7 +50,10 @@ fn profiles(opened: &Opened) -> Vec<Option<&str>> {
 fn open(text: &str) -> Opened {
     let mut files = Files::new();
     files.add("fuzz.toml", text);
-    files.add("machine.asm", "asm machine\nsignature:\ndefinitions:\nmain rule r_Main = skip\n");
+    files.add(
+        "machine.asm",
+        "asm machine\nsignature:\ndefinitions:\nmain rule r_Main = skip\n",
+    );
     let context = Context {
         loader: &files,
         environment: &EmptyEnvironment,
@@ -67,7 +79,10 @@ pub fn property_file(bytes: &[u8]) {
     let written = file::write(&declared, &read.properties);
     let again = file::read("again.toml", &written, "follower", &declared);
     assert!(!again.report.has_errors(), "{written}\n{:?}", again.report);
-    assert_eq!(format!("{:?}", again.properties), format!("{:?}", read.properties));
+    assert_eq!(
+        format!("{:?}", again.properties),
+        format!("{:?}", read.properties)
+    );
 }
 
 fn declaration() -> Declaration {

@@ -8,20 +8,42 @@
 mod fixture;
 
 use asmotion_datum::{Codec, Datum, Message, Schema};
-use asmotion_messages::{JointStatus, LaserScan, OccupancyGrid, Odometry, Path, PoseStamped, Twist};
+use asmotion_messages::{
+    JointStatus, LaserScan, OccupancyGrid, Odometry, Path, PoseStamped, Twist,
+};
 use asmotion_mqueue::Layout;
-use asmotion_robustness::{cbor, cdr, composite, cpf, json, osm, osm_pbf, property_file, queue, scdl};
+use asmotion_robustness::{
+    cbor, cdr, composite, cpf, json, osm, osm_pbf, property_file, queue, scdl,
+};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::path;
 
 /// Bytes that mean something to a reader of numbers and lengths.
-const EDGES: &[u8] = &[0x00, 0x01, 0x1b, 0x3b, 0x5b, 0x7f, 0x80, 0x9b, 0xbb, 0xd8, 0xf9, 0xfb, 0xfe, 0xff];
+const EDGES: &[u8] = &[
+    0x00, 0x01, 0x1b, 0x3b, 0x5b, 0x7f, 0x80, 0x9b, 0xbb, 0xd8, 0xf9, 0xfb, 0xfe, 0xff,
+];
 
 /// Words that mean something to a reader of composites.
 const WORDS: &[&str] = &[
-    "\"\"", "true", "-1", "1e400", "nan", "9223372036854775807", "[]", "{}", "\"*\"", "\"${X}\"", "\"a.b\"", "[[", "'''", "\u{feff}",
-    "&#0;", "<!DOCTYPE a [<!ENTITY b \"b\">]>", "<![CDATA[", "xmlns:a=\"b\"",
+    "\"\"",
+    "true",
+    "-1",
+    "1e400",
+    "nan",
+    "9223372036854775807",
+    "[]",
+    "{}",
+    "\"*\"",
+    "\"${X}\"",
+    "\"a.b\"",
+    "[[",
+    "'''",
+    "\u{feff}",
+    "&#0;",
+    "<!DOCTYPE a [<!ENTITY b \"b\">]>",
+    "<![CDATA[",
+    "xmlns:a=\"b\"",
 ];
 
 fn files(folder: &str, ending: &str) -> Vec<Vec<u8>> {
@@ -31,7 +53,10 @@ fn files(folder: &str, ending: &str) -> Vec<Vec<u8>> {
     paths.retain(|path| path.to_string_lossy().ends_with(ending));
     paths.sort();
     assert!(!paths.is_empty(), "{folder} has no {ending}");
-    paths.iter().map(|path| std::fs::read(path).unwrap()).collect()
+    paths
+        .iter()
+        .map(|path| std::fs::read(path).unwrap())
+        .collect()
 }
 
 /// One small change to bytes.
@@ -53,7 +78,11 @@ fn mutate_bytes(bytes: &mut Vec<u8>, random: &mut impl Rng) {
 fn mutate_text(bytes: &mut Vec<u8>, other: &[u8], random: &mut impl Rng) {
     let line = |bytes: &[u8], random: &mut dyn FnMut(usize) -> usize| {
         let starts: Vec<usize> = std::iter::once(0)
-            .chain((0..bytes.len()).filter(|at| bytes[*at] == b'\n').map(|at| at + 1))
+            .chain(
+                (0..bytes.len())
+                    .filter(|at| bytes[*at] == b'\n')
+                    .map(|at| at + 1),
+            )
             .collect();
         let index = random(starts.len());
         let end = starts.get(index + 1).copied().unwrap_or(bytes.len());
@@ -68,12 +97,17 @@ fn mutate_text(bytes: &mut Vec<u8>, other: &[u8], random: &mut impl Rng) {
             bytes.splice(here.start..here.start, other[there].iter().copied());
         }
         2 | 3 => {
-            let words: Vec<usize> = here.clone().filter(|at| !bytes[*at].is_ascii_alphanumeric()).collect();
+            let words: Vec<usize> = here
+                .clone()
+                .filter(|at| !bytes[*at].is_ascii_alphanumeric())
+                .collect();
             if words.is_empty() {
                 return;
             }
             let start = words[below(words.len())] + 1;
-            let end = (start..here.end).find(|at| !bytes[*at].is_ascii_alphanumeric()).unwrap_or(here.end);
+            let end = (start..here.end)
+                .find(|at| !bytes[*at].is_ascii_alphanumeric())
+                .unwrap_or(here.end);
             let word = WORDS[below(WORDS.len())];
             bytes.splice(start.min(end)..end, word.bytes());
         }
@@ -108,7 +142,11 @@ struct ShownOnPanic<'bytes>(&'bytes [u8]);
 impl Drop for ShownOnPanic<'_> {
     fn drop(&mut self) {
         if std::thread::panicking() {
-            eprintln!("--- input:\n{}\n--- {:?}", String::from_utf8_lossy(self.0), self.0);
+            eprintln!(
+                "--- input:\n{}\n--- {:?}",
+                String::from_utf8_lossy(self.0),
+                self.0
+            );
         }
     }
 }
@@ -154,18 +192,29 @@ fn map(format: &str) -> Vec<Vec<u8>> {
 
 #[test]
 fn composites_are_read() {
-    holds(composite, &files("engine/assembly/tests/composites", ".toml"), true, 2_000);
+    holds(
+        composite,
+        &files("engine/assembly/tests/composites", ".toml"),
+        true,
+        2_000,
+    );
 }
 
 #[test]
 fn files_of_properties_are_read() {
-    let seed = b"max_speed = 0.5\nlookahead_s = 1.5\ncurve_radius_m = 0.9\nmin_curve_speed = 0.1\n".to_vec();
+    let seed = b"max_speed = 0.5\nlookahead_s = 1.5\ncurve_radius_m = 0.9\nmin_curve_speed = 0.1\n"
+        .to_vec();
     holds(property_file, &[seed], true, 2_000);
 }
 
 #[test]
 fn scdl_is_read() {
-    holds(scdl, &files("engine/scdl/tests/scdl", ".composite"), true, 2_000);
+    holds(
+        scdl,
+        &files("engine/scdl/tests/scdl", ".composite"),
+        true,
+        2_000,
+    );
 }
 
 #[test]
