@@ -1,9 +1,13 @@
 //! The component: path, scan and odometry in; the adapted path, events and obstacles out.
 
-use asmotion_component::{Component, Cycle, Fault, Flow, In, Interface, Out, Property};
+use std::time::Duration;
+
+use asmotion_component::{
+    Component, Cycle, Fault, Flow, In, Interface, Out, Ports, Properties, PropertySet, Time,
+};
 use asmotion_geometry::{Distances, Point, heading, message};
 use asmotion_messages::{
-    Bool, Disc, Event, LaserScan, Obstacles, OccupancyGrid, Odometry, Path, Time,
+    Bool, Disc, Event, LaserScan, Obstacles, OccupancyGrid, Odometry, Path, Time as Stamp,
 };
 
 use crate::advice::{Advice, Adviser, Cause, Patience};
@@ -14,15 +18,8 @@ use crate::trail::Trail;
 
 /// `nav::TrajectoryAdapter`: passes the path on, bent around what the laser sees; says `BLOCKED` once a path.
 pub struct TrajectoryAdapter {
-    path: In<Path>,
-    scan: In<LaserScan>,
-    odom: In<Odometry>,
-    map: In<OccupancyGrid>,
-    permit: In<Bool>,
-    adapted: Out<Path>,
-    event: Out<Event>,
-    obstacles: Out<Obstacles>,
-    properties: Properties,
+    ports: AdapterPorts,
+    properties: PropertySet<AdapterProperties>,
 
     adviser: Adviser,
     trail: Trail,
@@ -30,57 +27,65 @@ pub struct TrajectoryAdapter {
     blockers: Blockers,
     /// How far each place on the map is from what the map knows.
     known: Option<Distances>,
-    /// When the newest usable scan came, ns.
-    seen: Option<i64>,
-    /// When obstacles were told last, ns, and whether there were any.
-    told: Option<(i64, bool)>,
+    /// When the newest usable scan came.
+    seen: Option<Time>,
+    /// When obstacles were published last, and whether there were any.
+    told: Option<(Time, bool)>,
 }
 
-struct Properties {
-    robot_radius: Property<f64>,
-    margin: Property<f64>,
-    comfort: Property<f64>,
-    reach: Property<f64>,
-    horizon: Property<f64>,
-    hold: Property<f64>,
-    looks: Property<u32>,
-    stuck: Property<f64>,
-    sight: Property<f64>,
-    memory: Property<f64>,
-    scan_timeout: Property<f64>,
-    map_tolerance: Property<f64>,
-    obstacles_period: Property<f64>,
-    mount: Property<[f64; 3]>,
+#[derive(Ports)]
+struct AdapterPorts {
+    /// Planned path, map frame. A path without poses is an order to stop and is passed on at once.
+    path: In<Path>,
+    /// Scan of the laser at `mount`. Until the first one arrives paths are passed on unchanged.
+    scan: In<LaserScan>,
+    /// Pose of the robot, map frame; a scan is placed by its stamp, so a buffered connection is best.
+    odom: In<Odometry>,
+    /// Optional: map whose obstacles are known. They are neither remembered nor published, and detours keep clear of
+    /// them.
+    map: In<OccupancyGrid>,
+    /// Optional: permission to drive. A robot without permission is not stuck.
+    permit: In<Bool>,
+    /// Path to follow, published whenever it changes: as planned, bent (same header and goal), or empty to stop.
+    adapted: Out<Path>,
+    /// `BLOCKED` once for a path that leads nowhere; the detail says where.
+    event: Out<Event>,
+    /// Obstacles for the planner, map frame. With a map: everything it does not show. Without: what blocked a path
+    /// lately. Always published before `BLOCKED`.
+    obstacles: Out<Obstacles>,
+}
+
+#[derive(Properties)]
+struct AdapterProperties {
+    #[property(flatten)]
+    limits: Limits,
+    #[property(flatten)]
+    patience: Patience,
+    /// Range beyond which hits of the laser are ignored.
+    #[property(unit = "m", range = 0.1..=100.0, default = 6.0)]
+    sight_m: f64,
+    /// Time for which an obstacle out of sight is remembered.
+    #[property(range = "0s"..="3600s", default = "60s")]
+    memory_s: Duration,
+    /// Time without a scan after which the robot is stopped until the laser works again.
+    #[property(range = "0s"..="60s", default = "500ms")]
+    scan_timeout_s: Duration,
+    /// Distance from an occupied cell of the map up to which a hit counts as shown by the map.
+    #[property(unit = "m", range = 0.0..=10.0, default = 0.15)]
+    map_tolerance_m: f64,
+    /// Interval between two publications of obstacles, if there is a map.
+    #[property(range = "0s"..="60s", default = "500ms")]
+    obstacles_period_s: Duration,
+    /// Pose of the laser on the robot: x m, y m, yaw rad, base frame. Must equal the laser driver's.
+    mount: [f64; 3],
 }
 
 impl TrajectoryAdapter {
     /// Declares ports and properties.
     pub fn new(interface: &mut Interface) -> Self {
         Self {
-            path: interface.input("path", "the planned path, map frame; without poses: stop"),
-            scan: interface.input(
-                "scan",
-                "what the laser sees; without any scan the path is passed on",
-            ),
-            odom: interface.input("odom", "where the robot is, map frame"),
-            map: interface.input(
-                "map",
-                "optional: what it shows is no news, and detours keep clear of it",
-            ),
-            permit: interface.input(
-                "permit",
-                "optional: whether the robot may drive; one that may not is not stuck",
-            ),
-            adapted: interface.output(
-                "adapted",
-                "the path to follow, whenever it is another; without poses: stop",
-            ),
-            event: interface.output("event", "BLOCKED once a path that leads nowhere"),
-            obstacles: interface.output(
-                "obstacles",
-                "what a planner should know: all that the map does not show, or without a map what blocked the way; map frame",
-            ),
-            properties: Properties::declare(interface),
+            ports: interface.ports(),
+            properties: interface.properties(),
             adviser: Adviser::default(),
             trail: Trail::default(),
             memory: Memory::default(),
@@ -92,54 +97,58 @@ impl TrajectoryAdapter {
     }
 
     /// Takes in where the robot is, what the map knows and what the laser sees.
-    fn perceive(&mut self, cycle: &Cycle<'_>, now: i64) -> Result<(), Fault> {
-        for odometry in cycle.all(self.odom) {
+    fn perceive(&mut self, cycle: &Cycle<'_>, now: Time) -> Result<(), Fault> {
+        for odometry in cycle.all(self.ports.odom) {
             let pose = message::pose(&odometry.pose.pose);
             self.trail.add(odometry.header.stamp.as_nanos(), pose);
         }
-        if let Flow::NewData(map) = cycle.read(self.map) {
+        if let Flow::NewData(map) = cycle.read(self.ports.map) {
             self.known = Some(Distances::to_occupied(&message::grid(map)?));
             self.memory.clear();
         }
-        if let Flow::NewData(scan) = cycle.read(self.scan) {
+        if let Flow::NewData(scan) = cycle.read(self.ports.scan) {
             let nanos = scan.header.stamp.as_nanos();
             if let Some(robot) = self.trail.at(nanos) {
-                let [x, y, yaw] = cycle.property(self.properties.mount);
+                let AdapterProperties {
+                    mount: [x, y, yaw],
+                    map_tolerance_m,
+                    sight_m,
+                    ..
+                } = *self.properties;
                 let laser = robot * heading(Point::new(x, y), yaw);
-                let tolerance = cycle.property(self.properties.map_tolerance);
-                let sight = cycle.property(self.properties.sight);
                 let known = self.known.as_ref();
-                let is_news = |point| !known.is_some_and(|known| shows(known, point, tolerance));
-                self.memory.look(scan, &laser, nanos, sight, is_news);
+                let is_news =
+                    |point| !known.is_some_and(|known| shows(known, point, map_tolerance_m));
+                self.memory.look(scan, &laser, nanos, sight_m, is_news);
                 self.seen = Some(now);
             }
         }
-        self.memory.forget_before(now - self.properties.kept(cycle));
+        let since = now - self.properties.memory_s;
+        self.memory.forget_before(since.nanos());
         Ok(())
     }
 
     /// Makes up its mind about the path.
-    fn advise(&mut self, cycle: &Cycle<'_>, now: i64) -> Advice {
-        if let Flow::NewData(path) = cycle.read(self.path) {
+    fn advise(&mut self, cycle: &Cycle<'_>, now: Time) -> Advice {
+        if let Flow::NewData(path) = cycle.read(self.ports.path) {
             let advice = self.adviser.order(path);
             if advice.path.is_some() {
                 return advice;
             }
         }
-        let timeout = (cycle.property(self.properties.scan_timeout) * 1e9) as i64;
-        let sees = self.seen.is_some_and(|at| now - at <= timeout);
+        let timeout = self.properties.scan_timeout_s;
+        let sees = self.seen.is_some_and(|at| now.since(at) <= timeout);
         match self.trail.newest() {
             Some(robot) if sees => {
-                let (limits, patience) = (
-                    self.properties.limits(cycle),
-                    self.properties.patience(cycle),
-                );
-                if (cycle.read(self.permit).any()).is_some_and(|permit| !permit.data) {
+                if (cycle.read(self.ports.permit).any()).is_some_and(|permit| !permit.data) {
                     self.adviser.wait();
                 }
-                let points = self.memory.points();
+                let AdapterProperties {
+                    limits, patience, ..
+                } = &*self.properties;
+                let (points, known) = (self.memory.points(), self.known.as_ref());
                 self.adviser
-                    .look(now, robot, points, self.known.as_ref(), &limits, &patience)
+                    .look(now, robot, points, known, limits, patience)
             }
             _ => self.adviser.blind(self.seen.is_some()),
         }
@@ -147,20 +156,18 @@ impl TrajectoryAdapter {
 
     /// Tells a planner what it should know. With a map that is everything the map does not show: now and then, at once
     /// when the way is blocked, and once when nothing is left. Without a map it is what blocked the way.
-    fn tell(&mut self, cycle: &mut Cycle<'_>, now: i64, blocked: bool) {
+    fn tell(&mut self, cycle: &mut Cycle<'_>, now: Time, blocked: bool) {
         let discs = match &self.known {
-            Some(_) => self.due(cycle, now, blocked).then(|| {
+            Some(_) => self.due(now, blocked).then(|| {
                 let points: Vec<Point> = self.memory.points().collect();
                 everything(&points)
             }),
             None => {
-                let limits = self.properties.limits(cycle);
-                let forgot = self
-                    .blockers
-                    .forget_before(now - self.properties.kept(cycle));
+                let since = now - self.properties.memory_s;
+                let forgot = self.blockers.forget_before(since.nanos());
                 if let (Some(route), true) = (self.adviser.route(), blocked) {
-                    let on_it = on_the_path(self.memory.points(), route, &limits);
-                    self.blockers.add(&on_it, now);
+                    let on_it = on_the_path(self.memory.points(), route, &self.properties.limits);
+                    self.blockers.add(&on_it, now.nanos());
                 }
                 (blocked || forgot).then(|| self.blockers.discs())
             }
@@ -171,14 +178,14 @@ impl TrajectoryAdapter {
         let had_any = self.told.is_some_and(|(_, any)| any);
         self.told = Some((now, !discs.is_empty()));
         if !discs.is_empty() || had_any {
-            cycle.write(self.obstacles, obstacles(now, &discs));
+            cycle.write(self.ports.obstacles, obstacles(now, &discs));
         }
     }
 
     /// Whether it is time to tell again.
-    fn due(&self, cycle: &Cycle<'_>, now: i64, blocked: bool) -> bool {
-        let period = (cycle.property(self.properties.obstacles_period) * 1e9) as i64;
-        blocked || self.told.is_none_or(|(at, _)| now - at >= period)
+    fn due(&self, now: Time, blocked: bool) -> bool {
+        let period = self.properties.obstacles_period_s;
+        blocked || self.told.is_none_or(|(at, _)| now.since(at) >= period)
     }
 }
 
@@ -194,15 +201,16 @@ impl Component for TrajectoryAdapter {
     }
 
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
-        let now = cycle.now().nanos();
+        let now = cycle.now();
+        self.properties.refresh(cycle);
         self.perceive(cycle, now)?;
         let advice = self.advise(cycle, now);
         if let Some(path) = advice.path {
-            cycle.write(self.adapted, path);
+            cycle.write(self.ports.adapted, path);
         }
         self.tell(cycle, now, advice.blocked.is_some());
         if let Some(cause) = advice.blocked {
-            cycle.write(self.event, blocked(now, cause));
+            cycle.write(self.ports.event, blocked(now, cause));
         }
         Ok(())
     }
@@ -215,19 +223,19 @@ fn shows(known: &Distances, point: Point, tolerance: f64) -> bool {
     distance.is_some_and(|distance| distance <= tolerance)
 }
 
-fn obstacles(now: i64, discs: &[asmotion_geometry::Disc]) -> Obstacles {
+fn obstacles(now: Time, discs: &[asmotion_geometry::Disc]) -> Obstacles {
     let disc = |disc: &asmotion_geometry::Disc| Disc {
         x: disc.centre.x,
         y: disc.centre.y,
         radius: disc.radius,
     };
     Obstacles {
-        stamp: Time::from_nanos(now),
+        stamp: Stamp::from_nanos(now.nanos()),
         discs: discs.iter().map(disc).collect(),
     }
 }
 
-fn blocked(now: i64, cause: Cause) -> Event {
+fn blocked(now: Time, cause: Cause) -> Event {
     let detail = match cause {
         Cause::Barrier(barrier) => {
             let (at, ahead) = (barrier.point, barrier.ahead);
@@ -235,150 +243,5 @@ fn blocked(now: i64, cause: Cause) -> Event {
         }
         Cause::Stuck(at) => format!("the robot gets no farther than ({:.2}, {:.2})", at.x, at.y),
     };
-    Event::new(now, Event::BLOCKED, detail)
-}
-
-impl Properties {
-    fn declare(interface: &mut Interface) -> Self {
-        let mut number =
-            |name: &str, default: f64, least: f64, most: f64, unit: &str, doc: &str| {
-                let setting = interface.setting(name, default, doc);
-                setting.range(least..=most).unit(unit).declare()
-            };
-        Self {
-            robot_radius: number(
-                "robot_radius_m",
-                0.2,
-                0.0,
-                10.0,
-                "m",
-                "of the disc that covers the robot",
-            ),
-            margin: number(
-                "margin_m",
-                0.08,
-                0.0,
-                10.0,
-                "m",
-                "between the robot and an obstacle at least",
-            ),
-            comfort: number(
-                "comfort_m",
-                0.2,
-                0.0,
-                10.0,
-                "m",
-                "between the robot and an obstacle if it costs little",
-            ),
-            reach: number(
-                "reach_m",
-                1.0,
-                0.05,
-                10.0,
-                "m",
-                "how far from the planned path a detour may lead",
-            ),
-            horizon: number(
-                "horizon_m",
-                4.0,
-                0.5,
-                50.0,
-                "m",
-                "how far ahead the path is looked at",
-            ),
-            hold: number(
-                "hold_m",
-                1.0,
-                0.0,
-                50.0,
-                "m",
-                "a barrier nearer than this stops the robot at once",
-            ),
-            stuck: number(
-                "stuck_s",
-                10.0,
-                0.5,
-                3600.0,
-                "s",
-                "a robot that gets no farther for so long is blocked",
-            ),
-            sight: number(
-                "sight_m",
-                6.0,
-                0.1,
-                100.0,
-                "m",
-                "hits farther away are not looked at",
-            ),
-            memory: number(
-                "memory_s",
-                60.0,
-                0.0,
-                3600.0,
-                "s",
-                "how long an obstacle out of sight is remembered",
-            ),
-            scan_timeout: number(
-                "scan_timeout_s",
-                0.5,
-                0.0,
-                60.0,
-                "s",
-                "without a scan for so long the robot is stopped",
-            ),
-            map_tolerance: number(
-                "map_tolerance_m",
-                0.15,
-                0.0,
-                10.0,
-                "m",
-                "a hit this near to an occupied cell is no news",
-            ),
-            obstacles_period: number(
-                "obstacles_period_s",
-                0.5,
-                0.0,
-                60.0,
-                "s",
-                "how often obstacles are told, if there is a map",
-            ),
-            looks: interface
-                .setting(
-                    "looks",
-                    3,
-                    "how many looks in a row must find no way before the path counts as blocked",
-                )
-                .range(1..=100)
-                .declare(),
-            mount: interface.property(
-                "mount",
-                [0.0; 3],
-                "the laser on the robot: x m, y m, yaw rad, base frame",
-            ),
-        }
-    }
-
-    fn limits(&self, cycle: &Cycle<'_>) -> Limits {
-        let radius = cycle.property(self.robot_radius);
-        let margin = cycle.property(self.margin);
-        Limits {
-            clearance: radius + margin,
-            comfort: radius + cycle.property(self.comfort).max(margin),
-            reach: cycle.property(self.reach),
-            horizon: cycle.property(self.horizon),
-        }
-    }
-
-    /// ns, how long things are remembered.
-    fn kept(&self, cycle: &Cycle<'_>) -> i64 {
-        (cycle.property(self.memory) * 1e9) as i64
-    }
-
-    fn patience(&self, cycle: &Cycle<'_>) -> Patience {
-        Patience {
-            looks: cycle.property(self.looks),
-            hold: cycle.property(self.hold),
-            stuck: (cycle.property(self.stuck) * 1e9) as i64,
-        }
-    }
+    Event::new(now.nanos(), Event::BLOCKED, detail)
 }

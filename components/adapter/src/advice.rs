@@ -1,20 +1,26 @@
 //! What to do about the obstacles: let the path be, bend it, hold, or give up.
 
+use std::time::Duration;
+
+use asmotion_component::{Properties, Time};
 use asmotion_geometry::{Distances, Point, Pose};
 use asmotion_messages::Path;
 
 use crate::bend::{Barrier, Bender, Limits, Obstacles, Window};
 use crate::route::Route;
 
-/// When to hold and when to give up.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// When the robot holds before an obstacle, and when its path counts as blocked.
+#[derive(Debug, Clone, Copy, PartialEq, Properties)]
 pub struct Patience {
-    /// How many looks in a row must find no way before the path counts as blocked.
+    /// Distance to a barrier below which the robot stops at the first look.
+    #[property(unit = "m", range = 0.0..=50.0, default = 1.0)]
+    pub hold_m: f64,
+    /// Time without progress on a free path after which the path counts as blocked.
+    #[property(range = "500ms"..="3600s", default = "10s")]
+    pub stuck_s: Duration,
+    /// Consecutive looks that must find no way before the path counts as blocked.
+    #[property(range = 1..=100, default = 3)]
     pub looks: u32,
-    /// m, a barrier nearer than this stops the robot at once.
-    pub hold: f64,
-    /// ns, a robot that gets no farther on a free path for so long is stuck.
-    pub stuck: i64,
 }
 
 /// Why a path leads nowhere.
@@ -58,8 +64,8 @@ pub struct Adviser {
     fruitless: u32,
     /// Whether the path leads back from a bend that is no longer needed.
     returns: bool,
-    /// m along the path and ns: how far the robot got, and when.
-    milestone: Option<(f64, i64)>,
+    /// Progress along the path, m, and when it was last made.
+    milestone: Option<(f64, Time)>,
     bender: Bender,
     /// The remembered points near the robot; kept for its memory.
     near: Vec<Point>,
@@ -133,10 +139,10 @@ impl Adviser {
         self.milestone = None;
     }
 
-    /// Looks at the way ahead of the robot, at `now` ns.
+    /// Looks at the way ahead of the robot.
     pub fn look(
         &mut self,
-        now: i64,
+        now: Time,
         robot: &Pose,
         seen: impl Iterator<Item = Point>,
         map: Option<&Distances>,
@@ -233,7 +239,7 @@ impl Adviser {
         if self.fruitless >= patience.looks {
             return self.give_up(Cause::Barrier(barrier));
         }
-        if barrier.ahead <= patience.hold && self.told != Told::Hold {
+        if barrier.ahead <= patience.hold_m && self.told != Told::Hold {
             self.told = Told::Hold;
             return say(stop);
         }
@@ -241,13 +247,13 @@ impl Adviser {
     }
 
     /// Whether the robot is on its way but gets no farther.
-    fn is_stuck(&mut self, now: i64, patience: &Patience) -> bool {
+    fn is_stuck(&mut self, now: Time, patience: &Patience) -> bool {
         let along = self.route.as_ref().and_then(Route::progress).unwrap_or(0.0);
         let left = self.route.as_ref().map_or(0.0, Route::length) - along;
         let drives = matches!(self.told, Told::Planned | Told::Bent) && left > ALMOST_THERE;
         match self.milestone {
             Some((reached, since)) if drives && (along - reached).abs() < MILESTONE => {
-                now - since >= patience.stuck
+                now.since(since) >= patience.stuck_s
             }
             _ => {
                 self.milestone = Some((along, now));
@@ -295,16 +301,17 @@ mod tests {
     use asmotion_messages::Pose as PoseMessage;
 
     const LIMITS: Limits = Limits {
-        clearance: 0.25,
-        comfort: 0.4,
-        reach: 1.0,
-        horizon: 4.0,
+        robot_radius_m: 0.2,
+        margin_m: 0.05,
+        comfort_m: 0.2,
+        reach_m: 1.0,
+        horizon_m: 4.0,
     };
 
     const PATIENCE: Patience = Patience {
+        hold_m: 1.0,
+        stuck_s: Duration::from_nanos(100),
         looks: 3,
-        hold: 1.0,
-        stuck: 100,
     };
 
     fn path() -> Path {
@@ -323,7 +330,7 @@ mod tests {
 
     fn look(adviser: &mut Adviser, x: f64, seen: &[Point]) -> Advice {
         adviser.look(
-            0,
+            Time::ZERO,
             &heading(Point::new(x, 0.0), 0.0),
             seen.iter().copied(),
             None,
@@ -418,7 +425,14 @@ mod tests {
         let mut look_at = |now: i64, x: f64| {
             let robot = heading(Point::new(x, 0.0), 0.0);
             let seen = std::iter::empty();
-            adviser.look(now, &robot, seen, None, &LIMITS, &PATIENCE)
+            adviser.look(
+                Time::from_nanos(now),
+                &robot,
+                seen,
+                None,
+                &LIMITS,
+                &PATIENCE,
+            )
         };
         look_at(0, 0.0);
         for (now, x) in [
@@ -442,7 +456,8 @@ mod tests {
         for now in 0..9 {
             let robot = heading(Point::new(7.96, 0.0), 0.0);
             let seen = std::iter::empty();
-            let advice = adviser.look(now * 50, &robot, seen, None, &LIMITS, &PATIENCE);
+            let now = Time::from_nanos(now * 50);
+            let advice = adviser.look(now, &robot, seen, None, &LIMITS, &PATIENCE);
             assert_eq!(advice.blocked, None);
         }
     }

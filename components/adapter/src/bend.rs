@@ -4,21 +4,41 @@
 //! 2010, *Optimal trajectory generation for dynamic street scenarios in a Frenét frame*; here without time). It is
 //! exact on its lattice: if it finds no way, there is none within these limits.
 
+use asmotion_component::Properties;
 use asmotion_geometry::{Distances, Point};
 
 use crate::route::Route;
 
-/// What a way has to keep to.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// The robot's size, and how far a detour may lead.
+#[derive(Debug, Clone, Copy, PartialEq, Properties)]
 pub struct Limits {
-    /// m, between the way and an obstacle at least.
-    pub clearance: f64,
-    /// m, between the way and an obstacle if it costs little.
-    pub comfort: f64,
-    /// m, how far from the planned path the way may lead, left or right.
-    pub reach: f64,
-    /// m ahead of the robot, how far the way is looked at.
-    pub horizon: f64,
+    /// Radius of the disc that covers the robot.
+    #[property(unit = "m", range = 0.0..=10.0, default = 0.2)]
+    pub robot_radius_m: f64,
+    /// Smallest distance between the robot's disc and an obstacle.
+    #[property(unit = "m", range = 0.0..=10.0, default = 0.08)]
+    pub margin_m: f64,
+    /// Preferred distance between the robot's disc and an obstacle, kept where the detour costs little.
+    #[property(unit = "m", range = 0.0..=10.0, default = 0.2)]
+    pub comfort_m: f64,
+    /// Largest distance of a detour from the planned path, to either side.
+    #[property(unit = "m", range = 0.05..=10.0, default = 1.0)]
+    pub reach_m: f64,
+    /// Length of path ahead of the robot that is checked for obstacles.
+    #[property(unit = "m", range = 0.5..=50.0, default = 4.0)]
+    pub horizon_m: f64,
+}
+
+impl Limits {
+    /// Smallest distance between the robot's centre and an obstacle, m.
+    pub fn clearance(&self) -> f64 {
+        self.robot_radius_m + self.margin_m
+    }
+
+    /// Preferred distance between the robot's centre and an obstacle, m; never less than the clearance.
+    pub fn comfort(&self) -> f64 {
+        self.robot_radius_m + self.comfort_m.max(self.margin_m)
+    }
 }
 
 /// Where no way leads past.
@@ -82,7 +102,7 @@ impl<'a> Obstacles<'a> {
         Self {
             seen,
             mapped,
-            within: limits.comfort.max(limits.clearance) + FARTHER,
+            within: limits.comfort().max(limits.clearance()) + FARTHER,
         }
     }
 
@@ -158,7 +178,7 @@ pub struct Window<'a> {
 impl Window<'_> {
     /// How many stations lie within the horizon.
     pub fn len(&self, limits: &Limits) -> usize {
-        self.route.within(self.from, limits.horizon)
+        self.route.within(self.from, limits.horizon_m)
     }
 
     /// Whether the way with these offsets at the route's stations keeps `spare` metres more than the clearance; also
@@ -204,8 +224,8 @@ impl Window<'_> {
         let planned = self.route.point(self.from + at, 0.0);
         let mapped = obstacles.mapped_distance(planned).min(here.mapped + gained);
         Room {
-            seen: limits.clearance.min(here.seen + gained),
-            mapped: limits.clearance.min(mapped),
+            seen: limits.clearance().min(here.seen + gained),
+            mapped: limits.clearance().min(mapped),
         }
     }
 }
@@ -228,7 +248,7 @@ impl Bender {
         limits: &Limits,
         obstacles: &Obstacles<'_>,
     ) -> Result<Vec<f64>, Barrier> {
-        let lanes = Lanes::new(limits.reach);
+        let lanes = Lanes::new(limits.reach_m);
         let stations = window.len(limits);
         let here = obstacles.room(window.robot);
         self.start(&lanes, window.offset, stations);
@@ -307,8 +327,8 @@ impl Bender {
                 *cost = f64::INFINITY;
                 continue;
             }
-            let spare = (limits.comfort - limits.clearance).max(1e-6);
-            let tight = ((limits.comfort - room.nearest()) / spare).clamp(0.0, 1.0);
+            let spare = (limits.comfort() - limits.clearance()).max(1e-6);
+            let tight = ((limits.comfort() - room.nearest()) / spare).clamp(0.0, 1.0);
             let change = if taken == 0.0 { 0.0 } else { offset - taken };
             *cost += OFF * offset * offset + TIGHT * tight * tight + CHANGE * change * change;
             open = true;
@@ -342,7 +362,7 @@ fn round(offsets: &mut [f64], window: &Window<'_>, limits: &Limits, obstacles: &
         let rounded = (offsets[at - 1] + 2.0 * offsets[at] + offsets[at + 1]) / 4.0;
         let nearest =
             |offset| (obstacles.room(window.route.point(window.from + at, offset))).nearest();
-        let enough = nearest(offsets[at]).min(limits.comfort);
+        let enough = nearest(offsets[at]).min(limits.comfort());
         if rounded != offsets[at] && nearest(rounded) >= enough {
             offsets[at] = rounded;
         }
@@ -383,10 +403,11 @@ mod tests {
     use proptest::prelude::*;
 
     const LIMITS: Limits = Limits {
-        clearance: 0.25,
-        comfort: 0.4,
-        reach: 1.0,
-        horizon: 4.0,
+        robot_radius_m: 0.2,
+        margin_m: 0.05,
+        comfort_m: 0.2,
+        reach_m: 1.0,
+        horizon_m: 4.0,
     };
 
     fn road() -> Route {

@@ -26,10 +26,12 @@ pub fn on_the_path(
     limits: &Limits,
 ) -> Vec<Disc> {
     let off = |point: &Point| route.distance(*point);
-    let near: Vec<Point> = points.filter(|point| off(point) <= limits.reach).collect();
+    let near: Vec<Point> = points
+        .filter(|point| off(point) <= limits.reach_m)
+        .collect();
     let mut discs = Vec::new();
     for cluster in clusters(&near) {
-        if cluster.iter().any(|point| off(point) < limits.clearance) {
+        if cluster.iter().any(|point| off(point) < limits.clearance()) {
             cover(cluster, COVER, &mut discs);
         }
     }
@@ -71,10 +73,11 @@ mod tests {
     use asmotion_messages::{Path, Pose};
 
     const LIMITS: Limits = Limits {
-        clearance: 0.25,
-        comfort: 0.4,
-        reach: 1.0,
-        horizon: 4.0,
+        robot_radius_m: 0.2,
+        margin_m: 0.05,
+        comfort_m: 0.2,
+        reach_m: 1.0,
+        horizon_m: 4.0,
     };
 
     fn points(all: &[(f64, f64)]) -> Vec<Point> {

@@ -142,7 +142,7 @@ impl Route {
 
     /// Tells which points may matter to a way within the limits from station `from` on.
     pub fn around(&self, from: usize, limits: &Limits) -> impl Fn(&Point) -> bool + use<> {
-        let until = from + self.within(from, limits.horizon);
+        let until = from + self.within(from, limits.horizon_m);
         let points = self.stations[from..until]
             .iter()
             .map(|station| station.point);
@@ -150,7 +150,7 @@ impl Route {
             let (low, high) = bounds.unwrap_or((point, point));
             Some((low.inf(&point), high.sup(&point)))
         });
-        let margin = Vector::repeat(limits.reach + limits.comfort);
+        let margin = Vector::repeat(limits.reach_m + limits.comfort());
         move |point| {
             bounds.is_some_and(|(low, high)| low - margin <= *point && *point <= high + margin)
         }

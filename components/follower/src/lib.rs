@@ -1,11 +1,11 @@
 //! The trajectory follower: regulated pure pursuit.
 //!
-//! [`Settings`] is the control law, [`Task`] what the follower is doing, [`TrajectoryFollower`] the component.
+//! [`Pursuit`] is the control law, [`Task`] the order under way, [`TrajectoryFollower`] the component.
 
 mod follower;
 mod pursuit;
 mod task;
 
 pub use follower::TrajectoryFollower;
-pub use pursuit::Settings;
+pub use pursuit::Pursuit;
 pub use task::{Motion, News, Task, Tolerance};

@@ -6,37 +6,52 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use asmotion_component::Properties;
 use asmotion_geometry::{Point, Polyline, Pose, Vector};
 use asmotion_messages::Twist;
 
-/// How to drive; the numbers of the paper under the names of Nav2's controller where it has them.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
-    /// m/s, on a straight line.
-    pub speed: f64,
-    /// m/s, never slower than this on account of a curve.
-    pub speed_in_curves: f64,
-    /// m/s, never slower than this before the goal.
-    pub speed_at_goal: f64,
-    /// rad/s, the fastest turn.
-    pub turn: f64,
-    /// m/s², the braking on which the approach to the goal counts.
+/// The control law's parameters, under the names of Nav2's controller where it has them.
+#[derive(Debug, Clone, Copy, PartialEq, Properties)]
+pub struct Pursuit {
+    /// Forward speed limit, driven on straight lines.
+    #[property(unit = "m/s", range = 0.0..=10.0, default = 0.5)]
+    pub max_speed: f64,
+    /// Lower bound of the speed in tight curves, unless `max_speed` is lower.
+    #[property(unit = "m/s", range = 0.01..=10.0, default = 0.15)]
+    pub min_curve_speed: f64,
+    /// Lower bound of the speed before the goal, unless `max_speed` is lower.
+    #[property(unit = "m/s", range = 0.01..=10.0, default = 0.05)]
+    pub min_approach_speed: f64,
+    /// Turn rate limit.
+    #[property(unit = "rad/s", range = 0.01..=20.0, default = 1.2)]
+    pub max_turn: f64,
+    /// Deceleration assumed when slowing down before the goal.
+    #[property(unit = "m/s²", range = 0.01..=50.0, default = 0.4)]
     pub braking: f64,
-    /// rad/s², the braking of a turn on the spot.
+    /// Angular deceleration assumed when turning on the spot.
+    #[property(unit = "rad/s²", range = 0.01..=100.0, default = 1.5)]
     pub turn_braking: f64,
-    /// s, how far ahead of the robot the carrot is at the present speed.
-    pub lookahead_time: f64,
-    /// m, the nearest carrot.
-    pub lookahead_min: f64,
-    /// m, the farthest carrot.
-    pub lookahead_max: f64,
-    /// m, how far the way to the carrot may leave the line.
-    pub cut: f64,
-    /// m, curves tighter than this are driven more slowly.
-    pub regulated_radius: f64,
-    /// m before the goal, from where on the robot slows down.
-    pub approach: f64,
-    /// rad, a carrot farther aside is first turned to on the spot.
+    /// Lookahead distance divided by the present speed.
+    #[property(unit = "s", range = 0.0..=60.0, default = 1.2)]
+    pub lookahead_s: f64,
+    /// Shortest lookahead distance.
+    #[property(unit = "m", range = 0.01..=100.0, default = 0.25)]
+    pub lookahead_min_m: f64,
+    /// Longest lookahead distance.
+    #[property(unit = "m", range = 0.01..=100.0, default = 0.7)]
+    pub lookahead_max_m: f64,
+    /// Largest distance between the path and the chord from the robot to the carrot; where a corner would be cut by
+    /// more, the carrot comes nearer.
+    #[property(unit = "m", range = 0.001..=10.0, default = 0.04)]
+    pub corner_cut_m: f64,
+    /// Curves with a smaller radius are driven more slowly, in proportion.
+    #[property(unit = "m", range = 0.0..=100.0, default = 0.8)]
+    pub curve_radius_m: f64,
+    /// Distance before the goal from which the robot slows down.
+    #[property(unit = "m", range = 0.0..=100.0, default = 0.6)]
+    pub approach_m: f64,
+    /// Bearing of the carrot from which the robot turns on the spot first.
+    #[property(unit = "rad", range = 0.2..=1.57, default = 0.785)]
     pub rotate_from: f64,
 }
 
@@ -46,28 +61,28 @@ const ROTATED: f64 = 0.15;
 /// The gain of a turn on the spot, 1/s.
 const ROTATE_GAIN: f64 = 3.0;
 
-impl Settings {
+impl Pursuit {
     /// How far ahead the carrot is at `speed` m/s, m.
     pub fn lookahead(&self, speed: f64) -> f64 {
-        (speed.abs() * self.lookahead_time)
-            .max(self.lookahead_min)
-            .min(self.lookahead_max.max(self.lookahead_min))
+        (speed.abs() * self.lookahead_s)
+            .max(self.lookahead_min_m)
+            .min(self.lookahead_max_m.max(self.lookahead_min_m))
     }
 
     /// The carrot for a robot at `from` whose nearest place on the line is `along` metres from the line's start: the
-    /// farthest place within the lookahead to which the straight way stays within `cut` of the line.
+    /// farthest place within the lookahead to which the straight way stays within `corner_cut_m` of the line.
     pub fn carrot(&self, line: &Polyline, from: Point, along: f64, speed: f64) -> Option<Point> {
         let mut ahead = self.lookahead(speed);
         loop {
             let carrot = place(line, along + ahead)?;
-            if ahead <= self.lookahead_min || self.keeps_to(line, from, carrot, along, ahead) {
+            if ahead <= self.lookahead_min_m || self.keeps_to(line, from, carrot, along, ahead) {
                 return Some(carrot);
             }
-            ahead = (ahead * 0.8).max(self.lookahead_min);
+            ahead = (ahead * 0.8).max(self.lookahead_min_m);
         }
     }
 
-    /// Whether the straight way from `from` to the carrot stays within `cut` of the line. A robot that is off the line
+    /// Whether the straight way from `from` to the carrot stays within `corner_cut_m` of the line. A robot that is off the line
     /// has to come back first: so much more is allowed as a straight way back needs.
     fn keeps_to(
         &self,
@@ -79,11 +94,11 @@ impl Settings {
     ) -> bool {
         let off = place(line, along).map_or(0.0, |here| (here - from).norm());
         let chord = Polyline::new([from, carrot]);
-        let samples = (ahead / self.cut.max(0.01)).ceil().min(64.0) as u32;
+        let samples = (ahead / self.corner_cut_m.max(0.01)).ceil().min(64.0) as u32;
         (1..samples)
             .map(|sample| f64::from(sample) / f64::from(samples))
             .filter_map(|share| Some((share, chord.nearest(place(line, along + ahead * share)?)?)))
-            .all(|(share, nearest)| nearest.distance <= self.cut + off * (1.0 - share))
+            .all(|(share, nearest)| nearest.distance <= self.corner_cut_m + off * (1.0 - share))
     }
 
     /// The command that drives towards `carrot` (in the body's frame) with `remaining` metres of line before the goal.
@@ -98,28 +113,33 @@ impl Settings {
         let curvature = 2.0 * carrot.y / carrot.norm_squared().max(1e-6);
         let speed = self.regulated(curvature, remaining);
         let turn = speed * curvature;
-        if turn.abs() > self.turn {
-            return Twist::planar(self.turn / curvature.abs(), self.turn.copysign(turn));
+        if turn.abs() > self.max_turn {
+            return Twist::planar(
+                self.max_turn / curvature.abs(),
+                self.max_turn.copysign(turn),
+            );
         }
         Twist::planar(speed, turn)
     }
 
     /// The speed for a curve of `curvature` 1/m with `remaining` metres of line before the goal, m/s.
     pub fn regulated(&self, curvature: f64, remaining: f64) -> f64 {
-        let in_curve = self.speed * (self.regulated_radius * curvature.abs()).max(1.0).recip();
-        let in_curve = in_curve.max(self.speed_in_curves.min(self.speed));
-        let before_goal = self.speed * (remaining / self.approach.max(1e-6)).min(1.0);
+        let in_curve = self.max_speed * (self.curve_radius_m * curvature.abs()).max(1.0).recip();
+        let in_curve = in_curve.max(self.min_curve_speed.min(self.max_speed));
+        let before_goal = self.max_speed * (remaining / self.approach_m.max(1e-6)).min(1.0);
         let stoppable = (2.0 * self.braking * remaining.max(0.0)).sqrt();
         let before_goal = before_goal
             .min(stoppable)
-            .max(self.speed_at_goal.min(self.speed));
+            .max(self.min_approach_speed.min(self.max_speed));
         in_curve.min(before_goal)
     }
 
     /// The turn on the spot by `angle` radians: as fast as it can still be stopped.
     pub fn rotate(&self, angle: f64) -> Twist {
         let stoppable = (2.0 * self.turn_braking * angle.abs()).sqrt();
-        let turn = (ROTATE_GAIN * angle.abs()).min(stoppable).min(self.turn);
+        let turn = (ROTATE_GAIN * angle.abs())
+            .min(stoppable)
+            .min(self.max_turn);
         Twist::planar(0.0, turn.copysign(angle))
     }
 }
@@ -135,19 +155,19 @@ pub(crate) mod tests {
     use asmotion_geometry::heading;
     use proptest::prelude::*;
 
-    pub const SETTINGS: Settings = Settings {
-        speed: 0.5,
-        speed_in_curves: 0.15,
-        speed_at_goal: 0.05,
-        turn: 1.2,
+    pub const PURSUIT: Pursuit = Pursuit {
+        max_speed: 0.5,
+        min_curve_speed: 0.15,
+        min_approach_speed: 0.05,
+        max_turn: 1.2,
         braking: 0.4,
         turn_braking: 1.5,
-        lookahead_time: 1.2,
-        lookahead_min: 0.25,
-        lookahead_max: 0.7,
-        cut: 0.05,
-        regulated_radius: 0.8,
-        approach: 0.6,
+        lookahead_s: 1.2,
+        lookahead_min_m: 0.25,
+        lookahead_max_m: 0.7,
+        corner_cut_m: 0.05,
+        curve_radius_m: 0.8,
+        approach_m: 0.6,
         rotate_from: 0.785,
     };
 
@@ -156,14 +176,14 @@ pub(crate) mod tests {
     }
 
     fn driven(x: f64, y: f64, remaining: f64) -> (f64, f64) {
-        let twist = SETTINGS.drive(Vector::new(x, y), remaining, &mut false);
+        let twist = PURSUIT.drive(Vector::new(x, y), remaining, &mut false);
         (twist.linear.x, twist.angular.z)
     }
 
     #[test]
     fn it_looks_farther_ahead_when_it_is_faster() {
         for (speed, ahead) in [(0.0, 0.25), (0.5, 0.6), (-0.5, 0.6), (2.0, 0.7)] {
-            assert_eq!(SETTINGS.lookahead(speed), ahead);
+            assert_eq!(PURSUIT.lookahead(speed), ahead);
         }
     }
 
@@ -189,7 +209,7 @@ pub(crate) mod tests {
             (50.0, 0.001, 0.05),
         ] {
             assert!(
-                (SETTINGS.regulated(curvature, remaining) - speed).abs() < 1e-9,
+                (PURSUIT.regulated(curvature, remaining) - speed).abs() < 1e-9,
                 "{curvature} {remaining}"
             );
         }
@@ -200,7 +220,7 @@ pub(crate) mod tests {
         let mut rotating = false;
         let mut towards = |angle: f64| {
             let carrot = Vector::new(angle.cos(), angle.sin());
-            SETTINGS.drive(carrot, 9.0, &mut rotating).linear.x > 0.0
+            PURSUIT.drive(carrot, 9.0, &mut rotating).linear.x > 0.0
         };
         assert!(towards(0.7));
         assert!(!towards(0.8));
@@ -216,11 +236,11 @@ pub(crate) mod tests {
     #[test]
     fn it_does_not_cut_corners() {
         let corner = line(&[(0.0, 0.0), (2.0, 0.0), (2.0, 2.0)]);
-        let far = SETTINGS
+        let far = PURSUIT
             .carrot(&corner, Point::new(0.5, 0.0), 0.5, 0.5)
             .unwrap();
         assert!((far - Point::new(1.1, 0.0)).norm() < 1e-9);
-        let near = SETTINGS
+        let near = PURSUIT
             .carrot(&corner, Point::new(1.7, 0.0), 1.7, 0.5)
             .unwrap();
         assert!((near - Point::new(2.0, 0.0)).norm() < 0.15, "{near}");
@@ -230,11 +250,11 @@ pub(crate) mod tests {
     fn the_end_of_the_line_is_the_last_carrot() {
         let short = line(&[(0.0, 0.0), (0.3, 0.0)]);
         assert_eq!(
-            SETTINGS.carrot(&short, Point::origin(), 0.0, 0.5),
+            PURSUIT.carrot(&short, Point::origin(), 0.0, 0.5),
             Some(Point::new(0.3, 0.0))
         );
         assert_eq!(
-            SETTINGS.carrot(&Polyline::default(), Point::origin(), 0.0, 0.5),
+            PURSUIT.carrot(&Polyline::default(), Point::origin(), 0.0, 0.5),
             None
         );
     }
@@ -242,9 +262,9 @@ pub(crate) mod tests {
     proptest! {
         #[test]
         fn it_never_drives_faster_than_it_may(x in -2.0..2.0, y in -2.0..2.0, remaining in 0.0..5.0, rotating: bool) {
-            let twist = SETTINGS.drive(Vector::new(x, y), remaining, &mut rotating.clone());
-            prop_assert!((0.0..=SETTINGS.speed).contains(&twist.linear.x));
-            prop_assert!(twist.angular.z.abs() <= SETTINGS.turn);
+            let twist = PURSUIT.drive(Vector::new(x, y), remaining, &mut rotating.clone());
+            prop_assert!((0.0..=PURSUIT.max_speed).contains(&twist.linear.x));
+            prop_assert!(twist.angular.z.abs() <= PURSUIT.max_turn);
         }
 
         #[test]
@@ -254,9 +274,9 @@ pub(crate) mod tests {
             for _ in 0..400 {
                 let here = Point::from(pose.translation.vector);
                 let along = straight.nearest(here).unwrap().along;
-                let carrot = SETTINGS.carrot(&straight, here, along, speed).unwrap();
+                let carrot = PURSUIT.carrot(&straight, here, along, speed).unwrap();
                 let carrot = pose.inverse() * carrot;
-                let twist = SETTINGS.drive(carrot.coords, 20.0 - along, &mut rotating);
+                let twist = PURSUIT.drive(carrot.coords, 20.0 - along, &mut rotating);
                 speed = twist.linear.x;
                 let moved = pose * Point::new(speed * 0.05, 0.0);
                 pose = heading(moved, asmotion_geometry::yaw(&pose) + twist.angular.z * 0.05);

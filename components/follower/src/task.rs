@@ -1,21 +1,29 @@
 //! What the follower is doing: following a path to its end, or coming to a stand; and what it has to say about it.
 
+use asmotion_component::Properties;
 use asmotion_geometry::{Nearest, Point, Polyline, Pose, message, turn, yaw};
 use asmotion_messages::{Path, Time, Twist};
 
-use crate::pursuit::Settings;
+use crate::pursuit::Pursuit;
 
-/// When the robot is there.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// When the goal counts as reached, and the robot as standing.
+#[derive(Debug, Clone, Copy, PartialEq, Properties)]
 pub struct Tolerance {
-    /// m, from the last pose of the path.
-    pub position: f64,
-    /// rad, from the heading of the last pose; none if the heading does not matter.
-    pub heading: Option<f64>,
-    /// m/s, slower than this the robot stands.
-    pub standing: f64,
-    /// rad/s, slower than this it stands.
+    /// Distance from the last pose of the path within which the goal is reached.
+    #[property(unit = "m", range = 0.005..=10.0, default = 0.05)]
+    pub goal_tolerance_m: f64,
+    /// Deviation from the heading of the last pose within which the goal is reached.
+    #[property(unit = "rad", range = 0.01..=3.2, default = 0.1)]
+    pub heading_tolerance: f64,
+    /// Forward speed up to which the robot counts as standing.
+    #[property(unit = "m/s", range = 1e-6..=1.0, default = 0.01)]
+    pub standing_speed: f64,
+    /// Turn rate up to which the robot counts as standing.
+    #[property(unit = "rad/s", range = 1e-6..=1.0, default = 0.02)]
     pub standing_turn: f64,
+    /// Whether the robot turns to the heading of the last pose; `heading_tolerance` counts only then.
+    #[property(default = true)]
+    pub goal_heading: bool,
 }
 
 /// Where the robot is and how it moves, as its odometry says.
@@ -131,11 +139,11 @@ impl Task {
     /// The command for now, and what there is to say.
     pub fn step(
         &mut self,
-        settings: &Settings,
+        pursuit: &Pursuit,
         tolerance: &Tolerance,
         motion: &Motion,
     ) -> (Twist, Option<News>) {
-        let stands = motion.speed.abs() <= tolerance.standing
+        let stands = motion.speed.abs() <= tolerance.standing_speed
             && motion.turn.abs() <= tolerance.standing_turn;
         match self {
             Self::Idle | Self::Arrived(_) => (Twist::default(), None),
@@ -144,7 +152,7 @@ impl Task {
                 (Twist::default(), Some(News::Halted))
             }
             Self::Stop => (Twist::default(), None),
-            Self::Follow(route) => match route.step(settings, tolerance, motion) {
+            Self::Follow(route) => match route.step(pursuit, tolerance, motion) {
                 Some(twist) => (twist, None),
                 None if stands => {
                     *self = Self::Arrived(route.identity);
@@ -174,26 +182,21 @@ impl Task {
 
 impl Route {
     /// The command on the way; none once at the goal.
-    fn step(
-        &mut self,
-        settings: &Settings,
-        tolerance: &Tolerance,
-        motion: &Motion,
-    ) -> Option<Twist> {
+    fn step(&mut self, pursuit: &Pursuit, tolerance: &Tolerance, motion: &Motion) -> Option<Twist> {
         let here = Point::from(motion.pose.translation.vector);
         let from_goal = (Point::from(self.goal.translation.vector) - here).norm();
         // once there, a little drift while turning does not send the robot off again
-        let near = if self.there { 2.0 } else { 1.0 } * tolerance.position;
+        let near = if self.there { 2.0 } else { 1.0 } * tolerance.goal_tolerance_m;
         self.there = from_goal <= near;
         if self.there {
-            return self.align(settings, tolerance, motion);
+            return self.align(pursuit, tolerance, motion);
         }
         let along = self.nearest(here)?.along;
         self.progress = Some(along);
-        let carrot = settings.carrot(&self.line, here, along, motion.speed)?;
+        let carrot = pursuit.carrot(&self.line, here, along, motion.speed)?;
         let carrot = motion.pose.inverse() * carrot;
         let remaining = (self.line.length() - along).max(from_goal);
-        Some(settings.drive(carrot.coords, remaining, &mut self.rotating))
+        Some(pursuit.drive(carrot.coords, remaining, &mut self.rotating))
     }
 
     /// The place of the robot: near its last one, at the beginning near the start, and only else anywhere.
@@ -209,24 +212,25 @@ impl Route {
     }
 
     /// The turn to the goal's heading; none once it is right, or does not matter.
-    fn align(&self, settings: &Settings, tolerance: &Tolerance, motion: &Motion) -> Option<Twist> {
+    fn align(&self, pursuit: &Pursuit, tolerance: &Tolerance, motion: &Motion) -> Option<Twist> {
         let wrong = turn(yaw(&motion.pose), yaw(&self.goal));
-        let tolerated = tolerance.heading?;
-        (wrong.abs() > tolerated).then(|| settings.rotate(wrong))
+        let matters = tolerance.goal_heading && wrong.abs() > tolerance.heading_tolerance;
+        matters.then(|| pursuit.rotate(wrong))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pursuit::tests::SETTINGS;
+    use crate::pursuit::tests::PURSUIT;
     use asmotion_geometry::heading;
 
     const TOLERANCE: Tolerance = Tolerance {
-        position: 0.05,
-        heading: Some(0.1),
-        standing: 0.01,
+        goal_tolerance_m: 0.05,
+        heading_tolerance: 0.1,
+        standing_speed: 0.01,
         standing_turn: 0.02,
+        goal_heading: true,
     };
 
     fn path(nanos: i64, goal_yaw: f64) -> Path {
@@ -249,7 +253,7 @@ mod tests {
     }
 
     fn step(task: &mut Task, motion: Motion) -> (f64, f64, Option<News>) {
-        let (twist, news) = task.step(&SETTINGS, &TOLERANCE, &motion);
+        let (twist, news) = task.step(&PURSUIT, &TOLERANCE, &motion);
         (twist.linear.x, twist.angular.z, news)
     }
 
@@ -288,13 +292,11 @@ mod tests {
         let mut careless = Task::default();
         careless.order(&path(1, 1.0));
         let whatever = Tolerance {
-            heading: None,
+            goal_heading: false,
             ..TOLERANCE
         };
         assert_eq!(
-            careless
-                .step(&SETTINGS, &whatever, &motion(2.0, 0.0, 0.0))
-                .1,
+            careless.step(&PURSUIT, &whatever, &motion(2.0, 0.0, 0.0)).1,
             Some(News::Reached)
         );
     }

@@ -1,26 +1,36 @@
 //! One sweep of the laser: beams through the scene, noise on the ranges, REP-117 for what is no range.
 
+use std::f64::consts::PI;
+
+use asmotion_component::Properties;
 use asmotion_geometry::{Point, Pose, Scene, Vector};
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 
-/// How the laser measures. The default has no beams.
-#[derive(Debug, Clone, PartialEq, Default)]
+/// Geometry and errors of the laser.
+#[derive(Debug, Clone, PartialEq, Properties)]
 pub struct Optics {
-    /// How many beams.
-    pub beams: usize,
-    /// rad, of the first beam; 0 is straight ahead of the laser.
-    pub angle_min: f64,
-    /// rad, of the last beam.
-    pub angle_max: f64,
-    /// m, the nearest measurable range.
-    pub range_min: f64,
-    /// m, the farthest measurable range.
-    pub range_max: f64,
-    /// m, standard deviation of the noise on a range.
-    pub noise: f64,
-    /// The share of beams, 0..=1, whose measurement fails.
+    /// Standard deviation of a range.
+    #[property(unit = "m", range = 0.0..=10.0, default = 0.01)]
+    pub noise_m: f64,
+    /// Share of beams whose measurement fails (NaN).
+    #[property(range = 0.0..=1.0)]
     pub dropout: f64,
+    /// Bearing of the first beam, counter-clockwise; 0 is straight ahead of the laser.
+    #[property(unit = "rad", range = -2.0 * PI..=2.0 * PI, default = -PI)]
+    pub angle_min: f64,
+    /// Bearing of the last beam.
+    #[property(unit = "rad", range = -2.0 * PI..=2.0 * PI, default = PI)]
+    pub angle_max: f64,
+    /// Shortest measurable range; a nearer hit reads -Inf.
+    #[property(unit = "m", range = 0.0..=1000.0, default = 0.05)]
+    pub range_min: f64,
+    /// Longest measurable range; without a hit up to there a beam reads +Inf.
+    #[property(unit = "m", range = 0.0..=1000.0, default = 8.0)]
+    pub range_max: f64,
+    /// Beams of a sweep, from the first bearing to the last, both included.
+    #[property(range = 1..=100_000, default = 721)]
+    pub beams: u32,
 }
 
 impl Optics {
@@ -28,7 +38,7 @@ impl Optics {
     pub fn increment(&self) -> f64 {
         match self.beams {
             0 | 1 => 0.0,
-            beams => (self.angle_max - self.angle_min) / (beams - 1) as f64,
+            beams => (self.angle_max - self.angle_min) / f64::from(beams - 1),
         }
     }
 
@@ -40,16 +50,16 @@ impl Optics {
     pub fn sweep(&self, scene: &Scene, pose: &Pose, chance: &mut impl Rng, ranges: &mut Vec<f32>) {
         let origin = Point::from(pose.translation.vector);
         // beyond the range there may still be something that noise brings into it
-        let sight = self.range_max + 5.0 * self.noise;
+        let sight = self.range_max + 5.0 * self.noise_m;
         ranges.clear();
         ranges.extend((0..self.beams).map(|beam| {
-            let angle = self.angle_min + beam as f64 * self.increment();
+            let angle = self.angle_min + f64::from(beam) * self.increment();
             let direction = pose.rotation * Vector::new(angle.cos(), angle.sin());
             let noise: f64 = StandardNormal.sample(chance);
             let fails = chance.random::<f64>() < self.dropout;
             match scene.raycast(origin, direction, sight) {
                 _ if fails => f32::NAN,
-                Some(distance) => self.reading(distance + noise * self.noise),
+                Some(distance) => self.reading(distance + noise * self.noise_m),
                 None => f32::INFINITY,
             }
         }));
@@ -84,7 +94,7 @@ mod tests {
             angle_max: 3.0 * FRAC_PI_2,
             range_min: 0.1,
             range_max: 5.0,
-            noise: 0.0,
+            noise_m: 0.0,
             dropout: 0.0,
         }
     }
@@ -138,7 +148,7 @@ mod tests {
         let optics = Optics {
             beams: 20_000,
             angle_max: 0.0,
-            noise: 0.02,
+            noise_m: 0.02,
             ..cross()
         };
         let ranges = sweep(&optics, &wall(2.0), &Pose::identity(), 7);
@@ -154,7 +164,7 @@ mod tests {
     proptest! {
         #[test]
         fn the_same_seed_gives_the_same_noise(seed: u64, distance in 0.0..6.0) {
-            let optics = Optics { noise: 0.05, dropout: 0.3, ..cross() };
+            let optics = Optics { noise_m: 0.05, dropout: 0.3, ..cross() };
             let bits = |ranges: Vec<f32>| ranges.iter().map(|range| range.to_bits()).collect::<Vec<_>>();
             let again = || bits(sweep(&optics, &wall(distance), &Pose::identity(), seed));
             prop_assert_eq!(again(), again());
@@ -162,7 +172,7 @@ mod tests {
 
         #[test]
         fn a_change_elsewhere_leaves_a_beam_alone(seed: u64, distance in 0.2..4.0) {
-            let optics = Optics { noise: 0.05, ..cross() };
+            let optics = Optics { noise_m: 0.05, ..cross() };
             let disc = Disc { centre: Point::new(0.0, distance), radius: 0.1 };
             let more = Scene::new(wall(3.0).segments().to_vec(), Vec::new(), vec![disc]);
             let (plain, changed) = (sweep(&optics, &wall(3.0), &Pose::identity(), seed), sweep(&optics, &more, &Pose::identity(), seed));

@@ -1,6 +1,8 @@
 //! The component.
 
-use asmotion_component::{Component, Cycle, Fault, Interface, Out, Property, Setup};
+use asmotion_component::{
+    Component, Cycle, Fault, Interface, Out, Ports, Properties, PropertySet, Setup, Time,
+};
 use asmotion_geometry::{Point, heading, message};
 use asmotion_messages::{Bool, Empty, PoseStamped};
 
@@ -8,28 +10,38 @@ use crate::script::{Command, Deed};
 
 /// `nav::Operator`: does what its script says.
 pub struct Operator {
-    goal: Out<PoseStamped>,
-    cancel: Out<Empty>,
-    estop: Out<Bool>,
-    script: Property<Vec<String>>,
+    ports: OperatorPorts,
+    /// Read when configured.
+    properties: PropertySet<OperatorProperties>,
     /// What is still to be done, the next deed last.
     deeds: Vec<Deed>,
-    /// ns, of the first cycle.
-    began: Option<i64>,
+    /// When the first cycle was: times of the script count from there.
+    began: Option<Time>,
+}
+
+#[derive(Ports)]
+struct OperatorPorts {
+    /// Pose to send the robot to, map frame.
+    goal: Out<PoseStamped>,
+    /// Calls the mission off.
+    cancel: Out<Empty>,
+    /// State of the e-stop button: true while pressed.
+    estop: Out<Bool>,
+}
+
+#[derive(Properties)]
+struct OperatorProperties {
+    /// Timed commands: `1.0 goal 26.4 4.2 0` (s, m, m, rad; map frame), `8 estop on`, `9 estop off`, `12 cancel`.
+    /// Times count from the first cycle.
+    script: Vec<String>,
 }
 
 impl Operator {
     /// Declares ports and the script.
     pub fn new(interface: &mut Interface) -> Self {
         Self {
-            goal: interface.output("goal", "where the robot shall go, map frame"),
-            cancel: interface.output("cancel", "the mission is called off"),
-            estop: interface.output("estop", "the e-stop is pressed, or let go of"),
-            script: interface.property(
-                "script",
-                Vec::new(),
-                "what is done when: `1.0 goal 26.4 4.2`, `8 estop on`, `12 cancel`; s and m",
-            ),
+            ports: interface.ports(),
+            properties: interface.properties(),
             deeds: Vec::new(),
             began: None,
         }
@@ -38,11 +50,8 @@ impl Operator {
 
 impl Component for Operator {
     fn configure(&mut self, setup: &mut Setup<'_>) -> Result<(), Fault> {
-        let script = setup.property(self.script);
-        self.deeds = script
-            .iter()
-            .map(|line| line.parse())
-            .collect::<Result<_, _>>()?;
+        let script = self.properties.refresh(setup).script.iter();
+        self.deeds = script.map(|line| line.parse()).collect::<Result<_, _>>()?;
         // deeds of one time are done in the order of the script
         self.deeds.reverse();
         self.deeds.sort_by(|a, b| b.at.total_cmp(&a.at));
@@ -51,16 +60,20 @@ impl Component for Operator {
     }
 
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
-        let now = cycle.now().nanos();
-        let since = (now - *self.began.get_or_insert(now)) as f64 * 1e-9;
+        let now = cycle.now();
+        let began = *self.began.get_or_insert(now);
+        let since = (now.nanos() - began.nanos()) as f64 * 1e-9;
         while let Some(deed) = self.deeds.pop_if(|deed| deed.at <= since) {
             match deed.command {
                 Command::Goal { x, y, yaw } => {
                     let pose = heading(Point::new(x, y), yaw);
-                    cycle.write(self.goal, message::pose_stamped(&pose, now, "map"));
+                    cycle.write(
+                        self.ports.goal,
+                        message::pose_stamped(&pose, now.nanos(), "map"),
+                    );
                 }
-                Command::Cancel => cycle.write(self.cancel, Empty::default()),
-                Command::Estop(pressed) => cycle.write(self.estop, Bool { data: pressed }),
+                Command::Cancel => cycle.write(self.ports.cancel, Empty::default()),
+                Command::Estop(pressed) => cycle.write(self.ports.estop, Bool { data: pressed }),
             }
         }
         Ok(())

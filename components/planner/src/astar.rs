@@ -56,7 +56,7 @@ impl AStar {
             }
             (TIGHT, End::Goal) => Some(Blocked::Near {
                 distance: self.costs.clearance(cell),
-                inflation: self.settings.inflation,
+                inflation: self.settings.inflation_m,
             }),
             _ => None,
         }
@@ -98,7 +98,7 @@ impl Planner for AStar {
         self.tie(grid, from, to);
         smooth(grid.layout(), &self.costs, &mut self.knots);
         let line = Polyline::new(self.knots.iter().map(|knot| knot.point));
-        let mut poses = line.resampled(self.settings.step);
+        let mut poses = line.resampled(self.settings.step_m);
         if let Some(end) = poses.last_mut() {
             *end = heading(to, yaw(goal));
         }

@@ -1,8 +1,8 @@
 //! The component: requests in, paths out.
 
-use ::asmotion_component::{
-    CallId, Component, Cycle, Fault, In, Interface, Out, Property, Provided, RequestId, Required,
-    ServiceFault,
+use asmotion_component::{
+    CallId, Component, Cycle, Fault, In, Interface, Out, Ports, Properties, PropertySet, Provided,
+    RequestId, Required, ServiceFault,
 };
 use asmotion_geometry::{Disc, Grid, OCCUPIED, Point, message};
 use asmotion_messages::{
@@ -16,11 +16,8 @@ use crate::{NoPath, PLANNERS, Planner, Settings, planner};
 /// A request without a map is planned on the one that the reference `maps` gives. What the robot saw and the map does
 /// not show, port `obstacles`, is in the way as well.
 pub struct TrajectoryPlanner {
-    planning: Provided<PlanOperation>,
-    maps: Required<GetMap>,
-    obstacles: In<Obstacles>,
-    trajectory: Out<Path>,
-    properties: Properties,
+    ports: PlannerPorts,
+    properties: PropertySet<PlannerProperties>,
 
     /// The planner, and what it was made of.
     made: Option<(String, Settings, Box<dyn Planner>)>,
@@ -28,29 +25,37 @@ pub struct TrajectoryPlanner {
     waiting: Vec<(CallId, RequestId, PlanRequest)>,
 }
 
-struct Properties {
-    algorithm: Property<String>,
-    inflation: Property<f64>,
-    comfort: Property<f64>,
-    clearance_weight: Property<f64>,
-    step: Property<f64>,
-    allow_unknown: Property<bool>,
-    place: Property<String>,
+#[derive(Ports)]
+struct PlannerPorts {
+    /// `plan`: a path for a round robot, in the frame of the map. Faults `NO_PATH`, `START_OCCUPIED`, `GOAL_OCCUPIED`,
+    /// `OUTSIDE`, `BAD_MAP`.
+    planning: Provided<PlanOperation>,
+    /// Map for requests that bring none.
+    #[port(optional)]
+    maps: Required<GetMap>,
+    /// Optional: obstacles the map does not show, map frame. A disc over the robot itself is ignored.
+    obstacles: In<Obstacles>,
+    /// Every path that was found, in the frame of the map.
+    trajectory: Out<Path>,
+}
+
+#[derive(Properties)]
+struct PlannerProperties {
+    /// Planning algorithm.
+    #[property(default = "astar", choices = PLANNERS.iter().map(|(name, _)| *name))]
+    algorithm: String,
+    #[property(flatten)]
+    settings: Settings,
+    /// Place whose map is requested from `maps` when a request brings none.
+    place: String,
 }
 
 impl TrajectoryPlanner {
     /// Declares ports and properties.
     pub fn new(interface: &mut Interface) -> Self {
-        let maps = interface.require("maps", "gives the map of requests that bring none");
         Self {
-            planning: interface.serve(
-                "planning",
-                "a path for a round robot; faults NO_PATH, START_OCCUPIED, GOAL_OCCUPIED, OUTSIDE, BAD_MAP",
-            ),
-            maps: interface.optional(maps),
-            obstacles: interface.input("obstacles", "what the map does not show, map frame"),
-            trajectory: interface.output("trajectory", "every path that was found, map frame"),
-            properties: Properties::declare(interface),
+            ports: interface.ports(),
+            properties: interface.properties(),
             made: None,
             waiting: Vec::new(),
         }
@@ -62,14 +67,14 @@ impl TrajectoryPlanner {
             self.answer(cycle, id, &request.map, &request);
             return;
         }
-        let name = cycle.property(self.properties.place);
-        let call = cycle.call(self.maps, Place { name });
+        let name = self.properties.place.clone();
+        let call = cycle.call(self.ports.maps, Place { name });
         self.waiting.push((call, id, request));
     }
 
     /// Goes on with the requests whose map came, or did not.
     fn go_on(&mut self, cycle: &mut Cycle<'_>) {
-        for reply in cycle.replies(self.maps) {
+        for reply in cycle.replies(self.ports.maps) {
             let Some(at) = self
                 .waiting
                 .iter()
@@ -97,8 +102,8 @@ impl TrajectoryPlanner {
     ) {
         match self.plan(cycle, map, request) {
             Ok(path) => {
-                cycle.write(self.trajectory, path.clone());
-                cycle.reply(self.planning, id, Ok(path));
+                cycle.write(self.ports.trajectory, path.clone());
+                cycle.reply(self.ports.planning, id, Ok(path));
             }
             Err(fault) => self.refuse(cycle, id, fault),
         }
@@ -106,7 +111,7 @@ impl TrajectoryPlanner {
 
     fn refuse(&self, cycle: &mut Cycle<'_>, id: RequestId, fault: ServiceFault) {
         cycle.report("plan", fault.to_string().into());
-        cycle.reply(self.planning, id, Err(fault));
+        cycle.reply(self.ports.planning, id, Err(fault));
     }
 
     fn plan(
@@ -130,10 +135,10 @@ impl TrajectoryPlanner {
             message::pose(&request.start.pose),
             message::pose(&request.goal.pose),
         );
-        if let Some(seen) = cycle.read(self.obstacles).any() {
+        if let Some(seen) = cycle.read(self.ports.obstacles).any() {
             add(&mut grid, seen, start.translation.vector.into());
         }
-        let planner = self.planner(cycle)?;
+        let planner = self.planner()?;
         let plan = planner
             .plan(&grid, &start, &goal)
             .map_err(|why| fault(&why))?;
@@ -146,16 +151,20 @@ impl TrajectoryPlanner {
     }
 
     /// The planner that the properties ask for; the same one as long as they do not change.
-    fn planner(&mut self, cycle: &Cycle<'_>) -> Result<&mut Box<dyn Planner>, ServiceFault> {
-        let (name, settings) = self.properties.read(cycle);
-        let same = |(known, of, _): &(String, Settings, _)| *known == name && *of == settings;
+    fn planner(&mut self) -> Result<&mut Box<dyn Planner>, ServiceFault> {
+        let PlannerProperties {
+            algorithm: name,
+            settings,
+            ..
+        } = &*self.properties;
+        let same = |(known, of, _): &(String, Settings, _)| known == name && of == settings;
         let made = match self.made.take().filter(same) {
             Some(made) => made,
             None => {
-                let made = planner(&name, &settings).ok_or_else(|| {
+                let made = planner(name, settings).ok_or_else(|| {
                     ServiceFault::new("BAD_ALGORITHM", format!("no planner is called `{name}`"))
                 })?;
-                (name, settings, made)
+                (name.clone(), settings.clone(), made)
             }
         };
         Ok(&mut self.made.insert(made).2)
@@ -182,75 +191,13 @@ impl Component for TrajectoryPlanner {
     }
 
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
-        let cancelled = cycle.cancelled(self.planning);
+        self.properties.refresh(cycle);
+        let cancelled = cycle.cancelled(self.ports.planning);
         self.waiting.retain(|(_, id, _)| !cancelled.contains(id));
         self.go_on(cycle);
-        for request in cycle.requests(self.planning) {
+        for request in cycle.requests(self.ports.planning) {
             self.take(cycle, request.id, request.argument);
         }
         Ok(())
-    }
-}
-
-impl Properties {
-    fn declare(interface: &mut Interface) -> Self {
-        let defaults = Settings::default();
-        let metres = |interface: &mut Interface, name: &str, default: f64, doc: &str| {
-            let setting = interface.setting(name, default, doc);
-            setting.range(0.0..=10.0).unit("m").declare()
-        };
-        Self {
-            algorithm: interface
-                .setting("algorithm", "astar".to_owned(), "which planner")
-                .choices(PLANNERS.iter().map(|(name, _)| *name))
-                .declare(),
-            inflation: metres(
-                interface,
-                "inflation_m",
-                defaults.inflation,
-                "no path comes nearer to an obstacle: the robot's radius and a margin",
-            ),
-            comfort: metres(
-                interface,
-                "comfort_m",
-                defaults.comfort,
-                "beyond the inflation the robot likes this much more room",
-            ),
-            clearance_weight: interface
-                .setting(
-                    "clearance_weight",
-                    defaults.clearance_weight,
-                    "how dear a way without that room is; 0: the shortest way that is allowed",
-                )
-                .range(0.0..=20.0)
-                .declare(),
-            step: metres(
-                interface,
-                "step_m",
-                defaults.step,
-                "poses of a path are at most this far apart",
-            ),
-            allow_unknown: interface.property(
-                "allow_unknown",
-                defaults.allow_unknown,
-                "whether a path may cross what nobody has seen",
-            ),
-            place: interface.property(
-                "place",
-                String::new(),
-                "the place to ask `maps` for when a request brings no map",
-            ),
-        }
-    }
-
-    fn read(&self, cycle: &Cycle<'_>) -> (String, Settings) {
-        let settings = Settings {
-            inflation: cycle.property(self.inflation),
-            comfort: cycle.property(self.comfort),
-            clearance_weight: cycle.property(self.clearance_weight),
-            step: cycle.property(self.step),
-            allow_unknown: cycle.property(self.allow_unknown),
-        };
-        (cycle.property(self.algorithm), settings)
     }
 }

@@ -112,21 +112,21 @@ struct Price {
     close: u32,
     /// m.
     resolution: f64,
-    inflation: f64,
-    comfort: f64,
+    inflation_m: f64,
+    comfort_m: f64,
     weight: f64,
     unknown: u32,
 }
 
 impl Price {
     fn new(layout: &Layout, distances: &Distances, settings: &Settings) -> Self {
-        let comfort = settings.comfort.max(0.0);
+        let comfort_m = settings.comfort_m.max(0.0);
         Self {
-            tight: distances.limit(settings.inflation),
-            close: distances.limit(settings.inflation + comfort),
+            tight: distances.limit(settings.inflation_m),
+            close: distances.limit(settings.inflation_m + comfort_m),
             resolution: layout.resolution(),
-            inflation: settings.inflation,
-            comfort,
+            inflation_m: settings.inflation_m,
+            comfort_m,
             weight: settings.clearance_weight.clamp(0.0, MOST_WEIGHT),
             unknown: if settings.allow_unknown { BASE } else { WALL },
         }
@@ -148,7 +148,7 @@ impl Price {
             return BASE;
         }
         let distance = f64::from(squared).sqrt() * self.resolution;
-        let wish = (1.0 - (distance - self.inflation) / self.comfort).clamp(0.0, 1.0);
+        let wish = (1.0 - (distance - self.inflation_m) / self.comfort_m).clamp(0.0, 1.0);
         BASE + (f64::from(BASE) * self.weight * wish * wish).round() as u32
     }
 }

@@ -1,5 +1,6 @@
 //! The seam: what a planner is asked and what it answers, and the table of planners.
 
+use asmotion_component::Properties;
 use asmotion_geometry::{Grid, Point, Pose};
 
 use crate::AStar;
@@ -24,31 +25,24 @@ pub fn planner(name: &str, settings: &Settings) -> Option<Box<dyn Planner>> {
     Some((row.1)(settings))
 }
 
-/// What the robot needs and likes.
-#[derive(Clone, Debug, PartialEq)]
+/// The robot's needs and preferences.
+#[derive(Clone, Debug, PartialEq, Properties)]
 pub struct Settings {
-    /// No point of the path comes nearer to an occupied cell than this, m: the robot's radius and a margin.
-    pub inflation: f64,
-    /// Beyond the inflation the robot likes this much more room, m.
-    pub comfort: f64,
-    /// How much longer a way may be for having that room: cost grows up to `1 + clearance_weight` times the length.
+    /// Smallest distance of the path from an occupied cell: the robot's radius and a margin.
+    #[property(unit = "m", range = 0.0..=10.0, default = 0.3)]
+    pub inflation_m: f64,
+    /// Distance beyond the inflation within which the path is more expensive.
+    #[property(unit = "m", range = 0.0..=10.0, default = 0.5)]
+    pub comfort_m: f64,
+    /// Price of driving within `comfort_m`: cost grows up to `1 + clearance_weight` times the length. With 0 the
+    /// path is the shortest one that is allowed.
+    #[property(range = 0.0..=20.0, default = 2.0)]
     pub clearance_weight: f64,
-    /// Poses of the path are at most this far apart, m.
-    pub step: f64,
-    /// Whether the path may cross cells nobody has seen.
+    /// Largest distance between two poses of the path.
+    #[property(unit = "m", range = 0.0..=10.0, default = 0.1)]
+    pub step_m: f64,
+    /// Whether the path may cross cells of unknown occupancy.
     pub allow_unknown: bool,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            inflation: 0.3,
-            comfort: 0.5,
-            clearance_weight: 2.0,
-            step: 0.1,
-            allow_unknown: false,
-        }
-    }
 }
 
 impl Settings {

@@ -21,8 +21,8 @@ const RESOLUTION: f64 = 0.1;
 /// Runs a check for every planner with a wish for room and without.
 fn each(check: impl Fn(&str, &Settings, &mut dyn Planner)) {
     let settings = Settings {
-        inflation: 0.2,
-        comfort: 0.3,
+        inflation_m: 0.2,
+        comfort_m: 0.3,
         ..Settings::default()
     };
     for (name, make) in PLANNERS {
@@ -80,7 +80,7 @@ fn check_plan(grid: &Grid, settings: &Settings, start: &Pose, goal: &Pose, plan:
     );
     for (pose, pair) in plan.poses.iter().zip(points.windows(2)) {
         let step = pair[1] - pair[0];
-        assert!(step.norm() <= settings.step + 1e-9);
+        assert!(step.norm() <= settings.step_m + 1e-9);
         let ahead = step.y.atan2(step.x) - yaw(pose);
         assert!(
             step.norm() < 1e-9 || ahead.sin().abs() < 1e-6,
@@ -231,7 +231,7 @@ fn it_crosses_the_unknown_only_if_it_may() {
     let (start, goal) = (centre(&grid, (4, 3), 0.0), centre(&grid, (15, 3), 0.0));
     for (_, make) in PLANNERS {
         let settings = Settings {
-            inflation: 0.2,
+            inflation_m: 0.2,
             ..Settings::default()
         };
         let refused = make(&settings).plan(&grid, &start, &goal);
@@ -298,7 +298,7 @@ proptest! {
         let start = heading(Point::new(ends[0] * far.x, ends[1] * far.y), 0.0);
         let goal = heading(Point::new(ends[2] * far.x, ends[3] * far.y), 1.0);
         for (_, make) in PLANNERS {
-            let wishes = Settings { inflation: f64::from(inflation) * RESOLUTION, comfort: 0.3, ..Settings::default() };
+            let wishes = Settings { inflation_m: f64::from(inflation) * RESOLUTION, comfort_m: 0.3, ..Settings::default() };
             for settings in [wishes.clone(), wishes.shortest()] {
                 let mut planner = make(&settings);
                 let answer = planner.plan(&grid, &start, &goal);
@@ -324,7 +324,7 @@ proptest! {
     fn it_forgets(one in random_grid(), other in random_grid()) {
         let ends = [heading(Point::new(0.15, 0.15), 0.0), heading(Point::new(0.35, 0.35), 0.0)];
         for (_, make) in PLANNERS {
-            let settings = Settings { inflation: 0.1, ..Settings::default() };
+            let settings = Settings { inflation_m: 0.1, ..Settings::default() };
             let mut used = make(&settings);
             let _ = used.plan(&one, &ends[0], &ends[1]);
             prop_assert_eq!(used.plan(&other, &ends[0], &ends[1]), make(&settings).plan(&other, &ends[0], &ends[1]));

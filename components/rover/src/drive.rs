@@ -1,14 +1,17 @@
 //! The differential drive: body velocity to wheel speeds and back, and what the motors can do.
 
+use asmotion_component::Properties;
 use asmotion_messages::WheelSpeeds;
 
-/// The two driven wheels of a rover.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Geometry of a differential drive.
+#[derive(Debug, Clone, Copy, PartialEq, Properties)]
 pub struct Drive {
-    /// m, of a wheel.
-    pub wheel_radius: f64,
-    /// m, between the two wheels' contact points.
-    pub track: f64,
+    /// Radius of the driven wheels.
+    #[property(unit = "m", range = 0.001..=1.0, default = 0.05)]
+    pub wheel_radius_m: f64,
+    /// Distance between the contact points of the two driven wheels.
+    #[property(unit = "m", range = 0.01..=5.0, default = 0.3)]
+    pub track_m: f64,
 }
 
 /// The velocity of a body that rolls without sliding sideways.
@@ -20,28 +23,33 @@ pub struct Velocity {
     pub turn: f64,
 }
 
-/// What the rover may do.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Limits of the rover. A command beyond them is scaled as a whole: same curve, driven more slowly.
+#[derive(Debug, Clone, Copy, PartialEq, Properties)]
 pub struct Limits {
-    /// m/s, forward and backward.
-    pub speed: f64,
-    /// rad/s, either way.
-    pub turn: f64,
-    /// m/s².
-    pub acceleration: f64,
-    /// rad/s².
-    pub turn_acceleration: f64,
-    /// rad/s, of either wheel.
-    pub wheel_speed: f64,
+    /// Speed limit, forward and backward.
+    #[property(unit = "m/s", range = 0.0..=10.0, default = 0.6)]
+    pub max_speed: f64,
+    /// Turn rate limit, in either direction.
+    #[property(unit = "rad/s", range = 0.0..=20.0, default = 1.5)]
+    pub max_turn: f64,
+    /// Limit of acceleration and braking.
+    #[property(unit = "m/s²", range = 0.01..=50.0, default = 1.0)]
+    pub max_acceleration: f64,
+    /// Limit of the change of the turn rate.
+    #[property(unit = "rad/s²", range = 0.01..=100.0, default = 3.0)]
+    pub max_turn_acceleration: f64,
+    /// Speed limit of either wheel's motor.
+    #[property(unit = "rad/s", range = 0.0..=1000.0, default = 20.0)]
+    pub max_wheel_speed: f64,
 }
 
 impl Drive {
     /// How fast the wheels turn while the body moves with `velocity`.
     pub fn wheels(&self, velocity: Velocity) -> WheelSpeeds {
-        let rim = velocity.turn * self.track / 2.0;
+        let rim = velocity.turn * self.track_m / 2.0;
         WheelSpeeds {
-            left: (velocity.speed - rim) / self.wheel_radius,
-            right: (velocity.speed + rim) / self.wheel_radius,
+            left: (velocity.speed - rim) / self.wheel_radius_m,
+            right: (velocity.speed + rim) / self.wheel_radius_m,
         }
     }
 
@@ -49,8 +57,8 @@ impl Drive {
     /// rad in gives metres and radians out.
     pub fn body(&self, left: f64, right: f64) -> Velocity {
         Velocity {
-            speed: (left + right) / 2.0 * self.wheel_radius,
-            turn: (right - left) / self.track * self.wheel_radius,
+            speed: (left + right) / 2.0 * self.wheel_radius_m,
+            turn: (right - left) / self.track_m * self.wheel_radius_m,
         }
     }
 }
@@ -63,8 +71,8 @@ impl Limits {
     pub fn toward(&self, drive: &Drive, current: Velocity, wanted: Velocity, dt: f64) -> Velocity {
         let wanted = self.on_the_same_curve(drive, wanted);
         Velocity {
-            speed: step(current.speed, wanted.speed, self.acceleration * dt),
-            turn: step(current.turn, wanted.turn, self.turn_acceleration * dt),
+            speed: step(current.speed, wanted.speed, self.max_acceleration * dt),
+            turn: step(current.turn, wanted.turn, self.max_turn_acceleration * dt),
         }
     }
 
@@ -74,10 +82,10 @@ impl Limits {
         }
         let wheels = drive.wheels(wanted);
         let scale = [
-            (wanted.speed, self.speed),
-            (wanted.turn, self.turn),
-            (wheels.left, self.wheel_speed),
-            (wheels.right, self.wheel_speed),
+            (wanted.speed, self.max_speed),
+            (wanted.turn, self.max_turn),
+            (wheels.left, self.max_wheel_speed),
+            (wheels.right, self.max_wheel_speed),
         ]
         .into_iter()
         .filter(|(value, limit)| value.abs() > *limit)
@@ -101,16 +109,16 @@ mod tests {
     use proptest::prelude::*;
 
     const DRIVE: Drive = Drive {
-        wheel_radius: 0.05,
-        track: 0.3,
+        wheel_radius_m: 0.05,
+        track_m: 0.3,
     };
 
     const LIMITS: Limits = Limits {
-        speed: 0.6,
-        turn: 1.5,
-        acceleration: 1.0,
-        turn_acceleration: 3.0,
-        wheel_speed: 10.0,
+        max_speed: 0.6,
+        max_turn: 1.5,
+        max_acceleration: 1.0,
+        max_turn_acceleration: 3.0,
+        max_wheel_speed: 10.0,
     };
 
     fn velocity(speed: f64, turn: f64) -> Velocity {
@@ -153,10 +161,10 @@ mod tests {
                 let next = LIMITS.toward(&DRIVE, now, velocity(speed, turn), dt);
                 let wheels = DRIVE.wheels(next);
                 let few = 1.0 + 1e-9;
-                prop_assert!((next.speed - now.speed).abs() <= LIMITS.acceleration * dt * few);
-                prop_assert!((next.turn - now.turn).abs() <= LIMITS.turn_acceleration * dt * few);
-                prop_assert!(next.speed.abs() <= LIMITS.speed * few && next.turn.abs() <= LIMITS.turn * few);
-                prop_assert!(wheels.left.abs().max(wheels.right.abs()) <= LIMITS.wheel_speed * few);
+                prop_assert!((next.speed - now.speed).abs() <= LIMITS.max_acceleration * dt * few);
+                prop_assert!((next.turn - now.turn).abs() <= LIMITS.max_turn_acceleration * dt * few);
+                prop_assert!(next.speed.abs() <= LIMITS.max_speed * few && next.turn.abs() <= LIMITS.max_turn * few);
+                prop_assert!(wheels.left.abs().max(wheels.right.abs()) <= LIMITS.max_wheel_speed * few);
                 now = next;
             }
             // at the end the curve is the commanded one

@@ -79,8 +79,8 @@ mod tests {
     use std::f64::consts::{FRAC_PI_2, PI};
 
     const DRIVE: Drive = Drive {
-        wheel_radius: 0.05,
-        track: 0.3,
+        wheel_radius_m: 0.05,
+        track_m: 0.3,
     };
 
     fn near(pose: &Pose, x: f64, y: f64, angle: f64) -> bool {

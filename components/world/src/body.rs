@@ -94,8 +94,8 @@ mod tests {
 
     fn robot() -> Body {
         let drive = Drive {
-            wheel_radius: 0.05,
-            track: 0.3,
+            wheel_radius_m: 0.05,
+            track_m: 0.3,
         };
         Body::new(drive, 0.2, Pose::identity())
     }

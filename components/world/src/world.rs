@@ -1,9 +1,13 @@
 //! The component: wheel speeds in; encoders, the true pose and the scene out.
 
-use asmotion_component::{Component, Cycle, Fault, Flow, In, Interface, Out, Property, Setup};
+use std::time::Duration;
+
+use asmotion_component::{
+    Component, Cycle, Fault, Flow, In, Interface, Out, Ports, Properties, PropertySet, Setup, Time,
+};
 use asmotion_geometry::{Point, Pose, Scene, heading, message};
 use asmotion_map::Disk;
-use asmotion_messages::{Encoders, Event, PoseStamped, Time, WheelSpeeds};
+use asmotion_messages::{Encoders, Event, PoseStamped, Time as Stamp, WheelSpeeds};
 use asmotion_rover::Drive;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -14,24 +18,18 @@ use crate::schedule::{Obstacle, Schedule, Solid};
 
 /// `nav::sim::World`: one robot among walls and obstacles that come and go.
 pub struct World {
-    wheels: In<WheelSpeeds>,
-    encoders: Out<Encoders>,
-    truth: Out<PoseStamped>,
-    scene: Out<asmotion_messages::Scene>,
-    event: Out<Event>,
-    settings: Settings,
+    ports: WorldPorts,
+    /// Read when configured.
+    properties: PropertySet<WorldProperties>,
 
-    truth_of: Truth,
+    truth: Truth,
     chance: ChaCha8Rng,
-    slip: f64,
-    wheel_timeout: i64,
-    frame: String,
-    /// What the wheels were told, and when (ns).
-    told: Option<(WheelSpeeds, i64)>,
-    /// ns, of the first cycle: the schedule counts from there.
-    began: Option<i64>,
-    /// ns, of the last cycle.
-    last: i64,
+    /// The newest wheel speeds, and when they came.
+    told: Option<(WheelSpeeds, Time)>,
+    /// When the first cycle was: the schedule counts from there.
+    began: Option<Time>,
+    /// When the last cycle was.
+    last: Time,
 }
 
 /// What is where.
@@ -46,18 +44,48 @@ struct Truth {
     touches: bool,
 }
 
-struct Settings {
-    seed: Property<u64>,
-    floor_plan: Property<String>,
-    walls: Property<Vec<f64>>,
-    obstacles: Property<Vec<Obstacle>>,
-    start: Property<[f64; 3]>,
-    wheel_radius: Property<f64>,
-    track: Property<f64>,
-    robot_radius: Property<f64>,
-    slip: Property<f64>,
-    wheel_timeout: Property<f64>,
-    frame: Property<String>,
+#[derive(Ports)]
+struct WorldPorts {
+    /// Speeds at which the motors turn the wheels, rad/s.
+    wheels: In<WheelSpeeds>,
+    /// Angles by which the wheels have turned, rad, every cycle.
+    encoders: Out<Encoders>,
+    /// True pose of the robot, map frame, every cycle.
+    truth: Out<PoseStamped>,
+    /// Walls and obstacles, map frame, at the start and whenever they change; `revision` grows.
+    scene: Out<asmotion_messages::Scene>,
+    /// `COLLISION`, once a touch.
+    event: Out<Event>,
+}
+
+#[derive(Properties)]
+struct WorldProperties {
+    #[property(flatten)]
+    drive: Drive,
+    /// Radius of the disc that is the robot.
+    #[property(unit = "m", range = 0.0..=10.0, default = 0.2)]
+    robot_radius_m: f64,
+    /// Standard deviation of how much farther a wheel rolls in a cycle, as a share.
+    #[property(range = 0.0..=0.5, default = 0.0005)]
+    slip: f64,
+    /// Time without new wheel speeds after which the motors stop.
+    #[property(range = "0s"..="10s", default = "500ms")]
+    wheel_timeout_s: Duration,
+    /// Pose of the robot at the start: x m, y m, yaw rad, map frame.
+    start: [f64; 3],
+    /// Map file, of any format of the map server, whose occupied cells are walls; empty for none.
+    floor_plan: String,
+    /// More walls: x1, y1, x2, y2 of each, m, map frame.
+    walls: Vec<f64>,
+    /// Obstacles no map shows: `at_s`, `until_s`, `disc = [x, y, radius]` or `block = [x, y, length, width, yaw]`,
+    /// `frame = "map"` or `"robot"`; m and rad.
+    obstacles: Vec<Obstacle>,
+    /// Seed of the slip: the same seed gives the same slip.
+    #[property(default = 1)]
+    seed: u64,
+    /// Name of the map frame.
+    #[property(default = "map")]
+    frame: String,
 }
 
 /// The stream of random numbers that is the world's: a laser with the same seed draws others.
@@ -72,32 +100,25 @@ const FREE: f64 = 0.01;
 impl World {
     /// Declares ports and properties.
     pub fn new(interface: &mut Interface) -> Self {
-        let settings = Settings::declare(interface);
         Self {
-            wheels: interface.input("wheels", "how fast the motors turn the wheels"),
-            encoders: interface.output("encoders", "how far the wheels have turned, every cycle"),
-            truth: interface.output("truth", "where the robot truly is, map frame, every cycle"),
-            scene: interface.output("scene", "what stands where, map frame, whenever it changes"),
-            event: interface.output("event", "COLLISION once a touch"),
-            settings,
-            truth_of: Truth::default(),
+            ports: interface.ports(),
+            properties: interface.properties(),
+            truth: Truth::default(),
             chance: ChaCha8Rng::seed_from_u64(0),
-            slip: 0.0,
-            wheel_timeout: 0,
-            frame: String::new(),
             told: None,
             began: None,
-            last: 0,
+            last: Time::ZERO,
         }
     }
 
     /// How fast the wheels turn now. Motors that hear nothing stop by themselves.
-    fn turning(&mut self, cycle: &Cycle<'_>, now: i64) -> WheelSpeeds {
-        if let Flow::NewData(wheels) = cycle.read(self.wheels) {
+    fn turning(&mut self, cycle: &Cycle<'_>, now: Time) -> WheelSpeeds {
+        if let Flow::NewData(wheels) = cycle.read(self.ports.wheels) {
             self.told = Some((*wheels, now));
         }
+        let timeout = self.properties.wheel_timeout_s;
         match self.told {
-            Some((wheels, at)) if now - at <= self.wheel_timeout && is_number(wheels) => wheels,
+            Some((wheels, at)) if now.since(at) <= timeout && is_number(wheels) => wheels,
             _ => WheelSpeeds::default(),
         }
     }
@@ -111,15 +132,20 @@ impl World {
                 left: self.draw_slip(),
                 right: self.draw_slip(),
             };
-            bumped |= self.truth_of.pass(wheels, slip, dt / pieces);
+            bumped |= self.truth.pass(wheels, slip, dt / pieces);
         }
         bumped
     }
 
     fn draw_slip(&mut self) -> f64 {
         let normal: f64 = StandardNormal.sample(&mut self.chance);
-        normal * self.slip
+        normal * self.properties.slip
     }
+}
+
+/// Seconds from one cycle to a later one.
+fn seconds(from: Time, to: Time) -> f64 {
+    (to.nanos() - from.nanos()) as f64 * 1e-9
 }
 
 fn is_number(wheels: WheelSpeeds) -> bool {
@@ -128,11 +154,9 @@ fn is_number(wheels: WheelSpeeds) -> bool {
 
 impl Component for World {
     fn configure(&mut self, setup: &mut Setup<'_>) -> Result<(), Fault> {
-        self.truth_of = self.settings.truth(setup)?;
-        self.slip = setup.property(self.settings.slip);
-        self.wheel_timeout = (setup.property(self.settings.wheel_timeout) * 1e9) as i64;
-        self.frame = setup.property(self.settings.frame);
-        self.chance = ChaCha8Rng::seed_from_u64(setup.property(self.settings.seed));
+        let properties = self.properties.refresh(setup);
+        self.truth = properties.truth()?;
+        self.chance = ChaCha8Rng::seed_from_u64(properties.seed);
         self.chance.set_stream(STREAM);
         self.told = None;
         self.began = None;
@@ -140,43 +164,42 @@ impl Component for World {
     }
 
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
-        let now = cycle.now().nanos();
+        let now = cycle.now();
         let first = self.began.is_none();
         let began = *self.began.get_or_insert(now);
-        let dt = if first {
-            0.0
-        } else {
-            (now - self.last) as f64 * 1e-9
-        };
+        let dt = if first { 0.0 } else { seconds(self.last, now) };
         self.last = now;
 
         let wheels = self.turning(cycle, now);
         let bumped = self.pass(wheels, dt);
-        let changed = self.truth_of.advance((now - began) as f64 * 1e-9);
+        let changed = self.truth.advance(seconds(began, now));
 
-        let body = &self.truth_of.body;
+        let body = &self.truth.body;
         cycle.write(
-            self.encoders,
+            self.ports.encoders,
             Encoders {
-                stamp: Time::from_nanos(now),
+                stamp: Stamp::from_nanos(now.nanos()),
                 left: body.left,
                 right: body.right,
             },
         );
         cycle.write(
-            self.truth,
-            message::pose_stamped(&body.pose, now, &self.frame),
+            self.ports.truth,
+            message::pose_stamped(&body.pose, now.nanos(), &self.properties.frame),
         );
         if changed || first {
             cycle.write(
-                self.scene,
-                message::scene_message(&self.truth_of.scene, self.truth_of.revision),
+                self.ports.scene,
+                message::scene_message(&self.truth.scene, self.truth.revision),
             );
         }
         if bumped {
             let place = body.pose.translation;
             let detail = format!("at ({:.2}, {:.2})", place.x, place.y);
-            cycle.write(self.event, Event::new(now, Event::COLLISION, detail));
+            cycle.write(
+                self.ports.event,
+                Event::new(now.nanos(), Event::COLLISION, detail),
+            );
         }
         Ok(())
     }
@@ -185,8 +208,8 @@ impl Component for World {
 impl Default for Truth {
     fn default() -> Self {
         let drive = Drive {
-            wheel_radius: 1.0,
-            track: 1.0,
+            wheel_radius_m: 1.0,
+            track_m: 1.0,
         };
         Self::new(
             Body::new(drive, 0.0, Pose::identity()),
@@ -237,53 +260,26 @@ impl Truth {
     }
 }
 
-impl Settings {
-    fn declare(interface: &mut Interface) -> Self {
-        let mut number =
-            |name: &str, default: f64, least: f64, most: f64, unit: &str, doc: &str| {
-                let setting = interface.setting(name, default, doc);
-                setting.range(least..=most).unit(unit).declare()
-            };
-        Self {
-            wheel_radius: number("wheel_radius_m", 0.05, 0.001, 1.0, "m", "radius of a wheel"),
-            track: number("track_m", 0.3, 0.01, 5.0, "m", "between the two wheels"),
-            robot_radius: number("robot_radius_m", 0.2, 0.0, 10.0, "m", "of the disc that covers the robot"),
-            slip: number("slip", 0.0005, 0.0, 0.5, "", "standard deviation of how much farther a wheel rolls in a cycle, as a share"),
-            wheel_timeout: number("wheel_timeout_s", 0.5, 0.0, 10.0, "s", "after so long without new wheel speeds the motors stop"),
-            start: interface.property("start", [0.0; 3], "where the robot stands at the beginning: x m, y m, yaw rad"),
-            floor_plan: interface.property("floor_plan", String::new(), "the file of the map whose occupied cells are walls; none without"),
-            walls: interface.property("walls", Vec::new(), "more walls: x1, y1, x2, y2 of each, m"),
-            obstacles: interface.property("obstacles", Vec::new(), "what no map shows: at_s, until_s, disc = [x, y, radius] or block = [x, y, length, width, yaw], frame = \"map\" or \"robot\""),
-            seed: interface.property("seed", 1, "the same seed gives the same slip"),
-            frame: interface.property("frame", "map".to_owned(), "the frame of everything here"),
-        }
-    }
-
+impl WorldProperties {
     /// The world at the beginning.
-    fn truth(&self, setup: &Setup<'_>) -> Result<Truth, Fault> {
-        let [x, y, yaw] = setup.property(self.start);
-        let drive = Drive {
-            wheel_radius: setup.property(self.wheel_radius),
-            track: setup.property(self.track),
-        };
-        let radius = setup.property(self.robot_radius);
-        let body = Body::new(drive, radius, heading(Point::new(x, y), yaw));
-        let obstacles = setup.property(self.obstacles);
-        Ok(Truth::new(
-            body,
-            self.static_walls(setup)?,
-            Schedule::new(obstacles)?,
-        ))
+    fn truth(&self) -> Result<Truth, Fault> {
+        let [x, y, yaw] = self.start;
+        let body = Body::new(
+            self.drive,
+            self.robot_radius_m,
+            heading(Point::new(x, y), yaw),
+        );
+        let schedule = Schedule::new(self.obstacles.clone())?;
+        Ok(Truth::new(body, self.static_walls()?, schedule))
     }
 
-    fn static_walls(&self, setup: &Setup<'_>) -> Result<Scene, Fault> {
-        let file = setup.property(self.floor_plan);
-        let plan = match file.strip_prefix("file:").unwrap_or(&file) {
+    fn static_walls(&self) -> Result<Scene, Fault> {
+        let file = &self.floor_plan;
+        let plan = match file.strip_prefix("file:").unwrap_or(file) {
             "" => Scene::default(),
             name => asmotion_map::load(&Disk, name, &asmotion_map::Settings::default())?.scene(),
         };
-        let numbers = setup.property(self.walls);
-        let (more, rest) = numbers.as_chunks::<4>();
+        let (more, rest) = self.walls.as_chunks::<4>();
         if !rest.is_empty() {
             return Err(Fault::new(
                 "`walls` needs four numbers a wall: x1, y1, x2, y2",

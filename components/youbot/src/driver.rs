@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use asmotion_component::{
-    Component, Cycle, Fault, Flow, In, Interface, Out, Property, Provided, Setup,
+    Component, Cycle, Fault, Flow, In, Interface, Out, Ports, Properties, PropertySet, Provided,
+    Setup,
 };
 use asmotion_messages::{Bool, DriverSetPeriod, DriverState, Float64, JointCommand, JointStatus};
 use asmotion_messages::{Text, Time};
@@ -12,34 +13,47 @@ use crate::joints::{Joints, Manner};
 
 /// `youbot::DummyDriver`: it knows no service but its own two operations.
 pub struct DummyDriver {
-    commands: In<JointCommand>,
-    period: In<Float64>,
-    status: Out<JointStatus>,
-    set_period: Provided<DriverSetPeriod>,
-    state: Provided<DriverState>,
-    count: Property<u32>,
-    seed: Property<u64>,
-    random: Property<bool>,
-    speed: Property<f64>,
-    faults: Property<Vec<u16>>,
+    ports: DriverPorts,
+    properties: PropertySet<DriverProperties>,
     joints: Joints,
+}
+
+#[derive(Ports)]
+struct DriverPorts {
+    /// Target positions of the joints, rad; a command for another number of joints is ignored.
+    commands: In<JointCommand>,
+    /// Period of the driver itself, s, 0.001 to 10; counts from its next cycle on.
+    period: In<Float64>,
+    /// Position, velocity, current, temperature and error bits of each joint, every cycle.
+    #[port(name = "jointStatus")]
+    status: Out<JointStatus>,
+    /// Operations of the driver: `setPeriod` does what the port `period` does and says whether the period was taken;
+    /// `state` is `resting` or `moving`.
+    #[port(name = "driver")]
+    set_period: Provided<DriverSetPeriod>,
+    /// The driver's state.
+    #[port(name = "driver")]
+    state: Provided<DriverState>,
+}
+
+#[derive(Properties)]
+struct DriverProperties {
+    /// Number of joints. Read when configured.
+    #[property(range = 1..=16, default = 5)]
+    joints: u32,
+    /// Seed of everything random. Read when configured.
+    #[property(default = 1)]
+    seed: u64,
+    #[property(flatten)]
+    manner: Manner,
 }
 
 impl DummyDriver {
     /// Declares ports, operations and properties.
-    #[rustfmt::skip]
     pub fn new(interface: &mut Interface) -> Self {
         Self {
-            commands: interface.input("commands", "where the joints shall turn"),
-            period: interface.input("period", "the period of the driver itself, s"),
-            status: interface.output("jointStatus", "what the joints do, every cycle"),
-            set_period: interface.serve("driver", "the driver's own operations"),
-            state: interface.serve("driver", "the driver's own operations"),
-            count: interface.setting("joints", 5, "how many joints there are").range(1..=16).declare(),
-            seed: interface.property("seed", 1, "the seed of all chance"),
-            random: interface.property("random", false, "values by chance, instead of motion"),
-            speed: interface.setting("speed", 1.0, "how fast a joint turns").range(0.01..=10.0).unit("rad/s").declare(),
-            faults: interface.property("faults", Vec::new(), "error bits to report, joint by joint"),
+            ports: interface.ports(),
+            properties: interface.properties(),
             joints: Joints::new(0, 0),
         }
     }
@@ -47,35 +61,30 @@ impl DummyDriver {
 
 impl Component for DummyDriver {
     fn configure(&mut self, setup: &mut Setup<'_>) -> Result<(), Fault> {
-        self.joints = Joints::new(
-            setup.property(self.count) as usize,
-            setup.property(self.seed),
-        );
+        let DriverProperties { joints, seed, .. } = self.properties.refresh(setup);
+        self.joints = Joints::new(*joints as usize, *seed);
         Ok(())
     }
 
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
-        if let Flow::NewData(command) = cycle.read(self.commands) {
+        self.properties.refresh(cycle);
+        if let Flow::NewData(command) = cycle.read(self.ports.commands) {
             self.joints.turn_to(&command.position);
         }
-        if let Flow::NewData(&Float64 { data }) = cycle.read(self.period) {
+        if let Flow::NewData(&Float64 { data }) = cycle.read(self.ports.period) {
             follow(data, cycle);
         }
-        for request in cycle.requests(self.set_period) {
+        for request in cycle.requests(self.ports.set_period) {
             let data = follow(request.argument.period, cycle);
-            cycle.reply(self.set_period, request.id, Ok(Bool { data }));
+            cycle.reply(self.ports.set_period, request.id, Ok(Bool { data }));
         }
-        for request in cycle.requests(self.state) {
+        for request in cycle.requests(self.ports.state) {
             let data = ["moving", "resting"][usize::from(self.joints.are_resting())].to_owned();
-            cycle.reply(self.state, request.id, Ok(Text { data }));
+            cycle.reply(self.ports.state, request.id, Ok(Text { data }));
         }
-        let manner = Manner {
-            random: cycle.property(self.random),
-            speed: cycle.property(self.speed),
-            faults: cycle.property(self.faults),
-        };
-        (self.joints).measure(Time::from_nanos(cycle.now().nanos()), &manner);
-        cycle.write(self.status, self.joints.last.clone());
+        let stamp = Time::from_nanos(cycle.now().nanos());
+        self.joints.measure(stamp, &self.properties.manner);
+        cycle.write(self.ports.status, self.joints.last.clone());
         Ok(())
     }
 }

@@ -1,5 +1,6 @@
 //! Joints that are not there: they turn towards their goals, or are somewhere by chance.
 
+use asmotion_component::Properties;
 use asmotion_messages::{JointStatus, Time};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -11,13 +12,15 @@ pub(crate) struct Joints {
     pub last: JointStatus,
 }
 
-/// How they do what they do.
+/// How the joints move, and what they report.
+#[derive(Properties)]
 pub(crate) struct Manner {
-    /// Values by chance, instead of motion.
+    /// Whether every reported value is random, instead of following the commands.
     pub random: bool,
-    /// How fast a joint turns, rad/s.
+    /// Speed of a turning joint.
+    #[property(unit = "rad/s", range = 0.01..=10.0, default = 1.0)]
     pub speed: f64,
-    /// Error bits to report, joint by joint.
+    /// Error bits to report, joint by joint; ten bits each.
     pub faults: Vec<u16>,
 }
 

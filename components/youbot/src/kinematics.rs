@@ -1,6 +1,6 @@
 //! The service: a pose of the hand in, positions of the joints out.
 
-use asmotion_component::{Component, Cycle, Fault, Interface, Provided, ServiceFault};
+use asmotion_component::{Component, Cycle, Fault, Interface, Ports, Provided, ServiceFault};
 use asmotion_messages::{Goal, JointPositions, Solve};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
@@ -8,18 +8,22 @@ use crate::{Arm, Joints, Unreachable};
 
 /// `youbot::Kinematics`: answers where the joints must be for the hand to be there, or why it cannot be there.
 pub struct Kinematics {
-    solve: Provided<Solve>,
+    ports: KinematicsPorts,
     arm: Arm,
+}
+
+#[derive(Ports)]
+struct KinematicsPorts {
+    /// `solve`: positions of the joints, rad, for a pose of the hand in the frame of the foot. Faults `BAD_POSE`,
+    /// `OUT_OF_PLANE`, `TOO_FAR`, `TOO_NEAR`, `JOINT_LIMIT`.
+    kinematics: Provided<Solve>,
 }
 
 impl Kinematics {
     /// Declares the service.
     pub fn new(interface: &mut Interface) -> Self {
         Self {
-            solve: interface.serve(
-                "kinematics",
-                "from a pose of the hand to positions of the joints",
-            ),
+            ports: interface.ports(),
             arm: Arm::default(),
         }
     }
@@ -27,10 +31,10 @@ impl Kinematics {
 
 impl Component for Kinematics {
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
-        for request in cycle.requests(self.solve) {
+        for request in cycle.requests(self.ports.kinematics) {
             let solved = solve(&self.arm, &request.argument);
             let refused = |why: Unreachable| ServiceFault::new(why.code(), why.to_string());
-            cycle.reply(self.solve, request.id, solved.map_err(refused));
+            cycle.reply(self.ports.kinematics, request.id, solved.map_err(refused));
         }
         Ok(())
     }

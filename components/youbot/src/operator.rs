@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use asmotion_component::{
-    CallError, Component, Cycle, Fault, Interface, Property, Provided, Required, Time,
+    CallError, Component, Cycle, Fault, Interface, Ports, Properties, PropertySet, Provided,
+    Required, Time,
 };
 use asmotion_messages::{MoveTo, Notify, Point, Pose, Quaternion};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -13,12 +14,27 @@ const SILENCE: Duration = Duration::from_secs(1);
 
 /// `youbot::Operator`: sends the next goal when the arm is idle, or cannot reach the one before.
 pub struct Operator {
-    goals: Property<Vec<[f64; 5]>>,
-    goto: Required<MoveTo>,
-    notifying: Provided<Notify>,
+    ports: HandOperatorPorts,
+    properties: PropertySet<HandOperatorProperties>,
     next: usize,
     state: State,
     heard: Option<Time>,
+}
+
+#[derive(Ports)]
+struct HandOperatorPorts {
+    /// Moves the hand to a pose in the frame of the foot.
+    #[port(name = "move")]
+    locomotion: Required<MoveTo>,
+    /// Receives what happens to the arm.
+    notifying: Provided<Notify>,
+}
+
+#[derive(Properties)]
+struct HandOperatorProperties {
+    /// Poses of the hand to go to, one after the other: x, y, z in m, lean and roll in rad, in the frame of the foot;
+    /// the hand leans in the plane of the arm.
+    goals: Vec<[f64; 5]>,
 }
 
 /// What becomes of the goal before the next one.
@@ -35,13 +51,8 @@ impl Operator {
     /// Declares the reference, the service and the property.
     pub fn new(interface: &mut Interface) -> Self {
         Self {
-            goals: interface.property(
-                "goals",
-                Vec::new(),
-                "where the hand shall go: x, y, z in m, lean and roll in rad",
-            ),
-            goto: interface.require("move", "who brings the hand there"),
-            notifying: interface.serve("notifying", "hears what happens to the arm"),
+            ports: interface.ports(),
+            properties: interface.properties(),
             next: 0,
             state: State::Done,
             heard: None,
@@ -50,7 +61,7 @@ impl Operator {
 
     /// What happened to the arm.
     fn listen(&mut self, cycle: &mut Cycle<'_>) {
-        let notices = cycle.requests(self.notifying);
+        let notices = cycle.requests(self.ports.notifying);
         if notices.is_empty() {
             return;
         }
@@ -77,7 +88,7 @@ impl Operator {
 impl Component for Operator {
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
         self.listen(cycle);
-        for reply in cycle.replies(self.goto) {
+        for reply in cycle.replies(self.ports.locomotion) {
             if let Err(error) = reply.result {
                 self.state = match is_refused(&error) {
                     true => State::Done,
@@ -86,9 +97,9 @@ impl Component for Operator {
             }
         }
         if let State::Done = self.state
-            && let Some(goal) = cycle.property(self.goals).get(self.next)
+            && let Some(goal) = self.properties.refresh(cycle).goals.get(self.next)
         {
-            cycle.call(self.goto, pose(goal));
+            cycle.call(self.ports.locomotion, pose(goal));
             self.next += 1;
             self.state = State::Waits;
         }

@@ -17,7 +17,7 @@ impl<'a> Reference<'a> {
         let occupied: Vec<Cell> = all()
             .filter(|cell| grid.get(*cell).map(Occupancy::of) == Some(Occupancy::Occupied))
             .collect();
-        let reach = settings.inflation / layout.resolution() + 1e-6;
+        let reach = settings.inflation_m / layout.resolution() + 1e-6;
         let near = |cell: Cell| {
             occupied.iter().any(|other| {
                 let dx = f64::from(cell.column) - f64::from(other.column);
