@@ -5,8 +5,8 @@ use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 
-/// Gives the bytes of named files. Names are paths with `/`.
-pub trait Files: Send {
+/// Gives the bytes of named files. Names are paths with `/`. Maps are loaded beside the server's cycle, hence `Sync`.
+pub trait Files: Send + Sync {
     /// The whole file, but never more than `limit` bytes.
     fn read(&self, name: &str, limit: u64) -> Result<Vec<u8>, FileFault>;
 

@@ -19,7 +19,7 @@ mod server;
 pub use error::{Fault, MapError, Where};
 pub use files::{Disk, FileFault, Files, Memory};
 pub use format::{FORMATS, Format, Settings, Source, load};
-pub use library::{Entry, Library, Places, ServeError, Served};
+pub use library::{Entry, Library, Load, Loaded, Lookup, Places, Refresh, ServeError, Served};
 pub use map::{LonLat, Map, NamedPoint};
 pub use rules::{DEFAULT_RULES, Rule, RuleError, Rules, Tags};
 pub use server::MapServer;

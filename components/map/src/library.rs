@@ -1,13 +1,16 @@
 //! Maps by the name of their place: which file it is, loaded once, the same revision for everybody.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, btree_map};
+use std::sync::Arc;
 
 use asmotion_geometry::message::occupancy_grid;
 use asmotion_messages::OccupancyGrid;
 use serde::Deserialize;
 
-use crate::format::{FORMATS, Source, load, stem};
-use crate::{Fault, Files, MapError, Settings, Where};
+use crate::error::{Fault, MapError, Where};
+use crate::files::Files;
+use crate::format::{FORMATS, Settings, Source, load, stem};
+use crate::map::Map;
 
 /// The name of the file that lists places.
 const LIST: &str = "places.toml";
@@ -147,9 +150,12 @@ fn named(file: &str) -> Option<&str> {
         .min_by_key(|stem| stem.len())
 }
 
-/// The maps of some places, each loaded when first asked for and kept.
+/// The maps of some places, each loaded when first requested and kept.
+///
+/// Looking up and keeping maps takes no time; reading and parsing files is in [`Load::run`] and [`Refresh::run`], which
+/// need no library and may run elsewhere.
 pub struct Library {
-    files: Box<dyn Files>,
+    files: Arc<dyn Files>,
     places: Places,
     settings: Settings,
     maps: BTreeMap<String, Kept>,
@@ -157,13 +163,14 @@ pub struct Library {
 }
 
 struct Kept {
+    place: String,
     grid: OccupancyGrid,
-    /// Of the file, to see whether it changed.
+    /// Version of the file the grid was made of.
     version: Option<u128>,
     notes: Vec<String>,
 }
 
-/// A map that was asked for.
+/// A map of the library.
 pub struct Served<'a> {
     /// The name of its place.
     pub place: &'a str,
@@ -171,8 +178,38 @@ pub struct Served<'a> {
     pub grid: &'a OccupancyGrid,
     /// What was left out of it, for people.
     pub notes: &'a [String],
-    /// Whether it was loaded just now.
-    pub fresh: bool,
+}
+
+/// What a library has for a name.
+pub enum Lookup<'a> {
+    /// The map of the place.
+    Kept(Served<'a>),
+    /// The work that makes it.
+    Missing(Load),
+}
+
+/// The loading of one place: slow, and independent of the library.
+pub struct Load {
+    /// The name of the place.
+    pub place: String,
+    files: Arc<dyn Files>,
+    entry: Entry,
+    settings: Settings,
+}
+
+/// The outcome of a [`Load`].
+pub struct Loaded {
+    /// The name of the place.
+    pub place: String,
+    /// Version of the file before it was read.
+    version: Option<u128>,
+    result: Result<Map, MapError>,
+}
+
+/// The search for files that have changed since they were loaded: slow, and independent of the library.
+pub struct Refresh {
+    /// Each place with the version of its file at the time of loading.
+    kept: Vec<(Load, Option<u128>)>,
 }
 
 /// Why there is no map.
@@ -181,12 +218,12 @@ pub enum ServeError {
     /// No such place.
     #[error("no place is called `{place}`; known are {known}")]
     UnknownPlace {
-        /// What was asked for.
+        /// The name in the request.
         place: String,
-        /// Every name.
+        /// Every name, separated by commas.
         known: String,
     },
-    /// Its map cannot be loaded.
+    /// The map of the place cannot be loaded.
     #[error(transparent)]
     Map(#[from] MapError),
 }
@@ -203,7 +240,10 @@ impl ServeError {
 
 impl Library {
     /// The maps of a source, as [`Places::find`] understands it. Only names are read now.
-    pub fn open(files: Box<dyn Files>, source: &str, settings: Settings) -> Result<Self, MapError> {
+    ///
+    /// # Errors
+    /// If the source is a folder or a list that cannot be read.
+    pub fn open(files: Arc<dyn Files>, source: &str, settings: Settings) -> Result<Self, MapError> {
         Ok(Self {
             places: Places::find(files.as_ref(), source, &settings)?,
             files,
@@ -213,97 +253,126 @@ impl Library {
         })
     }
 
-    /// The files, to open another library on them.
-    pub fn into_files(self) -> Box<dyn Files> {
-        self.files
-    }
-
     /// The places.
     pub fn places(&self) -> &Places {
         &self.places
     }
 
-    /// How many files were loaded so far.
+    /// Files loaded so far, those included that could not be parsed.
     pub fn loads(&self) -> u64 {
         self.loads
     }
 
-    /// The map of a place, loaded now (`nanos` nanoseconds after the clock's zero) if nobody asked before.
-    pub fn get(&mut self, name: &str, nanos: i64) -> Result<Served<'_>, ServeError> {
+    /// The map of a place, or the work that loads it.
+    ///
+    /// # Errors
+    /// If there is no such place.
+    pub fn find(&self, name: &str) -> Result<Lookup<'_>, ServeError> {
         let Some((place, entry)) = self.places.get(name) else {
             return Err(ServeError::UnknownPlace {
                 place: name.to_owned(),
                 known: self.places.names().collect::<Vec<_>>().join(", "),
             });
         };
-        let fresh = !self.maps.contains_key(place);
-        if fresh {
-            let kept = shelve(self.files.as_ref(), entry, &self.settings, nanos)?;
-            self.loads += 1;
-            self.maps.insert(place.to_owned(), kept);
-        }
-        match self.maps.get(place) {
-            Some(kept) => Ok(kept.served(place, fresh)),
-            None => Err(ServeError::UnknownPlace {
-                place: place.to_owned(),
-                known: String::new(),
-            }),
+        Ok(match self.maps.get(place) {
+            Some(kept) => Lookup::Kept(kept.served()),
+            None => Lookup::Missing(self.load(place, entry)),
+        })
+    }
+
+    fn load(&self, place: &str, entry: &Entry) -> Load {
+        Load {
+            place: place.to_owned(),
+            files: Arc::clone(&self.files),
+            entry: entry.clone(),
+            settings: Settings {
+                resolution: entry.resolution.or(self.settings.resolution),
+                ..self.settings.clone()
+            },
         }
     }
 
-    /// Loads again what changed since; a map that cannot be loaded any more stays as it was. Says, for each place
-    /// whose file changed, what became of it.
-    pub fn refresh(&mut self, nanos: i64) -> Vec<(String, Result<(), MapError>)> {
-        let mut changed = Vec::new();
-        for (place, kept) in &mut self.maps {
-            let Some((_, entry)) = self.places.get(place) else {
-                continue;
-            };
-            let version = self.files.version(&entry.file);
-            if version == kept.version {
-                continue;
+    /// Keeps a map that was loaded, `nanos` nanoseconds after the clock's zero. Where it could not be loaded, the map
+    /// that was kept before, if any, stays.
+    ///
+    /// # Errors
+    /// The error of the loading.
+    pub fn keep(&mut self, loaded: Loaded, nanos: i64) -> Result<Served<'_>, MapError> {
+        let Loaded {
+            place,
+            version,
+            result,
+        } = loaded;
+        self.loads += 1;
+        let map = match result {
+            Ok(map) => map,
+            Err(error) => {
+                // not tried again until the file changes once more
+                if let Some(kept) = self.maps.get_mut(&place) {
+                    kept.version = version;
+                }
+                return Err(error);
             }
-            let fresh = shelve(self.files.as_ref(), entry, &self.settings, nanos);
-            changed.push((place.clone(), fresh.map(|fresh| *kept = fresh)));
-            kept.version = version;
-            self.loads += 1;
+        };
+        let kept = Kept {
+            place: place.clone(),
+            grid: occupancy_grid(&map.grid, nanos, FRAME),
+            version,
+            notes: map.notes,
+        };
+        Ok(match self.maps.entry(place) {
+            btree_map::Entry::Vacant(vacant) => vacant.insert(kept),
+            btree_map::Entry::Occupied(mut occupied) => {
+                occupied.insert(kept);
+                occupied.into_mut()
+            }
         }
-        changed
+        .served())
+    }
+
+    /// The work that looks for changed files, and loads them again.
+    pub fn refresh(&self) -> Refresh {
+        let kept = self.maps.iter().filter_map(|(place, kept)| {
+            let (_, entry) = self.places.get(place)?;
+            Some((self.load(place, entry), kept.version))
+        });
+        Refresh {
+            kept: kept.collect(),
+        }
+    }
+}
+
+impl Load {
+    /// Reads and parses the file.
+    pub fn run(self) -> Loaded {
+        let version = self.files.version(&self.entry.file);
+        Loaded {
+            result: load(self.files.as_ref(), &self.entry.file, &self.settings),
+            place: self.place,
+            version,
+        }
+    }
+}
+
+impl Refresh {
+    /// Loads the files that have changed, in the order of their places.
+    pub fn run(self) -> Vec<Loaded> {
+        let changed = self
+            .kept
+            .into_iter()
+            .filter(|(load, version)| load.files.version(&load.entry.file) != *version);
+        changed.map(|(load, _)| load.run()).collect()
     }
 }
 
 impl Kept {
-    fn served<'a>(&'a self, place: &'a str, fresh: bool) -> Served<'a> {
+    fn served(&self) -> Served<'_> {
         Served {
-            place,
+            place: &self.place,
             grid: &self.grid,
             notes: &self.notes,
-            fresh,
         }
     }
-}
-
-fn shelve(
-    files: &dyn Files,
-    entry: &Entry,
-    settings: &Settings,
-    nanos: i64,
-) -> Result<Kept, MapError> {
-    let version = files.version(&entry.file);
-    let map = if entry.resolution.is_some() {
-        let settings = Settings {
-            resolution: entry.resolution,
-            ..settings.clone()
-        };
-        load(files, &entry.file, &settings)?
-    } else {
-        load(files, &entry.file, settings)?
-    };
-    Ok(Kept {
-        grid: occupancy_grid(&map.grid, nanos, FRAME),
-        version,
-        notes: map.notes,
-    })
 }
 
 #[cfg(test)]
@@ -315,18 +384,42 @@ mod tests {
 
     fn library(source: &str, files: &[(&str, &str)]) -> Result<Library, MapError> {
         let files = Memory::new(files.iter().map(|(name, text)| (*name, *text)));
-        Library::open(Box::new(files), source, Settings::default())
+        Library::open(Arc::new(files), source, Settings::default())
+    }
+
+    /// The map of a place, loaded here if need be, and whether it was.
+    fn get<'a>(library: &'a mut Library, name: &str, nanos: i64) -> (&'a OccupancyGrid, bool) {
+        let load = match library.find(name).unwrap() {
+            Lookup::Kept(_) => None,
+            Lookup::Missing(load) => Some(load),
+        };
+        let fresh = load.is_some();
+        if let Some(load) = load {
+            library.keep(load.run(), nanos).unwrap();
+        }
+        match library.find(name).unwrap() {
+            Lookup::Kept(served) => (served.grid, fresh),
+            Lookup::Missing(_) => panic!("{name} was not kept"),
+        }
+    }
+
+    /// Loads again what has changed; the places, and whether each could be loaded.
+    fn refresh(library: &mut Library, nanos: i64) -> Vec<(String, bool)> {
+        let changed = library.refresh().run().into_iter();
+        changed
+            .map(|loaded| (loaded.place.clone(), library.keep(loaded, nanos).is_ok()))
+            .collect()
     }
 
     #[test]
     fn it_loads_a_place_once_and_gives_everybody_the_same_revision() {
         let mut library = library("maps", &[("maps/hall.geojson", WALL)]).unwrap();
-        let first = library.get("hall", 1_000).unwrap();
-        assert!(first.fresh);
-        let revision = first.grid.info.map_load_time;
-        let second = library.get("hall", 9_000_000_000).unwrap();
-        assert!(!second.fresh);
-        assert_eq!(second.grid.info.map_load_time, revision);
+        let (first, loaded) = get(&mut library, "hall", 1_000);
+        assert!(loaded);
+        let revision = first.info.map_load_time;
+        let (second, loaded) = get(&mut library, "hall", 9_000_000_000);
+        assert!(!loaded);
+        assert_eq!(second.info.map_load_time, revision);
         assert_eq!(library.loads(), 1);
     }
 
@@ -359,8 +452,7 @@ mod tests {
             ("maps/plans/hall.geojson", WALL),
         ];
         let mut library = library("maps", &files).unwrap();
-        let width =
-            |library: &mut Library, place: &str| library.get(place, 0).unwrap().grid.info.width;
+        let width = |library: &mut Library, place: &str| get(library, place, 0).0.info.width;
         assert_eq!(
             (width(&mut library, "lobby"), width(&mut library, "coarse")),
             (80, 8)
@@ -370,9 +462,9 @@ mod tests {
     #[test]
     fn a_single_map_needs_no_name() {
         let mut library = library("maps/hall.geojson", &[("maps/hall.geojson", WALL)]).unwrap();
-        assert_eq!(library.get("", 0).unwrap().place, "hall");
-        assert_eq!(library.get("hall", 0).unwrap().place, "hall");
-        let error = library.get("moon", 0).err().unwrap();
+        let unnamed = get(&mut library, "", 0).0.clone();
+        assert_eq!(get(&mut library, "hall", 1), (&unnamed, false));
+        let error = library.find("moon").err().unwrap();
         assert_eq!(error.code(), "UNKNOWN_PLACE");
         assert_eq!(
             error.to_string(),
@@ -402,23 +494,16 @@ mod tests {
         std::fs::write(&file, WALL).unwrap();
         let source = folder.path().to_str().unwrap();
         let mut library =
-            Library::open(Box::new(crate::Disk), source, Settings::default()).unwrap();
-        library.get("hall", 1).unwrap();
-        assert!(library.refresh(2).is_empty());
+            Library::open(Arc::new(crate::Disk), source, Settings::default()).unwrap();
+        get(&mut library, "hall", 1);
+        assert_eq!(refresh(&mut library, 2), []);
         std::fs::write(&file, WALL.replace("[4,3]", "[8,3.5]")).unwrap();
-        let changed = library.refresh(3);
-        assert!(matches!(&changed[..], [(place, Ok(()))] if place == "hall"));
-        let served = library.get("hall", 4).unwrap();
-        assert_eq!(
-            (
-                served.grid.info.width,
-                served.grid.info.map_load_time.nanosec
-            ),
-            (160, 3)
-        );
+        assert_eq!(refresh(&mut library, 3), [("hall".to_owned(), true)]);
+        let info = &get(&mut library, "hall", 4).0.info;
+        assert_eq!((info.width, info.map_load_time.nanosec), (160, 3));
         std::fs::write(&file, "{").unwrap();
-        assert!(matches!(&library.refresh(5)[..], [(_, Err(_))]));
-        assert_eq!(library.get("hall", 6).unwrap().grid.info.width, 160);
-        assert!(library.refresh(7).is_empty());
+        assert_eq!(refresh(&mut library, 5), [("hall".to_owned(), false)]);
+        assert_eq!(get(&mut library, "hall", 6).0.info.width, 160);
+        assert_eq!(refresh(&mut library, 7), []);
     }
 }

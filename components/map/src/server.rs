@@ -1,106 +1,232 @@
-//! The component: maps by name for everybody who asks.
+//! The component: maps by name for every component that asks.
+//!
+//! A map takes milliseconds to seconds to load, and a cycle neither blocks nor waits: files are read and parsed by
+//! background work ([`Cycle::spawn`]), one for each place, and whoever asked for the place is answered in the cycle that
+//! finds the work done. Only `configure`, which may take its time, reads a folder or a list itself. In simulated time
+//! the work is done at once, so the answer comes in the cycle of the request.
+
+use std::sync::Arc;
 
 use asmotion_component::{
-    Component, Cycle, Fault, Interface, Out, Property, Provided, ServiceFault, Setup,
+    BackgroundWork, Component, Cycle, Fault, Interface, Out, Ports, Properties, PropertySet,
+    Provided, RequestId, ServiceFault, Setup,
 };
-use asmotion_messages::{GetMap, OccupancyGrid, Place};
+use asmotion_geometry::Layout;
+use asmotion_messages::{GetMap, OccupancyGrid};
 
-use crate::library::Served;
-use crate::{Disk, Files, Library, Rules, Settings};
+use crate::files::{Disk, Files};
+use crate::format::Settings;
+use crate::library::{Library, Load, Loaded, Lookup, ServeError, Served};
+use crate::rules::Rules;
 
 /// `nav::MapServer`: serves `getMap`, each place loaded once; publishes a map when it was loaded and when it changed.
-///
-/// Reading a map takes milliseconds to seconds and happens in the server's own cycle, so it wants an activity of its
-/// own; callers never wait for it, their reply comes later.
 pub struct MapServer {
-    maps: Provided<GetMap>,
-    map: Out<OccupancyGrid>,
-    properties: Properties,
+    ports: MapServerPorts,
+    /// Read when configured.
+    properties: PropertySet<MapServerProperties>,
 
-    files: Option<Box<dyn Files>>,
+    files: Arc<dyn Files>,
+    /// None until configured.
     library: Option<Library>,
-    /// The place to load without being asked; none once it is.
-    first: Option<String>,
-    /// What a request without a name means.
-    usual: String,
+    /// Whether the place to publish unasked is still to be looked up.
+    is_first: bool,
+    /// Places on their way into the library.
+    loading: Vec<Loading>,
+    /// The search for changed files that is under way.
+    refreshing: Option<BackgroundWork<Vec<Loaded>>>,
+}
+
+/// A place whose map is being loaded.
+struct Loading {
+    place: String,
+    work: BackgroundWork<Loaded>,
+    /// Requests to answer with the map.
+    requests: Vec<RequestId>,
+    /// Whether it is the place to publish unasked; the server fails without it.
+    is_first: bool,
+}
+
+#[derive(Ports)]
+struct MapServerPorts {
+    /// `getMap`: the map of a place, map frame; without a name, of `place`, or of the only place there is. Faults
+    /// `UNKNOWN_PLACE`, `BAD_MAP`.
+    maps: Provided<GetMap>,
+    /// Every map when it was loaded, and when it was loaded again; map frame, `map_load_time` is the revision.
+    map: Out<OccupancyGrid>,
+}
+
+#[derive(Properties)]
+struct MapServerProperties {
+    /// Map file, folder of maps (a place is called like its file), or `places.toml`. Read when configured, as are all
+    /// properties here.
+    source: String,
+    /// Place whose map is loaded and published at the start, and the one meant by a request without a name.
+    place: String,
+    /// Side of a cell; 0 takes what the file says (ROS maps get coarser, never finer).
+    #[property(unit = "m", range = 0.0..=100.0)]
+    resolution_m: f64,
+    /// Largest number of cells of a grid; a cell takes a byte.
+    #[property(range = 1..=Layout::MAX_CELLS, default = Settings::default().max_cells)]
+    max_cells: u64,
+    /// Largest size of a file, unpacked.
+    #[property(unit = "B", range = 1..=1 << 36, default = Settings::default().max_bytes)]
+    max_bytes: u64,
+    /// Rules before the built-in ones, which say what blocks: `key=value|value occupied|free|ignore width=…; …`.
+    rules: String,
+    /// Whether changed files are looked for as the server cycles, and loaded again.
     watch: bool,
 }
 
-struct Properties {
-    source: Property<String>,
-    place: Property<String>,
-    resolution: Property<f64>,
-    max_cells: Property<u64>,
-    max_bytes: Property<u64>,
-    rules: Property<String>,
-    watch: Property<bool>,
+impl MapServerProperties {
+    fn settings(&self) -> Result<Settings, Fault> {
+        Ok(Settings {
+            resolution: (self.resolution_m > 0.0).then_some(self.resolution_m),
+            max_cells: self.max_cells,
+            max_bytes: self.max_bytes,
+            ground: None,
+            rules: Rules::parse(&self.rules)?.before(Rules::default()),
+        })
+    }
 }
 
 impl MapServer {
     /// Declares ports and properties; serves maps from disk.
     pub fn new(interface: &mut Interface) -> Self {
-        Self::with_files(interface, Box::new(Disk))
+        Self::with_files(interface, Disk)
     }
 
     /// Declares ports and properties; serves maps from other files.
-    pub fn with_files(interface: &mut Interface, files: Box<dyn Files>) -> Self {
+    pub fn with_files(interface: &mut Interface, files: impl Files + 'static) -> Self {
         Self {
-            maps: interface.serve("maps", "the map of a place; faults UNKNOWN_PLACE, BAD_MAP"),
-            map: interface.output(
-                "map",
-                "a map that was just loaded, or loaded again, map frame",
-            ),
-            properties: Properties::declare(interface),
-            files: Some(files),
+            ports: interface.ports(),
+            properties: interface.properties(),
+            files: Arc::new(files),
             library: None,
-            first: None,
-            usual: String::new(),
-            watch: false,
+            is_first: false,
+            loading: Vec::new(),
+            refreshing: None,
         }
     }
 
-    fn answer(
-        &mut self,
-        cycle: &mut Cycle<'_>,
-        place: &str,
-    ) -> Result<OccupancyGrid, ServiceFault> {
-        let library = self.library.as_mut();
-        let library = library.ok_or_else(|| ServiceFault::new("BAD_MAP", "not configured"))?;
-        let place = if place.is_empty() { &self.usual } else { place };
-        let served = library.get(place, cycle.now().nanos());
-        let served = served.map_err(|error| ServiceFault::new(error.code(), error.to_string()))?;
-        let grid = served.grid.clone();
-        if served.fresh {
-            let news = news(&served);
-            cycle.report("map", news.into());
-            cycle.write(self.map, grid.clone());
-        }
-        Ok(grid)
-    }
-
-    fn look_for_changes(&mut self, cycle: &mut Cycle<'_>) {
-        let now = cycle.now().nanos();
-        let Some(library) = &mut self.library else {
-            return;
+    /// Answers a request, now or when the map has been loaded.
+    fn answer(&mut self, cycle: &mut Cycle<'_>, request: RequestId, name: &str) {
+        let place = match name {
+            "" => &self.properties.place,
+            name => name,
         };
-        for (place, result) in library.refresh(now) {
-            match (result, library.get(&place, now)) {
-                (Ok(()), Ok(served)) => {
-                    cycle.report("map", news(&served).into());
-                    cycle.write(self.map, served.grid.clone());
-                }
-                (Err(error), _) => {
-                    let what = format!("{place} stays as it was: {error}");
-                    cycle.report("map", what.into());
-                }
-                (Ok(()), Err(_)) => {}
+        match self.library.as_ref().map(|library| library.find(place)) {
+            Some(Ok(Lookup::Kept(served))) => {
+                cycle.reply(self.ports.maps, request, Ok(served.grid.clone()));
+            }
+            Some(Ok(Lookup::Missing(load))) => self.load(cycle, load).requests.push(request),
+            Some(Err(error)) => cycle.reply(self.ports.maps, request, Err(fault(&error))),
+            None => {
+                let fault = ServiceFault::new("BAD_MAP", "not configured");
+                cycle.reply(self.ports.maps, request, Err(fault));
             }
         }
     }
+
+    /// Starts to load a place, unless that is under way.
+    fn load(&mut self, cycle: &mut Cycle<'_>, load: Load) -> &mut Loading {
+        let known = self.loading.iter().position(|it| it.place == load.place);
+        let index = known.unwrap_or(self.loading.len());
+        if known.is_none() {
+            self.loading.push(Loading {
+                place: load.place.clone(),
+                work: cycle.spawn(|| load.run()),
+                requests: Vec::new(),
+                is_first: false,
+            });
+        }
+        &mut self.loading[index]
+    }
+
+    /// Starts to load the place to publish unasked.
+    fn load_first(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        let place = &self.properties.place;
+        let found = self.library.as_ref().map(|library| library.find(place));
+        match found
+            .transpose()
+            .map_err(|error| Fault::new(fault(&error)))?
+        {
+            Some(Lookup::Missing(load)) => self.load(cycle, load).is_first = true,
+            Some(Lookup::Kept(_)) | None => {}
+        }
+        Ok(())
+    }
+
+    /// Publishes what has been loaded, and answers who waits for it.
+    fn finish(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        let mut index = 0;
+        while let Some(loading) = self.loading.get_mut(index) {
+            let Some(loaded) = loading.work.take() else {
+                index += 1;
+                continue;
+            };
+            let Loading {
+                requests, is_first, ..
+            } = self.loading.remove(index);
+            let answer = self.keep(cycle, loaded?);
+            if let (true, Err(error)) = (is_first, &answer) {
+                return Err(Fault::new(error));
+            }
+            for request in requests {
+                cycle.reply(self.ports.maps, request, answer.clone());
+            }
+        }
+        Ok(())
+    }
+
+    /// Keeps a map, and publishes it.
+    fn keep(
+        &mut self,
+        cycle: &mut Cycle<'_>,
+        loaded: Loaded,
+    ) -> Result<OccupancyGrid, ServiceFault> {
+        let not_configured = || ServiceFault::new("BAD_MAP", "not configured");
+        let library = self.library.as_mut().ok_or_else(not_configured)?;
+        let served = library.keep(loaded, cycle.now().nanos());
+        let served = served.map_err(|error| fault(&error.into()))?;
+        cycle.report("map", summary(&served).into());
+        cycle.write(self.ports.map, served.grid.clone());
+        Ok(served.grid.clone())
+    }
+
+    /// Looks for changed files: a cycle starts the search, and the first one that finds it done publishes what has
+    /// changed. A cycle that comes because of the search does not start the next.
+    fn watch(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+        let Some(library) = &self.library else {
+            return Ok(());
+        };
+        let mut refreshing = match self.refreshing.take() {
+            Some(refreshing) => refreshing,
+            None => {
+                let refresh = library.refresh();
+                cycle.spawn(|| refresh.run())
+            }
+        };
+        let Some(changed) = refreshing.take() else {
+            self.refreshing = Some(refreshing);
+            return Ok(());
+        };
+        for loaded in changed? {
+            let place = loaded.place.clone();
+            if let Err(error) = self.keep(cycle, loaded) {
+                let what = format!("{place} stays as it was: {}", error.detail);
+                cycle.report("map", what.into());
+            }
+        }
+        Ok(())
+    }
 }
 
-/// What there is to say of a map that was just loaded.
-fn news(served: &Served<'_>) -> String {
+fn fault(error: &ServeError) -> ServiceFault {
+    ServiceFault::new(error.code(), error.to_string())
+}
+
+/// Place, size and notes of a map that was just loaded.
+fn summary(served: &Served<'_>) -> String {
     let info = &served.grid.info;
     let size = format!(
         "{} × {} cells of {} m",
@@ -112,83 +238,47 @@ fn news(served: &Served<'_>) -> String {
 
 impl Component for MapServer {
     fn configure(&mut self, setup: &mut Setup<'_>) -> Result<(), Fault> {
-        let settings = self.properties.settings(setup)?;
-        let source = setup.property(self.properties.source);
-        let source = source.strip_prefix("file:").unwrap_or(&source);
+        let properties = self.properties.refresh(setup);
+        let source = &properties.source;
+        let source = source.strip_prefix("file:").unwrap_or(source);
         if source.is_empty() {
             return Err(Fault::new(
                 "`source` names no map, folder of maps or `places.toml`",
             ));
         }
-        if let Some(library) = self.library.take() {
-            self.files = Some(library.into_files());
-        }
-        if let Some(files) = self.files.take() {
-            self.library = Some(Library::open(files, source, settings)?);
-        }
-        self.usual = setup.property(self.properties.place);
-        self.first = (!self.usual.is_empty()).then(|| self.usual.clone());
-        self.watch = setup.property(self.properties.watch);
+        let files = Arc::clone(&self.files);
+        self.library = Some(Library::open(files, source, properties.settings()?)?);
+        self.is_first = !properties.place.is_empty();
+        self.loading.clear();
+        self.refreshing = None;
         Ok(())
+    }
+
+    /// Whoever waits for a map learns from its call that the server has stopped.
+    fn stop(&mut self) {
+        for loading in &mut self.loading {
+            loading.requests.clear();
+        }
     }
 
     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
-        if let Some(place) = self.first.take() {
-            self.answer(cycle, &place).map_err(Fault::new)?;
+        let cancelled = cycle.cancelled(self.ports.maps);
+        for loading in &mut self.loading {
+            loading
+                .requests
+                .retain(|request| !cancelled.contains(request));
         }
-        for request in cycle.requests(self.maps) {
-            let Place { name } = &request.argument;
-            let answer = self.answer(cycle, name);
-            cycle.reply(self.maps, request.id, answer);
+        if std::mem::take(&mut self.is_first) {
+            self.load_first(cycle)?;
         }
-        if self.watch {
-            self.look_for_changes(cycle);
+        self.finish(cycle)?;
+        for request in cycle.requests(self.ports.maps) {
+            self.answer(cycle, request.id, &request.argument.name);
+            self.finish(cycle)?;
+        }
+        if self.properties.watch {
+            self.watch(cycle)?;
         }
         Ok(())
-    }
-}
-
-impl Properties {
-    fn declare(interface: &mut Interface) -> Self {
-        let source = "a map file, a folder of maps, or a `places.toml`; read when configured, as all properties here";
-        let place =
-            "the place to load and publish at once, and the one meant by a request without a name";
-        let resolution =
-            "side of a cell; 0 leaves it to the file (ROS maps get coarser, never finer)";
-        let max_cells = "no larger grid is made; a cell takes a byte";
-        let max_bytes = "no larger file is read, unpacked";
-        let rules = "rules before the usual ones, which say what blocks: `key=value|value occupied|free|ignore width=…; …`";
-        let watch = "whether to look for changed files each cycle and load them again";
-        Self {
-            source: interface.property("source", String::new(), source),
-            place: interface.property("place", String::new(), place),
-            resolution: interface
-                .setting("resolution_m", 0.0, resolution)
-                .range(0.0..=100.0)
-                .unit("m")
-                .declare(),
-            max_cells: interface
-                .setting("max_cells", Settings::default().max_cells, max_cells)
-                .range(1..=asmotion_geometry::Layout::MAX_CELLS)
-                .declare(),
-            max_bytes: interface
-                .setting("max_bytes", Settings::default().max_bytes, max_bytes)
-                .range(1..=1 << 36)
-                .unit("B")
-                .declare(),
-            rules: interface.property("rules", String::new(), rules),
-            watch: interface.property("watch", false, watch),
-        }
-    }
-
-    fn settings(&self, setup: &Setup<'_>) -> Result<Settings, Fault> {
-        let resolution = setup.property(self.resolution);
-        Ok(Settings {
-            resolution: (resolution > 0.0).then_some(resolution),
-            max_cells: setup.property(self.max_cells),
-            max_bytes: setup.property(self.max_bytes),
-            ground: None,
-            rules: Rules::parse(&setup.property(self.rules))?.before(Rules::default()),
-        })
     }
 }

@@ -68,9 +68,9 @@ fn share(map: &Map) -> usize {
 fn check_way(map: &Map, expected: &Expected) {
     let [start, goal] = expected.ends.map(|(x, y)| heading(Point::new(x, y), 0.0));
     let needs = Needs {
-        inflation: 0.5,
-        comfort: 1.0,
-        step: 0.5,
+        inflation_m: 0.5,
+        comfort_m: 1.0,
+        step_m: 0.5,
         ..Needs::default()
     };
     let begin = Instant::now();

@@ -10,10 +10,10 @@
 use std::sync::{Arc, Mutex};
 
 use asmotion_component::{
-    Activity, CallError, Component, Cycle, Fault, Interface, Log, Required, Run, Span, State,
-    System, Wire,
+    Activity, CallError, Component, Cycle, Event, Fault, Interface, Log, Required, Run, Span,
+    State, System, Time, Wire,
 };
-use asmotion_map::{MapServer, Memory};
+use asmotion_map::{FileFault, Files, MapServer, Memory};
 use asmotion_messages::{GetMap, OccupancyGrid, Place};
 
 const WALL: &str = r#"{"type":"FeatureCollection","map":{"units":"metres"},"features":[{"type":"Feature","properties":{"indoor":"wall"},"geometry":{"type":"LineString","coordinates":[[0,0],[4,3]]}}]}"#;
@@ -44,11 +44,19 @@ impl Component for Client {
 
 /// A server on two maps, and a client for each place.
 fn system(source: &str, places: &[&'static str]) -> (System, Answers, Log) {
+    let files = Memory::new([("maps/hall.geojson", WALL), ("maps/bad.geojson", "{")]);
+    system_on(files, source, places)
+}
+
+fn system_on(
+    files: impl Files + 'static,
+    source: &str,
+    places: &[&'static str],
+) -> (System, Answers, Log) {
     let (mut system, log, answers) = (System::new(), Log::new(), Answers::default());
     system.observe(log.clone());
-    let server = |interface: &mut Interface| -> Box<dyn Component> {
-        let files = Memory::new([("maps/hall.geojson", WALL), ("maps/bad.geojson", "{")]);
-        Box::new(MapServer::with_files(interface, Box::new(files)))
+    let server = move |interface: &mut Interface| -> Box<dyn Component> {
+        Box::new(MapServer::with_files(interface, files))
     };
     let id = system.add("Maps", Activity::event(), server).unwrap();
     system.set_property(id, "source", &source.into()).unwrap();
@@ -136,4 +144,117 @@ fn it_is_not_configured_without_a_source() {
             .to_string()
             .contains("`source` names no map")
     );
+}
+
+/// Files of which one takes as long to read as the test wants.
+struct Slow {
+    files: Memory,
+    /// Blocks while it is locked.
+    gate: Arc<Mutex<()>>,
+}
+
+impl Files for Slow {
+    fn read(&self, name: &str, limit: u64) -> Result<Vec<u8>, FileFault> {
+        if name.contains("slow") {
+            drop(self.gate.lock().unwrap());
+        }
+        self.files.read(name, limit)
+    }
+
+    fn list(&self, folder: &str) -> Result<Vec<String>, FileFault> {
+        self.files.list(folder)
+    }
+
+    fn is_folder(&self, name: &str) -> bool {
+        self.files.is_folder(name)
+    }
+
+    fn version(&self, name: &str) -> Option<u128> {
+        self.files.version(name)
+    }
+}
+
+#[test]
+fn live_no_cycle_waits_for_a_file_and_other_places_are_served_meanwhile() {
+    let gate = Arc::new(Mutex::new(()));
+    let closed = gate.lock().unwrap();
+    let files = Slow {
+        files: Memory::new([("maps/hall.geojson", WALL), ("maps/slow.geojson", WALL)]),
+        gate: Arc::clone(&gate),
+    };
+    let (system, answers, _) = system_on(files, "maps", &["slow", "hall"]);
+    let mut run = system.live();
+    let replied = |_: Time, event: &Event<'_>| matches!(event, Event::Replied { .. });
+    let limit = Time::ZERO + 20.s();
+    assert!(run.run_until_event(limit, &mut |at, event| replied(at, event)));
+    assert_eq!(answers.lock().unwrap().len(), 1, "that of the hall");
+    let cycles = run.cycles("Maps");
+    run.trigger("Maps").unwrap();
+    run.run_for(50.ms());
+    assert!(
+        run.cycles("Maps") > cycles,
+        "the cycle does not wait"
+    );
+    assert_eq!(answers.lock().unwrap().len(), 1);
+    drop(closed);
+    assert!(run.run_until_event(limit, &mut |at, event| replied(at, event)));
+    run.run_for(50.ms());
+    let answers = answers.lock().unwrap();
+    let [Ok(hall), Ok(slow)] = &answers[..] else {
+        panic!("{answers:?}");
+    };
+    assert_eq!(hall.data, slow.data);
+}
+
+#[test]
+fn simulated_the_answer_comes_in_the_cycle_of_the_request() {
+    let (system, answers, log) = system("maps", &["hall"]);
+    let mut run = system.simulate();
+    run.run_for(1.s());
+    assert_eq!(answers.lock().unwrap().len(), 1);
+    let published = log.samples::<OccupancyGrid>("Maps.map");
+    assert_eq!(
+        published[0].0,
+        Time::ZERO,
+        "at the time of the first cycles"
+    );
+    assert_eq!(
+        run.cycles("Maps"),
+        Some(2),
+        "of the start, and of the request"
+    );
+}
+
+#[test]
+fn it_fails_without_the_place_it_shall_publish() {
+    for (place, why) in [("moon", "UNKNOWN_PLACE"), ("bad", "BAD_MAP")] {
+        let (mut system, ..) = system("maps", &[]);
+        let maps = system.id("Maps").unwrap();
+        system.set_property(maps, "place", &place.into()).unwrap();
+        let mut run = system.simulate();
+        run.run_for(1.s());
+        assert_eq!(run.state("Maps"), Some(State::Exception));
+        assert!(run.fault("Maps").unwrap().to_string().starts_with(why));
+    }
+}
+
+#[test]
+fn it_publishes_a_file_again_when_it_has_changed() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("hall.geojson");
+    std::fs::write(&file, WALL).unwrap();
+    let source = folder.path().to_str().unwrap();
+    let (mut system, _, log) = system_on(asmotion_map::Disk, source, &["hall"]);
+    let maps = system.id("Maps").unwrap();
+    system.set_property(maps, "watch", &true.into()).unwrap();
+    let mut run = system.simulate();
+    run.run_for(1.s());
+    std::fs::write(&file, WALL.replace("[4,3]", "[8,3.5]")).unwrap();
+    run.trigger("Maps").unwrap();
+    run.run_for(1.s());
+    run.trigger("Maps").unwrap();
+    run.run_for(1.s());
+    let widths = log.samples::<OccupancyGrid>("Maps.map").into_iter();
+    let widths: Vec<_> = widths.map(|(_, map)| map.info.width).collect();
+    assert_eq!(widths, [80, 160]);
 }

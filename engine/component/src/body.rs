@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use asmotion_datum::{Datum, Sample};
 
+use crate::background;
 use crate::cause::Cause;
 use crate::declaration::Declaration;
 use crate::outside::Leaving;
@@ -32,6 +33,8 @@ pub(crate) struct Body {
     pub cause: Arc<Cause>,
     /// What the present cycle has done, in order; it happens when the cycle is committed.
     pub journal: Vec<Action>,
+    /// Where its slow work runs.
+    pub background: background::WorkPlace,
     /// How long the present cycle takes in simulated time.
     pub lasts: Duration,
 }
@@ -83,6 +86,7 @@ impl Body {
             caller: Caller::new(component, Arc::clone(&cause)),
             cause,
             journal: Vec::new(),
+            background: background::WorkPlace::default(),
             lasts: Duration::ZERO,
         }
     }

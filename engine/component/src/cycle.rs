@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use asmotion_datum::{Datum, Message, Sample};
 
+use crate::background::BackgroundWork;
 use crate::body::{Action, Body};
 use crate::face::Status;
 use crate::handle::{In, Out, Property, Provided, Required};
@@ -243,6 +244,18 @@ impl<'a> Cycle<'a> {
     /// it against its deadline. Live, the clock knows.
     pub fn lasts(&mut self, how_long: Duration) {
         self.body.lasts = how_long;
+    }
+
+    /// Starts work that takes too long for a cycle, such as reading a file, and returns at once. Ask for the result with
+    /// [`BackgroundWork::take`], in this cycle and the following ones: live it comes to a later cycle, which it
+    /// triggers; in simulated time it is there when this returns.
+    ///
+    /// The work starts even if the cycle fails, so it should change nothing outside of itself.
+    pub fn spawn<T: Send + 'static>(
+        &mut self,
+        work: impl FnOnce() -> T + Send + 'static,
+    ) -> BackgroundWork<T> {
+        BackgroundWork::spawn(&self.body.background, work)
     }
 
     /// Whether somebody wants the component to stop, and its activity allows to interrupt it: a long cycle asks now

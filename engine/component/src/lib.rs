@@ -5,6 +5,7 @@
 //! simulated time ([`Simulation`]) or [`Live`].
 
 mod activity;
+mod background;
 mod body;
 mod cause;
 mod component;
@@ -41,6 +42,7 @@ pub use activity::{
 };
 pub use asmotion_datum::Word;
 pub use asmotion_derive::{Ports, Properties, Word};
+pub use background::BackgroundWork;
 pub use component::Component;
 pub use cycle::Cycle;
 pub use declaration::Declaration;

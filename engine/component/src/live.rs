@@ -21,6 +21,7 @@ use self::events::Events;
 use self::wake::Wake;
 pub(crate) use self::wake::World;
 use self::worker::{Command, Worker};
+use crate::background;
 use crate::door::{Doors, Place};
 use crate::face::Face;
 use crate::health;
@@ -77,6 +78,11 @@ impl Live {
         let events = Arc::new(Events::new(!observers.is_empty()));
         let wakes: Arc<[Arc<Wake>]> = units.iter().map(|_| Arc::default()).collect();
         let world = World::new(Instant::now(), wakes, Arc::clone(&events));
+        for unit in &mut units {
+            let wake = world.wake(unit.index);
+            let finished = Arc::new(move || wake.news());
+            unit.body.background = background::WorkPlace::Thread(finished);
+        }
         let mut live = Self {
             threads: threads(units, &faces, &world),
             world,

@@ -1,0 +1,159 @@
+//! The tables of ports and properties in the READMEs are those of the declarations.
+//!
+//! `UPDATE_REFERENCE=1 cargo test -p asmotion-components --test reference` writes them.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
+
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use asmotion_component::Interface;
+use asmotion_component::declaration::{Declaration, OperationDeclaration, PropertyDeclaration};
+use asmotion_components::COMPONENTS;
+use asmotion_datum::Datum;
+
+/// The end of every generated section.
+const END: &str = "<!-- end -->";
+
+fn begin(subject: &str) -> String {
+    format!("<!-- reference: {subject} -->\n")
+}
+
+/// The folder of this crate, in which each component has its own.
+fn folder() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The READMEs of the components, sorted by folder.
+fn readmes() -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder()).unwrap();
+    let readmes = entries.map(|entry| entry.unwrap().path().join("README.md"));
+    let mut readmes: Vec<_> = readmes.filter(|path| path.exists()).collect();
+    readmes.sort();
+    readmes
+}
+
+/// Compares the section of a subject in a README with what it should be, or writes it.
+fn keep(readme: &Path, subject: &str, section: &str) {
+    let text = fs::read_to_string(readme).unwrap();
+    let begin = begin(subject);
+    let (before, rest) = text.split_once(&begin).unwrap_or_else(|| {
+        panic!("{} has no line `{}`", readme.display(), begin.trim_end());
+    });
+    let (present, after) = rest.split_once(END).unwrap();
+    if present == section {
+        return;
+    }
+    assert!(
+        std::env::var_os("UPDATE_REFERENCE").is_some(),
+        "the reference of {subject} in {} is out of date: UPDATE_REFERENCE=1 cargo test -p \
+         asmotion-components --test reference",
+        readme.display()
+    );
+    fs::write(readme, format!("{before}{begin}{section}{END}{after}")).unwrap();
+}
+
+fn declaration(of: &str) -> Declaration {
+    let mut scratch = Interface::new();
+    asmotion_components::component(of).unwrap()(&mut scratch);
+    scratch.declaration().clone()
+}
+
+#[test]
+fn every_component_has_its_reference_in_the_readme_of_its_folder() {
+    let readmes = readmes();
+    for (name, _) in COMPONENTS {
+        let has = |path: &&PathBuf| fs::read_to_string(path).unwrap().contains(&begin(name));
+        let readme = readmes.iter().find(has);
+        let readme = readme.unwrap_or_else(|| {
+            panic!("no README has a line `{}`", begin(name).trim_end());
+        });
+        keep(readme, name, &reference(&declaration(name)));
+    }
+}
+
+#[test]
+fn the_readme_of_the_catalogue_lists_every_component() {
+    let mut rows = String::from("\n| component | folder | |\n|---|---|---|\n");
+    let readmes = readmes();
+    for (name, _) in COMPONENTS {
+        let texts = readmes.iter().map(|path| (path, fs::read_to_string(path).unwrap()));
+        let (path, text) = texts
+            .filter(|(_, text)| text.contains(&begin(name)))
+            .next_back()
+            .unwrap();
+        let room = path.parent().unwrap().file_name().unwrap().to_str().unwrap();
+        let title = text.lines().next().unwrap();
+        let (_, purpose) = title.split_once(": ").unwrap();
+        writeln!(rows, "| `{name}` | [`{room}`]({room}) | {purpose} |").unwrap();
+    }
+    rows.push('\n');
+    keep(&folder().join("README.md"), "components", &rows);
+}
+
+/// The tables of a component.
+fn reference(of: &Declaration) -> String {
+    let mut text = String::from("\n| port | type | |\n|---|---|---|\n");
+    for (direction, ports) in [("in", &of.inputs), ("out", &of.outputs)] {
+        for port in ports {
+            let (name, doc) = (&port.name, cell(&port.doc));
+            let kind = &port.schema.name;
+            writeln!(text, "| {direction} `{name}` | `{kind}` | {doc} |").unwrap();
+        }
+    }
+    for service in &of.services {
+        let (name, doc) = (&service.name, cell(&service.doc));
+        let kind = operations(&service.interface, &service.operations);
+        writeln!(text, "| service `{name}` | {kind} | {doc} |").unwrap();
+    }
+    for reference in &of.references {
+        let (name, doc) = (&reference.name, cell(&reference.doc));
+        let optional = if reference.optional { " (optional)" } else { "" };
+        let kind = operations(&reference.interface, &reference.operations);
+        writeln!(text, "| reference `{name}`{optional} | {kind} | {doc} |").unwrap();
+    }
+    if !of.properties.is_empty() {
+        text.push_str("\n| property | default | range | |\n|---|---|---|---|\n");
+    }
+    for property in &of.properties {
+        let (name, doc) = (&property.name, cell(&property.doc));
+        let (default, range) = (default(property), range(property));
+        writeln!(text, "| `{name}` | {default} | {range} | {doc} |").unwrap();
+    }
+    text.push('\n');
+    text
+}
+
+fn operations(interface: &str, operations: &[OperationDeclaration]) -> String {
+    let names = operations.iter().map(|operation| &*operation.name);
+    let names: Vec<_> = names.collect();
+    format!("`{interface}`: `{}`", names.join("`, `"))
+}
+
+fn default(property: &PropertyDeclaration) -> String {
+    let written = match &property.default {
+        Datum::Text(text) if text.is_empty() => "\"\"".to_owned(),
+        Datum::Text(text) => format!("`{text}`"),
+        other => other.to_string(),
+    };
+    match &*property.unit {
+        "" => written,
+        unit => format!("{written} {unit}"),
+    }
+}
+
+fn range(property: &PropertyDeclaration) -> String {
+    match &property.range {
+        Some((least, greatest)) => format!("{least} … {greatest}"),
+        None => {
+            let words = property.choices.iter();
+            let words: Vec<_> = words.filter_map(Datum::as_text).collect();
+            words.join(", ")
+        }
+    }
+}
+
+/// A description as a cell of a table.
+fn cell(doc: &str) -> String {
+    doc.replace('\n', "<br>").replace('|', "\\|")
+}
