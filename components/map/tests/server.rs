@@ -220,7 +220,7 @@ fn simulated_the_answer_comes_in_the_cycle_of_the_request() {
     );
     assert_eq!(
         run.cycles("Maps"),
-        Some(2),
+        2,
         "of the start, and of the request"
     );
 }
