@@ -1,8 +1,8 @@
 //! The story of a mission: what happens, told as it happens.
 //!
 //! [`Story`] turns the events of a run into lines; [`Summary`] is what is left of it in the end. What is worth telling
-//! comes from the composite: what its specifications hear, which services are called, whether anything moves. No robot
-//! is known here.
+//! comes from the composite: what its specifications hear, which services are called, whether anything moves. Maps, paths,
+//! goals and odometry are recognised by their standard ROS messages; no component, topic or robot is named here.
 
 mod ear;
 mod message;

@@ -1,9 +1,10 @@
 //! The floor plan: which crate may use which. Arrows fall, none climbs.
 
-use cargo_metadata::{DependencyKind, MetadataCommand};
+use cargo_metadata::{DependencyKind, Metadata, MetadataCommand};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
+use std::sync::LazyLock;
 use xtask::checkout::Checkout;
 use xtask::debts::{self, HouseDebts};
 use xtask::type_names;
@@ -34,16 +35,8 @@ const FLOORS: &[&[&str]] = &[
     // the robot
     &["asmotion-messages"],
     &["asmotion-geometry"],
-    &[
-        "asmotion-map",
-        "asmotion-planner",
-        "asmotion-follower",
-        "asmotion-adapter",
-        "asmotion-rover",
-        "asmotion-laser",
-        "asmotion-youbot",
-    ],
-    &["asmotion-world", "asmotion-operator"],
+    &[COMPONENTS],
+    &["asmotion-world"],
     &["asmotion-components"],
     // the front door
     &["asmotion"],
@@ -51,16 +44,27 @@ const FLOORS: &[&[&str]] = &[
     &["asmotion-robustness", "xtask"],
 ];
 
+/// Stands for every crate of `components/` that no floor names: a new component needs no row.
+const COMPONENTS: &str = "components/*";
+
 fn floor(package: &str) -> Option<usize> {
-    FLOORS.iter().position(|rooms| rooms.contains(&package))
+    let named = |name: &str| FLOORS.iter().position(|rooms| rooms.contains(&name));
+    let unnamed = || named(COMPONENTS).filter(|_| wing(package) == "components");
+    named(package).or_else(unnamed)
+}
+
+/// The packages of the workspace.
+fn workspace() -> &'static Metadata {
+    static WORKSPACE: LazyLock<Metadata> = LazyLock::new(|| {
+        let mut command = MetadataCommand::new();
+        command.no_deps().exec().expect("cargo metadata")
+    });
+    &WORKSPACE
 }
 
 /// The folder at the top of the repository in which a crate lives: `asm-lang`, `engine`, `components`.
 fn wing(package: &str) -> String {
-    let metadata = MetadataCommand::new()
-        .no_deps()
-        .exec()
-        .expect("cargo metadata");
+    let metadata = workspace();
     let found = metadata.packages.iter().find(|it| it.name == package);
     let manifest = &found.expect("a crate of the workspace").manifest_path;
     let inside = manifest
@@ -72,10 +76,7 @@ fn wing(package: &str) -> String {
 
 /// Every arrow between two of our crates, development ones left out.
 fn arrows() -> Vec<(String, String)> {
-    let metadata = MetadataCommand::new()
-        .no_deps()
-        .exec()
-        .expect("cargo metadata");
+    let metadata = workspace();
     let mut arrows = Vec::new();
     for package in &metadata.packages {
         for dependency in &package.dependencies {
@@ -89,10 +90,7 @@ fn arrows() -> Vec<(String, String)> {
 
 #[test]
 fn every_crate_has_its_floor() {
-    let metadata = MetadataCommand::new()
-        .no_deps()
-        .exec()
-        .expect("cargo metadata");
+    let metadata = workspace();
     for package in &metadata.packages {
         assert!(
             floor(&package.name).is_some(),

@@ -22,42 +22,27 @@ pub use asmotion_messages::MESSAGES;
 /// Makes a component: declares it on the interface.
 pub type Make = fn(&mut Interface) -> Box<dyn Component>;
 
+/// The rows of the catalogue: the type's constructor is called `new`.
+macro_rules! catalogue {
+    ($($name:literal => $component:ty;)+) => {
+        &[$(($name, |interface| Box::new(<$component>::new(interface)))),+]
+    };
+}
+
 /// Every component by the name a composite gives it.
-pub const COMPONENTS: &[(&str, Make)] = &[
-    ("nav::MapServer", |interface| {
-        Box::new(asmotion_map::MapServer::new(interface))
-    }),
-    ("nav::TrajectoryPlanner", |interface| {
-        Box::new(asmotion_planner::TrajectoryPlanner::new(interface))
-    }),
-    ("nav::TrajectoryAdapter", |interface| {
-        Box::new(asmotion_adapter::TrajectoryAdapter::new(interface))
-    }),
-    ("nav::TrajectoryFollower", |interface| {
-        Box::new(asmotion_follower::TrajectoryFollower::new(interface))
-    }),
-    ("nav::Operator", |interface| {
-        Box::new(asmotion_operator::Operator::new(interface))
-    }),
-    ("nav::sim::RoverDriver", |interface| {
-        Box::new(asmotion_rover::RoverDriver::new(interface))
-    }),
-    ("nav::sim::LaserDriver", |interface| {
-        Box::new(asmotion_laser::LaserDriver::new(interface))
-    }),
-    ("nav::sim::World", |interface| {
-        Box::new(asmotion_world::World::new(interface))
-    }),
-    ("youbot::DummyDriver", |interface| {
-        Box::new(asmotion_youbot::DummyDriver::new(interface))
-    }),
-    ("youbot::Kinematics", |interface| {
-        Box::new(asmotion_youbot::Kinematics::new(interface))
-    }),
-    ("youbot::Operator", |interface| {
-        Box::new(asmotion_youbot::Operator::new(interface))
-    }),
-];
+pub const COMPONENTS: &[(&str, Make)] = catalogue! {
+    "nav::MapServer" => asmotion_map::MapServer;
+    "nav::TrajectoryPlanner" => asmotion_planner::TrajectoryPlanner;
+    "nav::TrajectoryAdapter" => asmotion_adapter::TrajectoryAdapter;
+    "nav::TrajectoryFollower" => asmotion_follower::TrajectoryFollower;
+    "nav::Operator" => asmotion_operator::Operator;
+    "nav::sim::RoverDriver" => asmotion_rover::RoverDriver;
+    "nav::sim::LaserDriver" => asmotion_laser::LaserDriver;
+    "nav::sim::World" => asmotion_world::World;
+    "youbot::DummyDriver" => asmotion_youbot::DummyDriver;
+    "youbot::Kinematics" => asmotion_youbot::Kinematics;
+    "youbot::Operator" => asmotion_youbot::Operator;
+};
 
 /// The operations of an interface.
 pub type Operations = fn() -> Vec<OperationDeclaration>;
@@ -112,65 +97,6 @@ fn operation<O: Operation>() -> OperationDeclaration {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asmotion_component::declaration::PortDeclaration;
-
-    /// Inputs, outputs, services and references of a component, as text.
-    fn shape(name: &str) -> String {
-        let mut scratch = Interface::new();
-        component(name).unwrap()(&mut scratch);
-        let ports = |ports: &[PortDeclaration]| {
-            let words = ports
-                .iter()
-                .map(|port| format!("{}: {}", port.name, port.schema));
-            words.collect::<Vec<_>>().join(", ")
-        };
-        let declaration = scratch.declaration();
-        let services = declaration
-            .services
-            .iter()
-            .map(|service| format!("{}: {}", service.name, service.interface));
-        let references = declaration.references.iter().map(|reference| {
-            let optional = if reference.optional { "?" } else { "" };
-            format!("{}: {}{optional}", reference.name, reference.interface)
-        });
-        [
-            ports(&declaration.inputs),
-            ports(&declaration.outputs),
-            services.collect::<Vec<_>>().join(", "),
-            references.collect::<Vec<_>>().join(", "),
-        ]
-        .join(" | ")
-    }
-
-    #[test]
-    fn every_component_has_the_ports_that_were_agreed() {
-        for (name, expected) in [
-            (
-                "nav::TrajectoryAdapter",
-                "path: nav_msgs/Path, scan: sensor_msgs/LaserScan, odom: nav_msgs/Odometry, map: nav_msgs/OccupancyGrid, permit: std_msgs/Bool | adapted: nav_msgs/Path, event: nav/Event, obstacles: nav/Obstacles |  | ",
-            ),
-            (
-                "nav::TrajectoryFollower",
-                "path: nav_msgs/Path, odom: nav_msgs/Odometry, permit: std_msgs/Bool | twist: geometry_msgs/Twist, event: nav/Event |  | ",
-            ),
-            (
-                "nav::sim::RoverDriver",
-                "twist: geometry_msgs/Twist, encoders: rover/Encoders | wheels: rover/WheelSpeeds, odom: nav_msgs/Odometry |  | ",
-            ),
-            (
-                "nav::sim::LaserDriver",
-                "scene: world/Scene, truth: geometry_msgs/PoseStamped | scan: sensor_msgs/LaserScan |  | ",
-            ),
-            (
-                "nav::sim::World",
-                "wheels: rover/WheelSpeeds | encoders: rover/Encoders, truth: geometry_msgs/PoseStamped, scene: world/Scene, event: nav/Event |  | ",
-            ),
-        ] {
-            assert_eq!(shape(name), expected, "{name}");
-        }
-        assert!(shape("nav::MapServer").contains("maps: nav/MapService"));
-        assert!(shape("nav::TrajectoryPlanner").contains("planning: nav/PlanService"));
-    }
 
     #[test]
     fn every_declaration_holds_together_and_is_documented() {

@@ -77,12 +77,20 @@ fn the_readme_of_the_catalogue_lists_every_component() {
     let mut rows = String::from("\n| component | folder | |\n|---|---|---|\n");
     let readmes = readmes();
     for (name, _) in COMPONENTS {
-        let texts = readmes.iter().map(|path| (path, fs::read_to_string(path).unwrap()));
+        let texts = readmes
+            .iter()
+            .map(|path| (path, fs::read_to_string(path).unwrap()));
         let (path, text) = texts
             .filter(|(_, text)| text.contains(&begin(name)))
             .next_back()
             .unwrap();
-        let room = path.parent().unwrap().file_name().unwrap().to_str().unwrap();
+        let room = path
+            .parent()
+            .unwrap()
+            .file_name()
+            .unwrap()
+            .to_str()
+            .unwrap();
         let title = text.lines().next().unwrap();
         let (_, purpose) = title.split_once(": ").unwrap();
         writeln!(rows, "| `{name}` | [`{room}`]({room}) | {purpose} |").unwrap();
@@ -108,7 +116,11 @@ fn reference(of: &Declaration) -> String {
     }
     for reference in &of.references {
         let (name, doc) = (&reference.name, cell(&reference.doc));
-        let optional = if reference.optional { " (optional)" } else { "" };
+        let optional = if reference.optional {
+            " (optional)"
+        } else {
+            ""
+        };
         let kind = operations(&reference.interface, &reference.operations);
         writeln!(text, "| reference `{name}`{optional} | {kind} | {doc} |").unwrap();
     }

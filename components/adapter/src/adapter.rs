@@ -16,7 +16,7 @@ use crate::memory::Memory;
 use crate::news::{Blockers, everything, on_the_path};
 use crate::trail::Trail;
 
-/// `nav::TrajectoryAdapter`: passes the path on, bent around what the laser sees; says `BLOCKED` once a path.
+/// `nav::TrajectoryAdapter`: passes the path on, bent around what the laser sees; publishes `BLOCKED` once for a path.
 pub struct TrajectoryAdapter {
     ports: AdapterPorts,
     properties: PropertySet<AdapterProperties>,
@@ -25,9 +25,9 @@ pub struct TrajectoryAdapter {
     trail: Trail,
     memory: Memory,
     blockers: Blockers,
-    /// How far each place on the map is from what the map knows.
+    /// Distances to the map's obstacles.
     known: Option<Distances>,
-    /// When the newest usable scan came.
+    /// The cycle that received the newest usable scan.
     seen: Option<Time>,
     /// When obstacles were published last, and whether there were any.
     told: Option<(Time, bool)>,
@@ -96,7 +96,7 @@ impl TrajectoryAdapter {
         }
     }
 
-    /// Takes in where the robot is, what the map knows and what the laser sees.
+    /// Takes in odometry, map and scan.
     fn perceive(&mut self, cycle: &Cycle<'_>, now: Time) -> Result<(), Fault> {
         for odometry in cycle.all(self.ports.odom) {
             let pose = message::pose(&odometry.pose.pose);
@@ -128,7 +128,7 @@ impl TrajectoryAdapter {
         Ok(())
     }
 
-    /// Makes up its mind about the path.
+    /// Decides about the path.
     fn advise(&mut self, cycle: &Cycle<'_>, now: Time) -> Advice {
         if let Flow::NewData(path) = cycle.read(self.ports.path) {
             let advice = self.adviser.order(path);
@@ -154,8 +154,8 @@ impl TrajectoryAdapter {
         }
     }
 
-    /// Tells a planner what it should know. With a map that is everything the map does not show: now and then, at once
-    /// when the way is blocked, and once when nothing is left. Without a map it is what blocked the way.
+    /// Publishes obstacles for the planner. With a map: everything the map does not show, every `obstacles_period_s`, at
+    /// once when the path is blocked, and once when nothing is left. Without a map: what has blocked a path.
     fn tell(&mut self, cycle: &mut Cycle<'_>, now: Time, blocked: bool) {
         let discs = match &self.known {
             Some(_) => self.due(now, blocked).then(|| {
@@ -182,7 +182,7 @@ impl TrajectoryAdapter {
         }
     }
 
-    /// Whether it is time to tell again.
+    /// Returns whether obstacles are to be published in this cycle.
     fn due(&self, now: Time, blocked: bool) -> bool {
         let period = self.properties.obstacles_period_s;
         blocked || self.told.is_none_or(|(at, _)| now.since(at) >= period)
@@ -216,7 +216,7 @@ impl Component for TrajectoryAdapter {
     }
 }
 
-/// Whether the map shows something within `tolerance` metres of a point.
+/// Returns whether the map shows an obstacle within `tolerance` metres of a point.
 fn shows(known: &Distances, point: Point, tolerance: f64) -> bool {
     let cell = known.layout().cell(point);
     let distance = cell.and_then(|cell| known.metres(cell));

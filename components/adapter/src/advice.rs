@@ -1,4 +1,4 @@
-//! What to do about the obstacles: let the path be, bend it, hold, or give up.
+//! The decision about obstacles: keep the path, bend it, hold, or give up.
 
 use std::time::Duration;
 
@@ -23,7 +23,7 @@ pub struct Patience {
     pub looks: u32,
 }
 
-/// Why a path leads nowhere.
+/// Reason why a path counts as blocked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cause {
     /// There is no way past this.
@@ -32,16 +32,16 @@ pub enum Cause {
     Stuck(Point),
 }
 
-/// What came out of a look; most often nothing is to be said.
+/// Outcome of a look; usually empty.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Advice {
     /// The path to follow from now on, if it is another than before; without poses: stop.
     pub path: Option<Path>,
-    /// Said once a path: it leads nowhere.
+    /// Set once for a path that is blocked.
     pub blocked: Option<Cause>,
 }
 
-/// What the follower was told last.
+/// The last order to the follower.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Told {
     /// Nothing of this path.
@@ -56,7 +56,7 @@ enum Told {
     Blocked,
 }
 
-/// The adapter's mind: the path, how it is bent, and what was said about it.
+/// State of the decision: the path, its bend, and the last order to the follower.
 #[derive(Debug, Clone)]
 pub struct Adviser {
     route: Option<Route>,
@@ -111,12 +111,12 @@ impl Adviser {
         }
     }
 
-    /// Whether there is a path to care for.
+    /// Returns whether there is a path that is not blocked.
     pub fn is_busy(&self) -> bool {
         self.route.is_some() && self.told != Told::Blocked
     }
 
-    /// Without eyes: a path is passed on as planned if the robot never had any, and held if it lost them.
+    /// Decides without a scan: a path is passed on as planned if there never was one, and held if the laser has failed.
     pub fn blind(&mut self, has_seen: bool) -> Advice {
         let Some(route) = &self.route else {
             return Advice::default();
@@ -134,7 +134,7 @@ impl Adviser {
         }
     }
 
-    /// The robot is held by others: that it gets no farther means nothing.
+    /// Restarts the measurement of progress: the robot may not drive, so standing still means nothing.
     pub fn wait(&mut self) {
         self.milestone = None;
     }
@@ -202,7 +202,7 @@ impl Adviser {
         }
     }
 
-    /// The way is free: says so to a robot that does not know or that holds.
+    /// The way is free: sends the path to a follower that has no order or holds.
     fn go_on(&mut self) -> Advice {
         match (&self.route, self.told) {
             (Some(route), Told::Nothing | Told::Hold) => {
@@ -217,7 +217,7 @@ impl Adviser {
         }
     }
 
-    /// There is a way: says it if it is another.
+    /// There is a detour: sends it if it differs from the one before.
     fn take(&mut self, from: usize, offsets: &[f64]) -> Advice {
         let Some(route) = &mut self.route else {
             return Advice::default();
@@ -230,7 +230,7 @@ impl Adviser {
         self.go_on()
     }
 
-    /// There is no way: holds before a barrier that is near, and gives up when it stays.
+    /// There is no detour: holds before a barrier that is near, and gives up when it stays.
     fn resist(&mut self, barrier: Barrier, patience: &Patience) -> Advice {
         let Some(route) = &self.route else {
             return Advice::default();
@@ -246,7 +246,7 @@ impl Adviser {
         Advice::default()
     }
 
-    /// Whether the robot is on its way but gets no farther.
+    /// Returns whether the robot has an order to drive but makes no progress.
     fn is_stuck(&mut self, now: Time, patience: &Patience) -> bool {
         let along = self.route.as_ref().and_then(Route::progress).unwrap_or(0.0);
         let left = self.route.as_ref().map_or(0.0, Route::length) - along;
@@ -262,7 +262,7 @@ impl Adviser {
         }
     }
 
-    /// Stops the robot for good and says why.
+    /// Stops the robot until the next path, and gives the reason.
     fn give_up(&mut self, cause: Cause) -> Advice {
         let stop = self.route.as_ref().map(|route| empty(route.planned()));
         let stands = self.told == Told::Hold;
@@ -297,16 +297,9 @@ fn empty(path: &Path) -> Path {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bend::tests::LIMITS;
     use asmotion_geometry::heading;
     use asmotion_messages::Pose as PoseMessage;
-
-    const LIMITS: Limits = Limits {
-        robot_radius_m: 0.2,
-        margin_m: 0.05,
-        comfort_m: 0.2,
-        reach_m: 1.0,
-        horizon_m: 4.0,
-    };
 
     const PATIENCE: Patience = Patience {
         hold_m: 1.0,

@@ -41,7 +41,7 @@ impl Limits {
     }
 }
 
-/// Where no way leads past.
+/// A place no detour leads past.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Barrier {
     /// The obstacle there, map frame.
@@ -50,12 +50,12 @@ pub struct Barrier {
     pub ahead: f64,
 }
 
-/// What the robot must not touch.
+/// Obstacles near the path, for distance queries.
 #[derive(Debug, Clone, Copy)]
 pub struct Obstacles<'a> {
-    /// What the laser saw, map frame, in the order of x.
+    /// Points seen by the laser, map frame, in the order of x.
     seen: &'a [Point],
-    /// What the map knows, if there is a map.
+    /// Distances to the map's obstacles, if there is a map.
     mapped: Option<&'a Distances>,
     /// m, what is farther away does not matter.
     within: f64,
@@ -71,7 +71,7 @@ const STEEP: usize = 4;
 /// m of path a metre of offset, on which the robot returns to the planned path.
 const RETURN: f64 = 3.0;
 
-/// How often the corners of a way are rounded.
+/// Number of passes that round the corners of a detour.
 const ROUNDINGS: usize = 4;
 
 /// The cost of a station one metre off the path.
@@ -89,14 +89,14 @@ const CHANGE: f64 = 0.3;
 /// Where the robot already is too near to something, it gains at least this clearance a metre driven.
 const ESCAPE: f64 = 0.3;
 
-/// m, how much farther than comfort a thing still matters: for those who ask for spare room.
+/// m, added to the comfort distance: farther obstacles are ignored.
 const FARTHER: f64 = 0.1;
 
 /// m, of clearance: the least difference that counts when a robot that is too near shall not come nearer.
 const SLACK: f64 = 0.02;
 
 impl<'a> Obstacles<'a> {
-    /// What the laser saw (put in order here) and what the map knows, for questions within these limits.
+    /// Obstacles for queries within these limits: points seen by the laser (sorted here) and the map's.
     pub fn new(seen: &'a mut [Point], mapped: Option<&'a Distances>, limits: &Limits) -> Self {
         seen.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
         Self {
@@ -127,7 +127,7 @@ impl<'a> Obstacles<'a> {
         })
     }
 
-    /// What a robot at `point` has around it.
+    /// Distances from a robot at `point`, m.
     fn room(&self, point: Point) -> Room {
         Room {
             seen: self.seen_distance(point),
@@ -152,7 +152,8 @@ struct Room {
 }
 
 impl Room {
-    /// Whether this is as much as `needed`, with `spare` metres more; what the planner knew is not asked more of.
+    /// Returns whether this is at least `needed` plus `spare` metres; the planner has allowed for the map's obstacles, so a
+    /// positive spare does not apply to them.
     fn suffices(&self, needed: &Self, spare: f64) -> bool {
         self.seen >= needed.seen + spare && self.mapped >= needed.mapped + spare.min(0.0)
     }
@@ -169,19 +170,19 @@ pub struct Window<'a> {
     pub route: &'a Route,
     /// The last station not ahead of the robot: the robot is there, whatever stands near it.
     pub from: usize,
-    /// Where the robot is.
+    /// Position of the robot, map frame, m.
     pub robot: Point,
     /// m, how far to the left of the planned path it is.
     pub offset: f64,
 }
 
 impl Window<'_> {
-    /// How many stations lie within the horizon.
+    /// Number of stations within the horizon.
     pub fn len(&self, limits: &Limits) -> usize {
         self.route.within(self.from, limits.horizon_m)
     }
 
-    /// Whether the way with these offsets at the route's stations keeps `spare` metres more than the clearance; also
+    /// Returns whether the way with these offsets at the route's stations keeps `spare` metres more than the clearance; also
     /// between stations, for a way that leaps to the other side of a wall is not free.
     pub fn is_free(
         &self,
@@ -218,7 +219,7 @@ impl Window<'_> {
         })
     }
 
-    /// The room asked for at a station: less where the robot starts out too near to something, and then growing.
+    /// Distances required at a station: less where the robot starts too near to something, then growing.
     fn needed(&self, limits: &Limits, obstacles: &Obstacles<'_>, here: &Room, at: usize) -> Room {
         let gained = at as f64 * self.route.step() * ESCAPE - SLACK;
         let planned = self.route.point(self.from + at, 0.0);
@@ -397,12 +398,12 @@ impl Lanes {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use asmotion_messages::{Path, Pose};
     use proptest::prelude::*;
 
-    const LIMITS: Limits = Limits {
+    pub const LIMITS: Limits = Limits {
         robot_radius_m: 0.2,
         margin_m: 0.05,
         comfort_m: 0.2,

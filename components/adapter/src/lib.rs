@@ -1,6 +1,6 @@
 //! The trajectory adapter: bends the path around obstacles.
 //!
-//! What the laser saw is remembered ([`Memory`]), the path is bent within [`Limits`], [`Adviser`] says what to do,
+//! [`Memory`] keeps points the laser has seen, the path is bent within [`Limits`], [`Adviser`] decides,
 //! [`TrajectoryAdapter`] is the component.
 
 mod adapter;

@@ -1,4 +1,4 @@
-//! What the laser saw: kept while it is out of sight, dropped when a beam passes through, or with time.
+//! Points the laser has seen: kept while out of sight, dropped when a beam passes through, or with time.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use asmotion_messages::LaserScan;
 /// m, side of the squares of which each keeps one point.
 const SIDE: f64 = 0.05;
 
-/// m, how far behind a remembered point a beam must end to say that the point is gone.
+/// m, distance behind a remembered point at which a beam must end for the point to be dropped.
 const THROUGH: f64 = 0.15;
 
 /// The points at which beams ended, map frame; at most one in each small square, in a fixed order.
@@ -27,8 +27,8 @@ pub struct Seen {
 }
 
 impl Memory {
-    /// Takes a scan that was made from `laser` at `nanos`: forgets what it looked through, and remembers the hits up
-    /// to `sight` metres away that `counts` says yes to.
+    /// Takes a scan made from `laser` (map frame) at `nanos`: forgets points it looked through, and remembers the hits up
+    /// to `sight` metres away that `counts` accepts.
     pub fn look(
         &mut self,
         scan: &LaserScan,
@@ -48,7 +48,7 @@ impl Memory {
         }
     }
 
-    /// Forgets what was not seen since `nanos`.
+    /// Forgets points not seen since `nanos`.
     pub fn forget_before(&mut self, nanos: i64) {
         self.seen.retain(|_, seen| seen.at >= nanos);
     }
@@ -58,7 +58,7 @@ impl Memory {
         self.seen.clear();
     }
 
-    /// What is remembered, in the order of the squares.
+    /// Remembered points, map frame, in the order of the squares.
     pub fn points(&self) -> impl Iterator<Item = Point> + '_ {
         self.seen.values().map(|seen| seen.point)
     }
@@ -71,7 +71,7 @@ fn square(point: Point) -> (i32, i32) {
     )
 }
 
-/// Whether the beams around a point (in the laser's frame) all end well behind it.
+/// Returns whether the beams around a point (in the laser's frame) all end well behind it.
 fn sees_through(scan: &LaserScan, point: Point) -> bool {
     if scan.angle_increment <= 0.0 {
         return false;

@@ -1,4 +1,4 @@
-//! What a planner should know: the things that the map does not show.
+//! Obstacles for the planner: what the map does not show, as discs.
 
 use asmotion_geometry::{Disc, Point};
 
@@ -18,8 +18,8 @@ pub fn everything(points: &[Point]) -> Vec<Disc> {
     discs
 }
 
-/// The things that stand on the path, as far as they are within reach of it, as discs: for a robot without a map. The
-/// planner did not know of them, or it would not have led the path there; of the rest one cannot tell.
+/// Obstacles on the path, as far as they are within reach of it, as discs: for a robot without a map. The planner cannot
+/// have known these, because its path leads through them; about others nothing can be said.
 pub fn on_the_path(
     points: impl Iterator<Item = Point>,
     route: &Route,
@@ -38,10 +38,11 @@ pub fn on_the_path(
     discs
 }
 
-/// What blocked a path lately, so that a robot without a map does not go to and fro between two blocked ways.
+/// Obstacles that have blocked a path lately, so that a robot without a map does not go to and fro between two blocked
+/// paths.
 #[derive(Debug, Clone, Default)]
 pub struct Blockers {
-    /// With when it blocked, ns.
+    /// Each with the time at which it blocked a path, ns.
     discs: Vec<(Disc, i64)>,
 }
 
@@ -54,14 +55,14 @@ impl Blockers {
         self.discs.extend(discs.iter().map(|disc| (*disc, now)));
     }
 
-    /// Forgets what has not blocked since `nanos`; says whether that was anything.
+    /// Forgets discs that have not blocked a path since `nanos`; returns whether there were any.
     pub fn forget_before(&mut self, nanos: i64) -> bool {
         let before = self.discs.len();
         self.discs.retain(|(_, at)| *at >= nanos);
         self.discs.len() != before
     }
 
-    /// What is left.
+    /// The remembered discs, map frame.
     pub fn discs(&self) -> Vec<Disc> {
         self.discs.iter().map(|(disc, _)| *disc).collect()
     }
@@ -70,15 +71,8 @@ impl Blockers {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bend::tests::LIMITS;
     use asmotion_messages::{Path, Pose};
-
-    const LIMITS: Limits = Limits {
-        robot_radius_m: 0.2,
-        margin_m: 0.05,
-        comfort_m: 0.2,
-        reach_m: 1.0,
-        horizon_m: 4.0,
-    };
 
     fn points(all: &[(f64, f64)]) -> Vec<Point> {
         all.iter().map(|(x, y)| Point::new(*x, *y)).collect()

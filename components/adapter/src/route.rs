@@ -85,12 +85,12 @@ impl Route {
         &self.stations
     }
 
-    /// How far to the left of each station the path is bent, m.
+    /// Offset of the path to the left at each station, m.
     pub fn offsets(&self) -> &[f64] {
         &self.offsets
     }
 
-    /// Whether any station from `from` on is off the planned path.
+    /// Returns whether any station from `from` on is off the planned path.
     pub fn is_bent(&self, from: usize) -> bool {
         self.offsets.iter().skip(from).any(|offset| *offset != 0.0)
     }
@@ -129,7 +129,7 @@ impl Route {
         self.line.nearest(here)
     }
 
-    /// How many stations from `from` on lie within `horizon` metres.
+    /// Number of stations from `from` on within `horizon` metres.
     pub fn within(&self, from: usize, horizon: f64) -> usize {
         let left = self.stations.len() - from;
         let within = if self.step > 0.0 {

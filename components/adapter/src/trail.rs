@@ -1,4 +1,4 @@
-//! Where the robot was lately, so that a scan is placed where it was taken and not where the robot is by now.
+//! Recent poses of the robot, so that a scan is placed where it was taken, not where the robot is by now.
 
 use std::collections::VecDeque;
 
@@ -11,14 +11,14 @@ pub struct Trail {
     poses: VecDeque<(i64, Pose)>,
 }
 
-/// How many poses are kept: more than a second at 50 Hz.
+/// Number of poses kept: more than a second at 50 Hz.
 const KEPT: usize = 64;
 
 /// ns, how far before or beyond the known poses the nearest of them still serves.
 const TOLERANCE: i64 = 200_000_000;
 
 impl Trail {
-    /// Adds where the robot was at `nanos`; what does not come in order, or is nowhere, is left out.
+    /// Adds the pose of the robot at `nanos`, map frame; one that is older than the newest, or not finite, is ignored.
     pub fn add(&mut self, nanos: i64, pose: Pose) {
         let late = self.poses.back().is_some_and(|(last, _)| *last >= nanos);
         if late || !is_somewhere(&pose) {
@@ -30,12 +30,13 @@ impl Trail {
         self.poses.push_back((nanos, pose));
     }
 
-    /// Where the robot is, as far as known.
+    /// Newest pose, map frame; none before the first odometry.
     pub fn newest(&self) -> Option<&Pose> {
         self.poses.back().map(|(_, pose)| pose)
     }
 
-    /// Where the robot was at `nanos`, between two known poses on the straight way; none if that is not known.
+    /// Pose of the robot at `nanos`, interpolated on the straight line between two known poses; none outside the trail and
+    /// its tolerance.
     pub fn at(&self, nanos: i64) -> Option<Pose> {
         let after = self.poses.partition_point(|(at, _)| *at <= nanos);
         let (before, after) = (

@@ -11,7 +11,7 @@ use asmotion_messages::{Bool, Event, Odometry, Path, Twist};
 use crate::pursuit::Pursuit;
 use crate::task::{Motion, News, Task, Tolerance};
 
-/// `nav::TrajectoryFollower`: follows the newest path; says `REACHED` once at its end, `HALTED` once after a stop.
+/// `nav::TrajectoryFollower`: follows the newest path; publishes `REACHED` once at its end, `HALTED` once after a stop.
 pub struct TrajectoryFollower {
     ports: FollowerPorts,
     properties: PropertySet<FollowerProperties>,
@@ -19,11 +19,11 @@ pub struct TrajectoryFollower {
     task: Task,
     /// The frame of the newest path.
     frame: String,
-    /// When the newest odometry came.
+    /// The cycle that received the newest odometry.
     located: Option<Time>,
-    /// Why the robot does not move although there is something to do; reported once.
+    /// Reason why the robot stands although there is an order; reported when it changes.
     hindered: Option<&'static str>,
-    /// Whether the last command was not zero or belonged to a task.
+    /// Whether the last cycle had an order, so that one final zero is still to be sent.
     commanding: bool,
 }
 
@@ -67,7 +67,7 @@ impl TrajectoryFollower {
         }
     }
 
-    /// Why nothing may be driven on this odometry, if so.
+    /// Reason why the robot must not drive in this cycle; none if it may.
     fn hindrance(&self, cycle: &Cycle<'_>, odometry: Option<&Odometry>) -> Option<&'static str> {
         let (now, timeout) = (cycle.now(), self.properties.odom_timeout_s);
         let fresh = self.located.is_some_and(|at| now.since(at) <= timeout);
@@ -86,7 +86,7 @@ impl TrajectoryFollower {
 }
 
 impl TrajectoryFollower {
-    /// Whether a path may be driven: nobody has said no. A stop may always be finished.
+    /// Returns whether the order may be carried out: a path needs `permit` not to be false, a stop needs nothing.
     fn is_permitted(&self, cycle: &Cycle<'_>) -> bool {
         let permit = cycle.read(self.ports.permit).any();
         !self.task.is_following() || permit.is_none_or(|permit| permit.data)

@@ -62,7 +62,7 @@ const ROTATED: f64 = 0.15;
 const ROTATE_GAIN: f64 = 3.0;
 
 impl Pursuit {
-    /// How far ahead the carrot is at `speed` m/s, m.
+    /// Lookahead distance at `speed` m/s, m.
     pub fn lookahead(&self, speed: f64) -> f64 {
         (speed.abs() * self.lookahead_s)
             .max(self.lookahead_min_m)
@@ -82,8 +82,8 @@ impl Pursuit {
         }
     }
 
-    /// Whether the straight way from `from` to the carrot stays within `corner_cut_m` of the line. A robot that is off the line
-    /// has to come back first: so much more is allowed as a straight way back needs.
+    /// Returns whether the straight way from `from` to the carrot stays within `corner_cut_m` of the line. A robot off the
+    /// line must come back first, so its distance from the line is allowed in addition, decreasing to zero at the carrot.
     fn keeps_to(
         &self,
         line: &Polyline,
@@ -102,7 +102,7 @@ impl Pursuit {
     }
 
     /// The command that drives towards `carrot` (in the body's frame) with `remaining` metres of line before the goal.
-    /// `rotating` says whether the last command was a turn on the spot; it is updated.
+    /// `rotating` holds whether the last command was a turn on the spot; it is updated.
     pub fn drive(&self, carrot: Vector, remaining: f64, rotating: &mut bool) -> Twist {
         let aside = carrot.y.atan2(carrot.x);
         let tolerated = if *rotating { ROTATED } else { self.rotate_from };

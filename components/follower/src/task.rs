@@ -1,4 +1,4 @@
-//! What the follower is doing: following a path to its end, or coming to a stand; and what it has to say about it.
+//! The order under way: to follow a path to its end, or to stop; and the events about it.
 
 use asmotion_component::Properties;
 use asmotion_geometry::{Nearest, Point, Polyline, Pose, message, turn, yaw};
@@ -26,7 +26,7 @@ pub struct Tolerance {
     pub goal_heading: bool,
 }
 
-/// Where the robot is and how it moves, as its odometry says.
+/// Pose and velocity of the robot by its odometry.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion {
     /// In the frame of the path.
@@ -38,7 +38,7 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Whether all of it is numbers.
+    /// Returns whether every number is finite.
     pub fn is_finite(&self) -> bool {
         let place = self.pose.translation;
         [place.x, place.y, yaw(&self.pose), self.speed, self.turn]
@@ -47,16 +47,16 @@ impl Motion {
     }
 }
 
-/// What is said once a task.
+/// Event published once for each order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum News {
     /// The robot stands at the end of the path.
     Reached,
-    /// The robot was told to stop and stands.
+    /// The robot stands after an order to stop.
     Halted,
 }
 
-/// What the follower is doing.
+/// The order under way.
 #[derive(Debug, Clone, Default)]
 pub enum Task {
     /// Nothing was ordered yet, or what was ordered is done and said.
@@ -70,7 +70,7 @@ pub enum Task {
     Arrived(Identity),
 }
 
-/// What makes two paths the same order: when it was planned, and where it ends. An adapter that bends a path keeps both.
+/// Identity of an order: stamp and last pose of its path. An adapter that bends a path keeps both.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Identity {
     stamp: Time,
@@ -90,7 +90,7 @@ pub struct Route {
     there: bool,
 }
 
-/// How far from its last place along the line the robot is looked for, m back and m ahead. An amended path may be
+/// Range along the line in which the robot is looked for, m before and after its last place. An amended path may be
 /// longer or shorter up to the robot by as much.
 const SEARCH: (f64, f64) = (1.0, 1.5);
 
@@ -163,7 +163,7 @@ impl Task {
         }
     }
 
-    /// Whether a path is driven.
+    /// Returns whether the order is a path.
     pub fn is_following(&self) -> bool {
         match self {
             Self::Follow(_) => true,
@@ -171,7 +171,7 @@ impl Task {
         }
     }
 
-    /// Whether there is something to drive or to say.
+    /// Returns whether there is an order that is not done.
     pub fn is_busy(&self) -> bool {
         match self {
             Self::Stop | Self::Follow(_) => true,

@@ -1,4 +1,4 @@
-//! How far each cell is from the nearest obstacle: the exact Euclidean distance transform in linear time
+//! Distance of each cell from the nearest obstacle: the exact Euclidean distance transform in linear time
 //! (Meijster, Roerdink, Hesselink: *A general algorithm for computing distance transforms in linear time*, 2000).
 
 use crate::{Cell, Grid, Layout, Occupancy};

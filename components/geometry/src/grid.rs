@@ -2,7 +2,7 @@
 
 use crate::{Cell, Distances, Layout, LayoutError, Point};
 
-/// The value of a cell nobody has seen.
+/// ROS value of a cell that has not been observed.
 pub const UNKNOWN: i8 = -1;
 /// The value of a cell that is certainly free.
 pub const FREE: i8 = 0;
@@ -11,10 +11,10 @@ pub const OCCUPIED: i8 = 100;
 /// From this probability (percent) on a cell counts as occupied: map_server's default `occupied_thresh`.
 pub const OCCUPIED_FROM: i8 = 65;
 
-/// What a cell's value means to somebody who must decide.
+/// Meaning of a cell's value for planning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Occupancy {
-    /// Nobody has seen it.
+    /// Not observed, or outside the grid.
     Unknown,
     /// A robot may stand there.
     Free,
@@ -23,7 +23,7 @@ pub enum Occupancy {
 }
 
 impl Occupancy {
-    /// What a ROS cell value means: below 0 unknown, from [`OCCUPIED_FROM`] on occupied, else free.
+    /// Meaning of a ROS cell value: below 0 unknown, from [`OCCUPIED_FROM`] on occupied, else free.
     pub fn of(value: i8) -> Self {
         match value {
             ..0 => Self::Unknown,
@@ -32,7 +32,7 @@ impl Occupancy {
         }
     }
 
-    /// The ROS cell value that says so with certainty.
+    /// The ROS value that means this with certainty.
     pub fn value(self) -> i8 {
         match self {
             Self::Unknown => UNKNOWN,
@@ -97,7 +97,7 @@ impl Grid {
         }
     }
 
-    /// What is known of a map point; outside the grid nothing is.
+    /// Occupancy at a map point; unknown outside the grid.
     pub fn occupancy(&self, point: Point) -> Occupancy {
         self.layout
             .cell(point)

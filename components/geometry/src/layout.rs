@@ -1,4 +1,4 @@
-//! How a grid lies in the map: which cell a point is in, and where a cell's centre is.
+//! Layout of a grid in the map: from points to cells and from cells to their centres.
 
 use crate::{Point, Pose};
 
@@ -30,13 +30,13 @@ pub struct Layout {
     inverse: Pose,
 }
 
-/// Why numbers are no layout.
+/// Numbers that make no layout.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LayoutError {
     /// The side of a cell is no length.
     #[error("a cell's side must be a positive number of metres, not {resolution}")]
     Resolution {
-        /// What was given, m.
+        /// The given cell size, m.
         resolution: f64,
     },
     /// The origin is nowhere.
@@ -57,7 +57,7 @@ pub enum LayoutError {
         width: u32,
         /// Cells along y.
         height: u32,
-        /// How many values came.
+        /// Number of values given.
         found: usize,
     },
 }
@@ -120,7 +120,7 @@ impl Layout {
         &self.origin
     }
 
-    /// How many cells there are.
+    /// Number of cells.
     pub fn len(&self) -> usize {
         self.width as usize * self.height as usize
     }
@@ -164,7 +164,7 @@ impl Layout {
         ))
     }
 
-    /// Where a cell's value stands in row-major order; none outside the grid.
+    /// Row-major index of a cell; none outside the grid.
     pub fn index(&self, cell: Cell) -> Option<usize> {
         (cell.column < self.width && cell.row < self.height)
             .then(|| cell.row as usize * self.width as usize + cell.column as usize)

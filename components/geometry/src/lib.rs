@@ -1,4 +1,4 @@
-//! Where things are: poses, occupancy grids, polylines, and what a beam hits.
+//! Planar geometry: poses, occupancy grids, polylines, ray casting.
 //!
 //! Metres and radians, x forward, y left, angles counter-clockwise (REP-103); coordinates are those of the map frame
 //! (REP-105) unless a name says otherwise. This is the one room that knows parry2d: see [`Scene`].

@@ -33,7 +33,7 @@ pub fn occupancy_grid(grid: &Grid, nanos: i64, frame_id: &str) -> OccupancyGrid 
     }
 }
 
-/// Where and how turned, in the plane.
+/// Planar pose (m, rad) of a message, in the message's frame.
 pub fn pose(message: &asmotion_messages::Pose) -> Pose {
     heading(point(&message.position), message.orientation.yaw())
 }
@@ -43,7 +43,7 @@ pub fn pose_message(pose: &Pose) -> asmotion_messages::Pose {
     asmotion_messages::Pose::planar(pose.translation.x, pose.translation.y, yaw(pose))
 }
 
-/// Where, in the plane.
+/// Planar position of a message, m.
 pub fn point(message: &asmotion_messages::Point) -> Point {
     Point::new(message.x, message.y)
 }
@@ -73,7 +73,7 @@ pub fn pose_stamped(pose: &Pose, nanos: i64, frame_id: &str) -> PoseStamped {
     }
 }
 
-/// The scene of a message, ready for questions.
+/// Scene of a message, prepared for queries.
 pub fn scene(message: &asmotion_messages::Scene) -> Scene {
     let segments = message.segments.iter();
     let polygons = message.polygons.iter();

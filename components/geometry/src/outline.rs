@@ -3,7 +3,7 @@
 use crate::{Grid, Layout, Occupancy, Point, Scene};
 
 impl Scene {
-    /// What a beam hits in a world that is exactly the occupied cells of a grid; map frame.
+    /// Scene whose walls are the borders of a grid's occupied cells; map frame.
     pub fn around(grid: &Grid) -> Self {
         let layout = *grid.layout();
         let occupied = |column: i64, row: i64| {

@@ -15,9 +15,9 @@ pub struct Polyline {
 pub struct Nearest {
     /// The place.
     pub point: Point,
-    /// How far from the point asked about, m.
+    /// Distance from the query point, m.
     pub distance: f64,
-    /// How far along the line, m.
+    /// Distance along the line, m.
     pub along: f64,
     /// Which segment it lies on: from point `segment` to the next.
     pub segment: usize,

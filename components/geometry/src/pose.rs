@@ -16,7 +16,7 @@ pub fn heading(point: Point, yaw: f64) -> Pose {
     Pose::new(point.coords, yaw)
 }
 
-/// How a pose is turned, rad in `-π..=π`.
+/// Heading of a pose, rad in `-π..=π`.
 pub fn yaw(pose: &Pose) -> f64 {
     pose.rotation.angle()
 }

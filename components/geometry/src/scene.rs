@@ -1,4 +1,4 @@
-//! What a beam or a body can hit: walls, solids, discs. The one place that speaks parry2d.
+//! Scenes of walls, solids and discs for ray casting and clearance. The only user of parry2d.
 //!
 //! parry2d computes in 32-bit floats: within a kilometre of the map's origin the error stays below 0.1 mm.
 

@@ -58,7 +58,7 @@ struct Axis {
     direction: i64,
     /// Borders still to cross.
     left: u64,
-    /// Where on the line (0..1) the next border is.
+    /// Position of the next cell border on the line, 0..1.
     next: f64,
     /// From border to border on the line.
     gap: f64,

@@ -1,4 +1,4 @@
-//! What vector formats have in common: shapes in metres, drawn layer by layer on a grid.
+//! Common ground of the vector formats: shapes in metres, drawn layer by layer on a grid.
 
 use asmotion_geometry::{Grid, Layout, Occupancy, Point, Pose, Vector, heading};
 
@@ -18,7 +18,7 @@ pub struct Frame {
     pub high: Point,
     /// Side of a cell, m.
     pub resolution: f64,
-    /// What a place is that no shape covers.
+    /// Occupancy of places no shape covers.
     pub ground: Occupancy,
 }
 

@@ -1,4 +1,4 @@
-//! What can be wrong with a map: the file, the place in it, the cause, and the way out.
+//! Errors of maps: the file, the place in it, the cause, and the way out.
 
 use std::fmt;
 
@@ -10,9 +10,9 @@ use asmotion_geometry::LayoutError;
 pub struct MapError {
     /// The file that is wrong: the image, for instance, not the YAML file that names it.
     pub file: String,
-    /// Where in it.
+    /// Place in the file.
     pub at: Where,
-    /// What is wrong, and what to do about it.
+    /// Cause, with the way out.
     pub fault: Fault,
 }
 
@@ -68,7 +68,7 @@ impl fmt::Display for Where {
     }
 }
 
-/// What is wrong.
+/// Cause of an error.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Fault {
     /// No such file.
@@ -111,9 +111,9 @@ pub enum Fault {
     Value {
         /// Its name.
         key: String,
-        /// What stands there.
+        /// The value found.
         found: String,
-        /// What may stand there.
+        /// The values allowed.
         expected: &'static str,
     },
     /// The coordinates are no degrees.

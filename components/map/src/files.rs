@@ -1,4 +1,4 @@
-//! Where the bytes come from: a disk, a memory, one day the web.
+//! Sources of map files: the disk, or memory.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -13,14 +13,14 @@ pub trait Files: Send + Sync {
     /// The names of the files in a folder, without the folder's, sorted.
     fn list(&self, folder: &str) -> Result<Vec<String>, FileFault>;
 
-    /// Whether `name` is a folder.
+    /// Returns whether `name` is a folder.
     fn is_folder(&self, name: &str) -> bool;
 
     /// Something that is another value once the file has changed; none if there is no such file.
     fn version(&self, name: &str) -> Option<u128>;
 }
 
-/// Why there are no bytes.
+/// Reason why a file cannot be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FileFault {
     /// No such file.

@@ -1,4 +1,4 @@
-//! The seam: a map format is bytes in, a map out; the table of formats; what all of them are told.
+//! The seam: the trait of map formats (bytes in, a map out), their settings, and the table of formats.
 
 use asmotion_geometry::Occupancy;
 
@@ -36,7 +36,7 @@ const LEFT_OUT: &[&str] = match cfg!(feature = "maps") {
     false => &[".yaml", ".yml", ".osm", ".osm.xml"],
 };
 
-/// What a loader is told.
+/// Settings of loading, common to all formats.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// Side of a cell, m; none takes what the file says, or what suits its kind. A ROS map is made coarser if need be,
@@ -46,7 +46,7 @@ pub struct Settings {
     pub max_cells: u64,
     /// No file has more bytes, unpacked.
     pub max_bytes: u64,
-    /// What a place is that no feature covers; none takes what the file says, or free.
+    /// Occupancy of places no feature covers; none takes the file's, or free.
     pub ground: Option<Occupancy>,
     /// Which features block and which are free (GeoJSON and OSM).
     pub rules: Rules,
@@ -64,7 +64,7 @@ impl Default for Settings {
     }
 }
 
-/// Loads the map in file `name`; its ending says which format it has.
+/// Loads the map in file `name`, whose ending decides the format.
 pub fn load(files: &dyn Files, name: &str, settings: &Settings) -> Result<Map, MapError> {
     let source = Source::new(files, name, settings);
     match format_of(name) {
@@ -119,7 +119,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// What it is called.
+    /// Name of the file.
     pub fn name(&self) -> &str {
         &self.name
     }

@@ -14,7 +14,7 @@ use crate::{Fault, LonLat, Map, MapError, NamedPoint, Rule, Tags, Where};
 /// The format.
 pub struct GeoJson;
 
-/// Side of a cell where nobody says, m: an indoor robot's.
+/// Default side of a cell, m, for an indoor robot.
 const RESOLUTION: f64 = 0.05;
 
 impl Format for GeoJson {
@@ -77,7 +77,7 @@ fn syntax(source: &Source<'_>, error: geojson::Error) -> MapError {
     source.error_at(at, Fault::Syntax { what })
 }
 
-/// What the foreign member `map` says.
+/// The foreign member `map`.
 struct About {
     metres: bool,
     resolution: Option<f64>,
@@ -122,7 +122,7 @@ impl About {
         })
     }
 
-    /// Where on Earth the map's origin lies: in the middle of the features; nowhere if they are in metres.
+    /// Position of the map's origin on Earth: the middle of the features; none if they are in metres.
     fn origin<E>(
         &self,
         features: &[Feature],
@@ -282,7 +282,7 @@ impl Plan<'_> {
         Ok(())
     }
 
-    /// A point with a name is a place; `yaw_deg` says where to look there.
+    /// A point with a name is a place; `yaw_deg` is the heading there.
     fn name(&mut self, geometry: &GeometryValue, tags: &Tags) -> Result<(), Fault> {
         if let (GeometryValue::Point { coordinates }, Some(name)) = (geometry, tags.get("name")) {
             let yaw: f64 = tags

@@ -31,7 +31,7 @@ pub struct Entry {
     pub resolution: Option<f64>,
 }
 
-/// What `places.toml` says.
+/// Contents of `places.toml`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct List {
@@ -176,11 +176,11 @@ pub struct Served<'a> {
     pub place: &'a str,
     /// The map; its `map_load_time` is its revision.
     pub grid: &'a OccupancyGrid,
-    /// What was left out of it, for people.
+    /// Features that were left out, for people.
     pub notes: &'a [String],
 }
 
-/// What a library has for a name.
+/// Result of looking up a name.
 pub enum Lookup<'a> {
     /// The map of the place.
     Kept(Served<'a>),
@@ -212,7 +212,7 @@ pub struct Refresh {
     kept: Vec<(Load, Option<u128>)>,
 }
 
-/// Why there is no map.
+/// Reason why a map cannot be served.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ServeError {
     /// No such place.

@@ -1,17 +1,17 @@
-//! What a loaded map is.
+//! A loaded map.
 
 use asmotion_geometry::{Grid, Pose, Scene};
 
-/// A map: the grid, and what its file says besides.
+/// A map: the grid, and what else its file contains.
 #[derive(Clone, Debug)]
 pub struct Map {
-    /// What is free and what is not; map frame.
+    /// Occupancy, map frame.
     pub grid: Grid,
     /// Places with a name, in the order of the file.
     pub points: Vec<NamedPoint>,
-    /// Where on Earth the map frame's origin lies; none for maps in metres.
+    /// Position of the map frame's origin on Earth; none for maps in metres.
     pub origin: Option<LonLat>,
-    /// What was left out, for people.
+    /// Features that were left out, for people.
     pub notes: Vec<String>,
 }
 
@@ -49,7 +49,7 @@ impl Map {
         self.points.iter().find(|point| point.name == name)
     }
 
-    /// What a beam hits in the world that the map shows: the borders of its occupied cells.
+    /// Scene of the map: the borders of its occupied cells.
     pub fn scene(&self) -> Scene {
         Scene::around(&self.grid)
     }

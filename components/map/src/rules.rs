@@ -8,7 +8,7 @@ use asmotion_geometry::Occupancy;
 /// The tags of a feature.
 pub type Tags = BTreeMap<String, String>;
 
-/// The rules that hold unless somebody says otherwise. One a line, the first that matches wins:
+/// The built-in rules, one a line; the first that matches wins:
 /// `key=value|value` or `key=*` (anything but `no`), then what the feature means (`occupied`, `free`, `unknown`,
 /// `ignore`), then `layer=` (higher ones are drawn over lower ones), `width=` of lines and `spot=` (diameter) of points
 /// in metres, unless the feature tells its own, and `area` if a closed line means what it encloses.
@@ -72,15 +72,15 @@ pub struct Rule {
     key: String,
     /// Empty: any but `no`.
     values: Vec<String>,
-    /// What the feature is; none: it is not drawn.
+    /// Occupancy of the feature; none if it is not drawn.
     pub occupancy: Option<Occupancy>,
     /// Higher layers are drawn over lower ones.
     pub layer: u8,
-    /// Of lines that do not tell theirs, m.
+    /// Width of lines without a width tag, m.
     pub width: f64,
     /// Diameter of points, m; none: points are not drawn.
     pub spot: Option<f64>,
-    /// Whether a closed line means the area in it.
+    /// Whether a closed line stands for the area within.
     pub area: bool,
 }
 
@@ -88,13 +88,13 @@ pub struct Rule {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rules(Vec<Rule>);
 
-/// A rule that says nothing.
+/// A rule that cannot be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("rule `{rule}`: {why}")]
 pub struct RuleError {
-    /// Its text.
+    /// Text of the rule.
     pub rule: String,
-    /// What is wrong.
+    /// The violated rule of the syntax.
     pub why: String,
 }
 
@@ -127,7 +127,7 @@ impl Rules {
         self.0.iter().find(|rule| rule.matches(tags))
     }
 
-    /// Whether a key matters to any rule.
+    /// Returns whether a key occurs in any rule.
     pub fn know(&self, key: &str) -> bool {
         self.0.iter().any(|rule| rule.key == key)
     }
@@ -191,7 +191,7 @@ impl Rule {
             })
     }
 
-    /// How wide a line with these tags is, m: what its `width_m` or `width` says, else what the rule does.
+    /// Width of a line with these tags, m: its `width_m` or `width`, else the rule's.
     pub fn width_of(&self, tags: &Tags) -> f64 {
         told(tags, ["width_m", "width"]).unwrap_or(self.width)
     }
@@ -204,7 +204,7 @@ impl Rule {
     }
 }
 
-/// What the first of two tags that there is says, if it is a length.
+/// Value of the first of two tags that is present, if it is a length.
 fn told(tags: &Tags, keys: [&str; 2]) -> Option<f64> {
     let text = keys.iter().find_map(|key| tags.get(*key))?;
     let metres = text.trim_end_matches(['m', ' ']).parse().ok();

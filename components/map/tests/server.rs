@@ -191,10 +191,7 @@ fn live_no_cycle_waits_for_a_file_and_other_places_are_served_meanwhile() {
     let cycles = run.cycles("Maps");
     run.trigger("Maps").unwrap();
     run.run_for(50.ms());
-    assert!(
-        run.cycles("Maps") > cycles,
-        "the cycle does not wait"
-    );
+    assert!(run.cycles("Maps") > cycles, "the cycle does not wait");
     assert_eq!(answers.lock().unwrap().len(), 1);
     drop(closed);
     assert!(run.run_until_event(limit, &mut |at, event| replied(at, event)));
@@ -218,11 +215,7 @@ fn simulated_the_answer_comes_in_the_cycle_of_the_request() {
         Time::ZERO,
         "at the time of the first cycles"
     );
-    assert_eq!(
-        run.cycles("Maps"),
-        2,
-        "of the start, and of the request"
-    );
+    assert_eq!(run.cycles("Maps"), 2, "of the start, and of the request");
 }
 
 #[test]

@@ -13,9 +13,7 @@ asmotion_datum::message! {
         /// Up.
         pub z: f64,
     }
-}
 
-asmotion_datum::message! {
     /// A position, metres.
     #[derive(Copy)]
     pub struct Point = "geometry_msgs/Point" {
@@ -26,9 +24,7 @@ asmotion_datum::message! {
         /// m, up.
         pub z: f64,
     }
-}
 
-asmotion_datum::message! {
     /// An orientation as a unit quaternion.
     #[derive(Copy)]
     pub struct Quaternion = "geometry_msgs/Quaternion" {
@@ -41,9 +37,7 @@ asmotion_datum::message! {
         /// Cosine of half the angle; 1 unless said otherwise, as in ROS 2: no turn.
         pub w: f64 = 1.0,
     }
-}
 
-asmotion_datum::message! {
     /// Where and how turned.
     #[derive(Copy)]
     pub struct Pose = "geometry_msgs/Pose" {
@@ -52,9 +46,7 @@ asmotion_datum::message! {
         /// Turn from the frame's axes to the body's.
         pub orientation: Quaternion,
     }
-}
 
-asmotion_datum::message! {
     /// A pose with its time and frame.
     pub struct PoseStamped = "geometry_msgs/PoseStamped" {
         /// When, and in which frame.
@@ -62,9 +54,7 @@ asmotion_datum::message! {
         /// The pose.
         pub pose: Pose,
     }
-}
 
-asmotion_datum::message! {
     /// A pose with its uncertainty.
     pub struct PoseWithCovariance = "geometry_msgs/PoseWithCovariance" {
         /// The estimate.
@@ -72,9 +62,7 @@ asmotion_datum::message! {
         /// Row-major 6×6 over (x, y, z, roll, pitch, yaw); m², m·rad, rad².
         pub covariance: [f64; 36],
     }
-}
 
-asmotion_datum::message! {
     /// A velocity, in the body's own frame where it stands in a command or an odometry.
     #[derive(Copy)]
     pub struct Twist = "geometry_msgs/Twist" {
@@ -83,9 +71,7 @@ asmotion_datum::message! {
         /// rad/s.
         pub angular: Vector3,
     }
-}
 
-asmotion_datum::message! {
     /// A velocity with its time and frame.
     pub struct TwistStamped = "geometry_msgs/TwistStamped" {
         /// When, and in which frame.
@@ -93,9 +79,7 @@ asmotion_datum::message! {
         /// The velocity.
         pub twist: Twist,
     }
-}
 
-asmotion_datum::message! {
     /// A velocity with its uncertainty.
     pub struct TwistWithCovariance = "geometry_msgs/TwistWithCovariance" {
         /// The estimate.
@@ -103,9 +87,7 @@ asmotion_datum::message! {
         /// Row-major 6×6 over (x, y, z, roll, pitch, yaw); (m/s)², …, (rad/s)².
         pub covariance: [f64; 36],
     }
-}
 
-asmotion_datum::message! {
     /// From one frame to another.
     #[derive(Copy)]
     pub struct Transform = "geometry_msgs/Transform" {
@@ -114,9 +96,7 @@ asmotion_datum::message! {
         /// Turn.
         pub rotation: Quaternion,
     }
-}
 
-asmotion_datum::message! {
     /// Where the frame `child_frame_id` lies in the frame of the header.
     pub struct TransformStamped = "geometry_msgs/TransformStamped" {
         /// When, and the parent frame.

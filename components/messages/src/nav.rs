@@ -12,17 +12,13 @@ asmotion_datum::message! {
         /// For people: where, why.
         pub detail: String,
     }
-}
 
-asmotion_datum::message! {
     /// A place that has a map.
     pub struct Place = "nav/Place" {
         /// Its name, as the map server knows it.
         pub name: String,
     }
-}
 
-asmotion_datum::message! {
     /// From where to where, on which map.
     pub struct PlanRequest = "nav/PlanRequest" {
         /// The map to plan on.
@@ -32,9 +28,7 @@ asmotion_datum::message! {
         /// Where it shall be, in the map's frame.
         pub goal: PoseStamped,
     }
-}
 
-asmotion_datum::message! {
     /// Things that a robot saw and that may be missing on the map, in the map frame.
     pub struct Obstacles = "nav/Obstacles" {
         /// When the newest of them was seen.

@@ -10,9 +10,7 @@ asmotion_datum::message! {
         /// The poses, from the start to the goal.
         pub poses: Vec<PoseStamped>,
     }
-}
 
-asmotion_datum::message! {
     /// Where the robot believes to be, and how fast it goes.
     pub struct Odometry = "nav_msgs/Odometry" {
         /// When, and the frame of the pose (`odom`, or `map` where both are one).
@@ -24,9 +22,7 @@ asmotion_datum::message! {
         /// In the frame `child_frame_id`.
         pub twist: TwistWithCovariance,
     }
-}
 
-asmotion_datum::message! {
     /// How a grid lies in the world.
     pub struct MapMetaData = "nav_msgs/MapMetaData" {
         /// When the map was loaded.
@@ -40,9 +36,7 @@ asmotion_datum::message! {
         /// The pose of the lower left corner of cell (0, 0).
         pub origin: Pose,
     }
-}
 
-asmotion_datum::message! {
     /// A grid map; cell (x, y) is `data[y * width + x]`.
     pub struct OccupancyGrid = "nav_msgs/OccupancyGrid" {
         /// When, and in which frame.

@@ -11,9 +11,7 @@ asmotion_datum::message! {
         /// rad/s.
         pub right: f64,
     }
-}
 
-asmotion_datum::message! {
     /// How far each wheel has turned since the encoders' zero; forward positive, never wrapped.
     #[derive(Copy)]
     pub struct Encoders = "rover/Encoders" {

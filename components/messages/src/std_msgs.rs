@@ -9,32 +9,24 @@ asmotion_datum::message! {
         /// The value.
         pub data: bool,
     }
-}
 
-asmotion_datum::message! {
     /// A text (`std_msgs/String`; named `Text` so as not to hide Rust's own).
     pub struct Text = "std_msgs/String" {
         /// The value.
         pub data: String,
     }
-}
 
-asmotion_datum::message! {
     /// A number (`std_msgs/Float64`).
     #[derive(Copy)]
     pub struct Float64 = "std_msgs/Float64" {
         /// The value.
         pub data: f64,
     }
-}
 
-asmotion_datum::message! {
     /// Nothing but the fact that it came (`std_msgs/Empty`).
     #[derive(Copy)]
     pub struct Empty = "std_msgs/Empty" {}
-}
 
-asmotion_datum::message! {
     /// When something was measured, and in which frame its coordinates are (`std_msgs/Header`).
     pub struct Header = "std_msgs/Header" {
         /// The instant of measurement, not of sending.

@@ -1,4 +1,4 @@
-//! Every message by its name, for those who learn a type at run time.
+//! Every message by its name, for types that are known at run time only.
 
 use asmotion_datum::{Message, Schema};
 

@@ -9,9 +9,7 @@ asmotion_datum::message! {
         /// m.
         pub y: f64,
     }
-}
 
-asmotion_datum::message! {
     /// A thin wall.
     #[derive(Copy)]
     pub struct Segment = "world/Segment" {
@@ -20,9 +18,7 @@ asmotion_datum::message! {
         /// The other end.
         pub b: Vertex,
     }
-}
 
-asmotion_datum::message! {
     /// A round thing.
     #[derive(Copy)]
     pub struct Disc = "world/Disc" {
@@ -33,17 +29,13 @@ asmotion_datum::message! {
         /// m.
         pub radius: f64,
     }
-}
 
-asmotion_datum::message! {
     /// A solid thing with straight sides.
     pub struct Polygon = "world/Polygon" {
         /// The corners in order, either way round; the last joins the first.
         pub vertices: Vec<Vertex>,
     }
-}
 
-asmotion_datum::message! {
     /// Everything a beam or a body can hit at one time.
     pub struct Scene = "world/Scene" {
         /// Grows whenever the rest changes.

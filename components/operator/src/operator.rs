@@ -13,7 +13,7 @@ pub struct Operator {
     ports: OperatorPorts,
     /// Read when configured.
     properties: PropertySet<OperatorProperties>,
-    /// What is still to be done, the next deed last.
+    /// Deeds still to be done, in reverse order.
     deeds: Vec<Deed>,
     /// When the first cycle was: times of the script count from there.
     began: Option<Time>,

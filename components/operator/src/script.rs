@@ -1,4 +1,4 @@
-//! What the operator does when.
+//! The operator's script: timed commands, one a line.
 
 use std::str::FromStr;
 
@@ -7,11 +7,11 @@ use std::str::FromStr;
 pub struct Deed {
     /// s after the operator's first cycle.
     pub at: f64,
-    /// What is done then.
+    /// The action at that time.
     pub command: Command,
 }
 
-/// What an operator can do.
+/// An action of the operator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command {
     /// Sends the robot somewhere: x and y in m, yaw in rad, map frame.
@@ -35,7 +35,7 @@ pub enum Command {
 pub struct ScriptError {
     /// The line.
     pub line: String,
-    /// What is wrong with it.
+    /// The violated rule.
     pub problem: &'static str,
 }
 

@@ -1,4 +1,4 @@
-//! How long a plan takes on 400 × 400 cells: an open hall, a hall full of pillars, a serpentine, and no way at all.
+//! Planning time on 400 × 400 cells: an open hall, a hall full of pillars, a serpentine, and no way at all.
 
 #![allow(
     missing_docs,

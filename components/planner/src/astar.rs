@@ -62,7 +62,7 @@ impl AStar {
         }
     }
 
-    /// The way that was found as points: the ends where they were asked for, between them the centres of the cells.
+    /// Points of the path: the requested ends, and the centres of the cells between them.
     fn tie(&mut self, grid: &Grid, start: Point, goal: Point) {
         let layout = grid.layout();
         let centres = self.way.iter().map(|(cell, cost)| Knot {

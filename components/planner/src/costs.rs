@@ -1,4 +1,4 @@
-//! What it costs to enter each cell: more near obstacles, and nothing one could pay for a wall.
+//! Costs of entering cells: higher near obstacles, forbidden within the inflation.
 
 use asmotion_geometry::{Cell, Distances, Grid, Layout, Occupancy};
 
@@ -12,7 +12,7 @@ pub const DIAGONAL: u32 = 181;
 pub const MOST: u32 = 24 * BASE;
 /// Nearer to an obstacle than the inflation: a robot that is here may leave, dearly, but none may come.
 pub const TIGHT: u32 = MOST;
-/// Here nobody passes.
+/// The cost of a cell no path may enter.
 pub const WALL: u32 = 0;
 /// The largest wish for room that still costs less than being too near.
 const MOST_WEIGHT: f64 = 20.0;
@@ -20,7 +20,7 @@ const MOST_WEIGHT: f64 = 20.0;
 /// The costs of a grid's cells, with a rim of walls around them so that no neighbour needs a look at the border.
 #[derive(Default)]
 pub struct Costs {
-    /// What the costs were computed from, to see whether they still hold.
+    /// Grid and settings the costs were computed from; equal ones need no update.
     grid: Option<Grid>,
     distances: Option<Distances>,
     cells: Vec<u16>,
@@ -53,17 +53,17 @@ impl Costs {
         self.stride
     }
 
-    /// How many cells there are with the rim.
+    /// Number of cells, the rim included.
     pub fn len(&self) -> usize {
         self.cells.len()
     }
 
-    /// What entering a cell costs; the index is that of [`Costs::index`].
+    /// Cost of entering a cell; the index is that of [`Costs::index`].
     pub fn at(&self, index: usize) -> u32 {
         self.cells.get(index).map_or(WALL, |cost| u32::from(*cost))
     }
 
-    /// Where a cell's cost stands.
+    /// Index of a cell's cost.
     pub fn index(&self, cell: Cell) -> usize {
         (cell.row as usize + 1) * self.stride + cell.column as usize + 1
     }
@@ -77,7 +77,7 @@ impl Costs {
         )
     }
 
-    /// How far a cell is from the nearest obstacle, m.
+    /// Distance from a cell to the nearest obstacle, m.
     pub fn clearance(&self, cell: Cell) -> f64 {
         let distances = self.distances.as_ref();
         distances

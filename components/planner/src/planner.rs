@@ -1,15 +1,18 @@
-//! The seam: what a planner is asked and what it answers, and the table of planners.
+//! The seam: the trait of planners, its results, and the table of implementations.
 
 use asmotion_component::Properties;
 use asmotion_geometry::{Grid, Point, Pose};
 
 use crate::AStar;
 
-/// Finds a path, or says why there is none. Asked again when the map changes.
+/// Finds a path, or the reason why there is none. Called anew for each request, on the map of that request.
 pub trait Planner: Send {
     /// A path for a round robot from `start` to `goal`, both in the map frame of `grid`.
     ///
-    /// The same question gets the same answer, whatever was asked before.
+    /// Equal arguments give equal results, whatever was planned before.
+    ///
+    /// # Errors
+    /// If an end lies outside the map, the robot cannot stand at an end, or no path connects the ends.
     fn plan(&mut self, grid: &Grid, start: &Pose, goal: &Pose) -> Result<Plan, NoPath>;
 }
 
@@ -62,16 +65,16 @@ pub struct Plan {
     pub poses: Vec<Pose>,
     /// Along the poses, m.
     pub length: f64,
-    /// How many cells the search settled.
+    /// Number of cells the search settled.
     pub explored: usize,
 }
 
-/// One end of the path that was asked for.
+/// An end of the requested path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// Where the robot is.
+    /// Pose of the robot.
     Start,
-    /// Where it shall be.
+    /// Requested pose.
     Goal,
 }
 
@@ -84,7 +87,7 @@ impl std::fmt::Display for End {
     }
 }
 
-/// Why there is no path.
+/// Reason why there is no path.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoPath {
     /// An end lies outside the map.
@@ -100,7 +103,7 @@ pub enum NoPath {
     StartOccupied {
         /// Where, map frame, m.
         at: Point,
-        /// What is wrong there.
+        /// Reason.
         why: Blocked,
     },
     /// The robot cannot stand at the goal.
@@ -108,29 +111,29 @@ pub enum NoPath {
     GoalOccupied {
         /// Where, map frame, m.
         at: Point,
-        /// What is wrong there.
+        /// Reason.
         why: Blocked,
     },
     /// Everything that can be reached was searched, and the goal is not part of it.
     #[error("no way leads from the start to the goal ({explored} cells searched)")]
     Unreachable {
-        /// How many cells the search settled.
+        /// Number of cells the search settled.
         explored: usize,
     },
 }
 
-/// Why a robot cannot stand in a cell.
+/// Reason why a robot cannot stand in a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Blocked {
     /// Something stands there.
     Occupied,
-    /// Nobody has seen it.
+    /// Its occupancy is unknown, and `allow_unknown` is false.
     Unknown,
     /// Something stands too near.
     Near {
-        /// How near, m.
+        /// Distance to the nearest obstacle, m.
         distance: f64,
-        /// How far it would have to be, m.
+        /// Smallest distance that is allowed, m.
         inflation: f64,
     },
 }

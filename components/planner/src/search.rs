@@ -24,11 +24,11 @@ pub struct Search {
     open: Vec<Vec<u32>>,
 }
 
-/// What a search found.
+/// Outcome of a search.
 pub struct Found {
     /// Whether the goal was reached.
     pub reached: bool,
-    /// How many cells were settled.
+    /// Number of cells settled, a measure of the work done.
     pub explored: usize,
 }
 
@@ -125,7 +125,7 @@ impl Search {
         self.open.iter_mut().for_each(Vec::clear);
     }
 
-    /// Offers the way through a cell to its neighbours; says how many took it.
+    /// Relaxes the neighbours of a cell; returns the number of costs lowered.
     fn expand(
         &mut self,
         costs: &Costs,

@@ -53,7 +53,7 @@ fn reach_far(layout: &Layout, costs: &Costs, knots: &mut Vec<Knot>) {
     knots.truncate(kept + 1);
 }
 
-/// Whether the straight line between two knots is allowed and costs no more than the way along the cells.
+/// Returns whether the straight line between two knots is allowed and costs no more than the path along the cells.
 fn shortcut(layout: &Layout, costs: &Costs, from: &Knot, to: &Knot) -> bool {
     let (mut sum, mut cells) = (0_u64, 0_u64);
     let mut leaving = costs.at(from.cell) == TIGHT;

@@ -44,7 +44,7 @@ pub struct Limits {
 }
 
 impl Drive {
-    /// How fast the wheels turn while the body moves with `velocity`.
+    /// Wheel speeds, rad/s, for a velocity of the body.
     pub fn wheels(&self, velocity: Velocity) -> WheelSpeeds {
         let rim = velocity.turn * self.track_m / 2.0;
         WheelSpeeds {
@@ -53,7 +53,7 @@ impl Drive {
         }
     }
 
-    /// How the body moves while the wheels turn with `left` and `right` rad/s. Works for angles as for speeds:
+    /// Velocity of the body for wheel speeds, rad/s. Works for angles as for speeds:
     /// rad in gives metres and radians out.
     pub fn body(&self, left: f64, right: f64) -> Velocity {
         Velocity {

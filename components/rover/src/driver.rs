@@ -11,15 +11,15 @@ use asmotion_messages::{Encoders, Header, Odometry, Twist, WheelSpeeds};
 use crate::drive::{Drive, Limits, Velocity};
 use crate::odometry::Odometer;
 
-/// `nav::sim::RoverDriver`: drives the wheels as the newest twist says, and not at all once it is old.
+/// `nav::sim::RoverDriver`: drives the wheels by the newest twist, and stops them once it is too old.
 pub struct RoverDriver {
     ports: RoverPorts,
     properties: PropertySet<RoverProperties>,
 
     odometer: Odometer,
-    /// What the wheels were last told.
+    /// Velocity of the last command to the wheels.
     velocity: Velocity,
-    /// What the newest twist asks for, and when it came.
+    /// Velocity of the newest twist, and the cycle that received it.
     wanted: Option<(Velocity, Time)>,
     /// When the last cycle was.
     last: Option<Time>,
@@ -96,7 +96,7 @@ impl RoverDriver {
         cycle.write(self.ports.wheels, drive.wheels(self.velocity));
     }
 
-    /// Counts the wheels' turns.
+    /// Integrates the newest reading of the encoders and publishes the pose.
     fn locate(&mut self, cycle: &mut Cycle<'_>) {
         let Flow::NewData(encoders) = cycle.read(self.ports.encoders) else {
             return;

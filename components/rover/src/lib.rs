@@ -1,6 +1,7 @@
 //! The rover driver: differential-drive kinematics and odometry.
 //!
-//! [`Drive`] and [`Limits`] say how the wheels turn, [`Odometer`] where that leads, [`RoverDriver`] is the component.
+//! [`Drive`] and [`Limits`] turn velocities into wheel speeds, [`Odometer`] integrates wheel angles, [`RoverDriver`] is the
+//! component.
 
 mod drive;
 mod driver;

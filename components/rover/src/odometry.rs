@@ -16,7 +16,7 @@ pub fn roll(pose: &Pose, distance: f64, turn: f64) -> Pose {
     heading(moved, wrap(yaw(pose) + turn))
 }
 
-/// Where the wheels say that the robot is.
+/// Dead reckoning from wheel angles.
 #[derive(Debug, Clone)]
 pub struct Odometer {
     pose: Pose,
@@ -34,7 +34,7 @@ impl Odometer {
         }
     }
 
-    /// Takes one reading of the encoders. The first says only from where to count.
+    /// Integrates one reading of the encoders. The first only sets the zero.
     pub fn update(&mut self, drive: &Drive, encoders: &Encoders) {
         if let Some(last) = &self.last {
             let rolled = drive.body(encoders.left - last.left, encoders.right - last.right);
@@ -50,12 +50,12 @@ impl Odometer {
         self.last = Some(*encoders);
     }
 
-    /// Where the robot is, in the frame of the start pose.
+    /// Pose of the robot, in the frame of the start pose.
     pub fn pose(&self) -> &Pose {
         &self.pose
     }
 
-    /// How it moved between the last two readings.
+    /// Mean velocity between the last two readings.
     pub fn velocity(&self) -> Velocity {
         self.velocity
     }

@@ -7,11 +7,11 @@ use asmotion_rover::{Drive, roll};
 /// A round robot on two driven wheels.
 #[derive(Debug, Clone)]
 pub struct Body {
-    /// Its wheels.
+    /// Geometry of the drive.
     pub drive: Drive,
     /// m, of the disc that covers it, about the midpoint between the wheels.
     pub radius: f64,
-    /// Where it truly is, map frame.
+    /// True pose, map frame.
     pub pose: Pose,
     /// rad, how far the left wheel has turned.
     pub left: f64,
@@ -19,7 +19,7 @@ pub struct Body {
     pub right: f64,
 }
 
-/// How much farther a wheel rolls than its angle says, as a share: 0 without slip.
+/// Excess of the distance a wheel rolls over what its angle implies, as a share: 0 without slip.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Slip {
     /// Of the left wheel.

@@ -13,23 +13,23 @@ asmotion_datum::message! {
         pub disc: Option<[f64; 3]>,
         /// x, y of the middle, length, width, yaw; m and rad.
         pub block: Option<[f64; 5]>,
-        /// What x, y and yaw are relative to: `map`, or `robot` for the robot's true pose when the obstacle appears;
+        /// Frame of x, y and yaw: `map`, or `robot` for the robot's true pose when the obstacle appears;
         /// `[2.0, 0.0, 0.3]` then stands two metres in front of it.
         pub frame: String = "map".to_owned(),
     }
 }
 
-/// Why an entry of the schedule is no obstacle.
+/// An entry of the schedule that cannot be read.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("obstacle {number}: {problem}")]
 pub struct ObstacleError {
     /// Which, from 1.
     pub number: usize,
-    /// What is wrong with it.
+    /// The violated rule.
     pub problem: ObstacleProblem,
 }
 
-/// What can be wrong with an obstacle.
+/// Rules an obstacle can violate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ObstacleProblem {
     /// No shape, or two.

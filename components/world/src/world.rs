@@ -32,7 +32,7 @@ pub struct World {
     last: Time,
 }
 
-/// What is where.
+/// State of the world.
 #[derive(Debug, Clone)]
 struct Truth {
     body: Body,
@@ -40,7 +40,7 @@ struct Truth {
     schedule: Schedule,
     scene: Scene,
     revision: u64,
-    /// Whether the body touches something; said once until it is free again.
+    /// Whether the body touches something; reported once until it is free again.
     touches: bool,
 }
 
@@ -111,7 +111,7 @@ impl World {
         }
     }
 
-    /// How fast the wheels turn now. Motors that hear nothing stop by themselves.
+    /// Speeds of the wheels in this cycle, rad/s; zero once the newest command is too old.
     fn turning(&mut self, cycle: &Cycle<'_>, now: Time) -> WheelSpeeds {
         if let Flow::NewData(wheels) = cycle.read(self.ports.wheels) {
             self.told = Some((*wheels, now));
@@ -123,7 +123,7 @@ impl World {
         }
     }
 
-    /// Lets `dt` seconds pass; says whether the body now touches something that it did not touch before.
+    /// Advances the world by `dt` seconds; returns whether the body has begun to touch something.
     fn pass(&mut self, wheels: WheelSpeeds, dt: f64) -> bool {
         let pieces = (dt / STEP - 1e-6).ceil().clamp(1.0, 1000.0);
         let mut bumped = false;
@@ -231,7 +231,7 @@ impl Truth {
         }
     }
 
-    /// Moves the body; says whether it now touches something that it did not touch before.
+    /// Moves the body; returns whether it has begun to touch something.
     fn pass(&mut self, wheels: WheelSpeeds, slip: Slip, dt: f64) -> bool {
         let touched = self.body.step(wheels, slip, &self.scene, dt);
         let bumped = touched && !self.touches;
@@ -239,7 +239,7 @@ impl Truth {
         bumped
     }
 
-    /// Lets obstacles come and go; says whether any did.
+    /// Adds and removes obstacles by the schedule; returns whether the scene has changed.
     fn advance(&mut self, seconds: f64) -> bool {
         let changed = self
             .schedule

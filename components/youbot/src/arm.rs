@@ -23,7 +23,7 @@ pub struct Arm {
     pub fore: f64,
     /// From axis 4 to the end of the hand, m.
     pub hand: f64,
-    /// How far the joints can turn, rad.
+    /// Smallest and largest position of each joint, rad.
     pub ranges: [(f64, f64); 5],
 }
 
@@ -49,7 +49,7 @@ impl Default for Arm {
 }
 
 impl Arm {
-    /// Where the hand is in this posture, in the frame of the foot; z points out of the hand.
+    /// Pose of the hand in a posture (rad), in the frame of the foot, m; z points out of the hand.
     pub fn forward(&self, [turn, shoulder, elbow, wrist, roll]: Joints) -> Isometry3<f64> {
         let about_z = |angle| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
         let lean = |angle| UnitQuaternion::from_axis_angle(&Vector3::y_axis(), angle);

@@ -11,7 +11,7 @@ use asmotion_messages::{Text, Time};
 
 use crate::joints::{Joints, Manner};
 
-/// `youbot::DummyDriver`: it knows no service but its own two operations.
+/// `youbot::DummyDriver`: commands in, status out, and two operations of its own.
 pub struct DummyDriver {
     ports: DriverPorts,
     properties: PropertySet<DriverProperties>,
@@ -89,7 +89,7 @@ impl Component for DummyDriver {
     }
 }
 
-/// A period becomes the driver's own, from its next cycle on. Whether it is one.
+/// Takes a period (s) from the next cycle on; returns whether it is between 0.001 s and 10 s.
 fn follow(period: f64, cycle: &mut Cycle<'_>) -> bool {
     let lawful = (0.001..=10.0).contains(&period);
     if lawful {

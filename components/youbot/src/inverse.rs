@@ -9,10 +9,10 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use crate::{Arm, Joints, Unreachable};
 
-/// How far a goal may point out of the arm's plane, rad.
+/// Largest angle between a goal and the arm's plane that counts as none, rad.
 const OUT_OF_PLANE: f64 = 1e-3;
 
-/// What counts as nothing: m, and sines.
+/// Tolerance of comparisons: m, and sines.
 const NOTHING: f64 = 1e-9;
 
 /// A goal in the plane of the arm: the wrist seen from the shoulder, and where the hand points.
@@ -31,7 +31,7 @@ impl Arm {
     /// The posture that brings the hand there; of several the one nearest to `near`.
     ///
     /// # Errors
-    /// Why none does: why not with the arm turned to the goal, of the posture that comes closest.
+    /// Reason of the refusal: that of the posture that comes closest with the arm turned to the goal.
     pub fn inverse(&self, goal: &Isometry3<f64>, near: &Joints) -> Result<Joints, Unreachable> {
         let coordinates = goal
             .translation

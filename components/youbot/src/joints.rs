@@ -1,11 +1,11 @@
-//! Joints that are not there: they turn towards their goals, or are somewhere by chance.
+//! Simulated joints: they turn to their targets, or report random values.
 
 use asmotion_component::Properties;
 use asmotion_messages::{JointStatus, Time};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Joints, and what they did last.
+/// Joints with their targets and last status.
 pub(crate) struct Joints {
     chance: ChaCha8Rng,
     goal: Vec<f64>,
@@ -27,11 +27,11 @@ pub(crate) struct Manner {
 /// A joint has ten error bits.
 const ERROR_BITS: u16 = 0x3ff;
 
-/// How far a joint is turned by chance, rad.
+/// Largest random position of a joint, rad.
 const FAR: f64 = 2.9;
 
 impl Joints {
-    /// So many joints, all at zero.
+    /// Joints at position zero.
     pub(crate) fn new(count: usize, seed: u64) -> Self {
         Self {
             chance: ChaCha8Rng::seed_from_u64(seed),
@@ -43,7 +43,7 @@ impl Joints {
         }
     }
 
-    /// They shall turn there. A goal for another number of joints is none.
+    /// Sets the target positions, rad; a goal for another number of joints is ignored.
     pub(crate) fn turn_to(&mut self, goal: &[f64]) {
         if goal.len() == self.goal.len() {
             self.goal.copy_from_slice(goal);
@@ -54,7 +54,7 @@ impl Joints {
         self.last.position == self.goal
     }
 
-    /// What they do now. In either manner a joint takes the same numbers of chance.
+    /// Computes the status at `stamp`. Both manners draw the same number of random numbers for each joint.
     pub(crate) fn measure(&mut self, stamp: Time, manner: &Manner) {
         let passed = (stamp.as_nanos() - self.last.stamp.as_nanos()) as f64 * 1e-9;
         let step = manner.speed * passed;

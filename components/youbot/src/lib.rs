@@ -1,5 +1,5 @@
-//! The KUKA youBot's arm: a driver that has no arm ([`DummyDriver`]), and the way from a pose of the hand to the
-//! positions of the joints ([`Arm`], served by [`Kinematics`]); and somebody who wants the hand elsewhere ([`Operator`]).
+//! The KUKA youBot's arm: a driver that has no arm ([`DummyDriver`]), the inverse kinematics ([`Arm`],
+//! served by [`Kinematics`]), and a client that sends goals ([`Operator`]).
 
 mod arm;
 mod driver;

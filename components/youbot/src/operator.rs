@@ -1,4 +1,4 @@
-//! Somebody who wants the hand here and there, one goal after the other.
+//! The component that sends the arm to one goal after the other.
 
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ use asmotion_component::{
 use asmotion_messages::{MoveTo, Notify, Point, Pose, Quaternion};
 use nalgebra::{UnitQuaternion, Vector3};
 
-/// After so much silence an arrival may have been missed.
+/// Silence after which an arrival may have been missed.
 const SILENCE: Duration = Duration::from_secs(1);
 
 /// `youbot::Operator`: sends the next goal when the arm is idle, or cannot reach the one before.
@@ -37,13 +37,13 @@ struct HandOperatorProperties {
     goals: Vec<[f64; 5]>,
 }
 
-/// What becomes of the goal before the next one.
+/// Progress of the goal sent last.
 enum State {
-    /// It is done with, one way or the other.
+    /// Reached or refused: the next goal can be sent.
     Done,
-    /// The arm is on its way.
+    /// Accepted: the arm is moving.
     Waits,
-    /// It came too early, or nobody heard it: it is sent again when somebody is heard.
+    /// Not accepted, or not received: sent again with the next notice.
     Again,
 }
 
@@ -59,7 +59,7 @@ impl Operator {
         }
     }
 
-    /// What happened to the arm.
+    /// Takes in the notices about the arm.
     fn listen(&mut self, cycle: &mut Cycle<'_>) {
         let notices = cycle.requests(self.ports.notifying);
         if notices.is_empty() {
@@ -78,7 +78,7 @@ impl Operator {
         };
     }
 
-    /// The goal before is the next one again.
+    /// Makes the goal sent last the next one again.
     fn take_back(&mut self) -> State {
         self.next = self.next.saturating_sub(1);
         State::Done
@@ -107,12 +107,12 @@ impl Component for Operator {
     }
 }
 
-/// The goal cannot be reached; otherwise it came too early, or nobody was there.
+/// Returns whether the goal cannot be reached; other errors mean that it came too early or met no provider.
 fn is_refused(error: &CallError) -> bool {
     matches!(error, CallError::Fault(fault) if fault.code != "NOT_NOW")
 }
 
-/// The hand there, leaning in the plane of the arm: another plane it has not.
+/// The pose of the hand at a goal, frame of the foot; with five joints it leans in the plane of the arm only.
 fn pose(&[x, y, z, lean, roll]: &[f64; 5]) -> Pose {
     let about = |axis, angle| UnitQuaternion::from_axis_angle(&axis, angle);
     let turn = about(Vector3::z_axis(), y.atan2(x))

@@ -1,9 +1,9 @@
-//! Why a goal cannot be reached.
+//! Reasons why a goal cannot be reached.
 
-/// Why no posture brings the hand there.
+/// Reason why no posture brings the hand to a goal.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Unreachable {
-    /// The pose is none.
+    /// A coordinate is not finite, or the orientation has no length.
     #[error("the goal has a coordinate that is no number, or no orientation")]
     BadPose,
     /// The hand would have to point sideways.
@@ -11,7 +11,7 @@ pub enum Unreachable {
         "the hand can only point along the plane of the arm, and the goal points {angle:.3} rad out of it"
     )]
     OutOfPlane {
-        /// How far, rad.
+        /// Angle between the goal and the plane of the arm, rad.
         angle: f64,
     },
     /// The wrist cannot be so far away.
@@ -39,9 +39,9 @@ pub enum Unreachable {
         "joint {joint} would be at {position:.3} rad, and turns from {least:.3} to {greatest:.3} only"
     )]
     JointLimit {
-        /// Its number, from 1.
+        /// Number of the joint, counted from 1 at the foot.
         joint: usize,
-        /// Where it would be, rad.
+        /// Required position, rad.
         position: f64,
         /// Its range, rad.
         least: f64,
