@@ -8,9 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use asmotion_component::Interface;
-use asmotion_component::declaration::{Declaration, OperationDeclaration, PropertyDeclaration};
 use asmotion_components::COMPONENTS;
-use asmotion_datum::Datum;
 
 /// The end of every generated section.
 const END: &str = "<!-- end -->";
@@ -53,10 +51,10 @@ fn keep(readme: &Path, subject: &str, section: &str) {
     fs::write(readme, format!("{before}{begin}{section}{END}{after}")).unwrap();
 }
 
-fn declaration(of: &str) -> Declaration {
+fn reference(of: &str) -> String {
     let mut scratch = Interface::new();
     asmotion_components::component(of).unwrap()(&mut scratch);
-    scratch.declaration().clone()
+    format!("\n{}\n", scratch.declaration().reference())
 }
 
 #[test]
@@ -68,7 +66,7 @@ fn every_component_has_its_reference_in_the_readme_of_its_folder() {
         let readme = readme.unwrap_or_else(|| {
             panic!("no README has a line `{}`", begin(name).trim_end());
         });
-        keep(readme, name, &reference(&declaration(name)));
+        keep(readme, name, &reference(name));
     }
 }
 
@@ -97,75 +95,4 @@ fn the_readme_of_the_catalogue_lists_every_component() {
     }
     rows.push('\n');
     keep(&folder().join("README.md"), "components", &rows);
-}
-
-/// The tables of a component.
-fn reference(of: &Declaration) -> String {
-    let mut text = String::from("\n| port | type | |\n|---|---|---|\n");
-    for (direction, ports) in [("in", &of.inputs), ("out", &of.outputs)] {
-        for port in ports {
-            let (name, doc) = (&port.name, cell(&port.doc));
-            let kind = &port.schema.name;
-            writeln!(text, "| {direction} `{name}` | `{kind}` | {doc} |").unwrap();
-        }
-    }
-    for service in &of.services {
-        let (name, doc) = (&service.name, cell(&service.doc));
-        let kind = operations(&service.interface, &service.operations);
-        writeln!(text, "| service `{name}` | {kind} | {doc} |").unwrap();
-    }
-    for reference in &of.references {
-        let (name, doc) = (&reference.name, cell(&reference.doc));
-        let optional = if reference.optional {
-            " (optional)"
-        } else {
-            ""
-        };
-        let kind = operations(&reference.interface, &reference.operations);
-        writeln!(text, "| reference `{name}`{optional} | {kind} | {doc} |").unwrap();
-    }
-    if !of.properties.is_empty() {
-        text.push_str("\n| property | default | range | |\n|---|---|---|---|\n");
-    }
-    for property in &of.properties {
-        let (name, doc) = (&property.name, cell(&property.doc));
-        let (default, range) = (default(property), range(property));
-        writeln!(text, "| `{name}` | {default} | {range} | {doc} |").unwrap();
-    }
-    text.push('\n');
-    text
-}
-
-fn operations(interface: &str, operations: &[OperationDeclaration]) -> String {
-    let names = operations.iter().map(|operation| &*operation.name);
-    let names: Vec<_> = names.collect();
-    format!("`{interface}`: `{}`", names.join("`, `"))
-}
-
-fn default(property: &PropertyDeclaration) -> String {
-    let written = match &property.default {
-        Datum::Text(text) if text.is_empty() => "\"\"".to_owned(),
-        Datum::Text(text) => format!("`{text}`"),
-        other => other.to_string(),
-    };
-    match &*property.unit {
-        "" => written,
-        unit => format!("{written} {unit}"),
-    }
-}
-
-fn range(property: &PropertyDeclaration) -> String {
-    match &property.range {
-        Some((least, greatest)) => format!("{least} … {greatest}"),
-        None => {
-            let words = property.choices.iter();
-            let words: Vec<_> = words.filter_map(Datum::as_text).collect();
-            words.join(", ")
-        }
-    }
-}
-
-/// A description as a cell of a table.
-fn cell(doc: &str) -> String {
-    doc.replace('\n', "<br>").replace('|', "\\|")
 }

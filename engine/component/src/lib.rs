@@ -27,6 +27,7 @@ mod outside;
 mod policy;
 mod port;
 mod property;
+mod reference;
 mod run;
 mod service;
 mod setup;
