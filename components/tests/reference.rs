@@ -54,7 +54,7 @@ fn keep(readme: &Path, subject: &str, section: &str) {
 fn reference(of: &str) -> String {
     let mut scratch = Interface::new();
     asmotion_components::component(of).unwrap()(&mut scratch);
-    format!("\n{}\n", scratch.declaration().reference())
+    format!("\n{}\n", scratch.declaration().tables())
 }
 
 #[test]

@@ -10,7 +10,7 @@ impl Declaration {
     /// Ports, services, references and properties as Markdown tables, in the order of declaration.
     ///
     /// A README that carries these tables, held by a test, is no second list of ports and properties.
-    pub fn reference(&self) -> String {
+    pub fn tables(&self) -> String {
         let mut text = String::new();
         // writing to a string does not fail
         let _ = write_ports(&mut text, self);
