@@ -3,7 +3,8 @@
 use std::fs::File;
 use std::io;
 
-use asmotion_component::{Event, Time};
+use asmotion_component::Time;
+use asmotion_runtime::Event;
 use clap::Args;
 
 use crate::record::Record;

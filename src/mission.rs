@@ -16,12 +16,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use asmotion_assembly::plan::Terminal;
-use asmotion_assembly::{Opened, Plan, Standard};
-use asmotion_component::{Event, Observer, Pace, Run, Time};
+use asmotion_assembly::{Assembled, Opened, Plan, Standard};
+use asmotion_component::Time;
 use asmotion_datum::Datum;
 use asmotion_lang::Loader;
 use asmotion_lang::diagnostics::similar;
 use asmotion_remote::Contact;
+use asmotion_runtime::{Event, Observer, Pace, Run};
 
 use crate::build;
 use crate::files::Disk;
@@ -161,8 +162,11 @@ impl Mission {
             builtins: &mut |_, _| None,
         };
         let part = self.part(plan)?;
-        let mut system = asmotion_assembly::start_part(plan, &part, &mut workshop)
-            .map_err(|error| MissionError::Launch(error.to_string()))?;
+        let assembled = asmotion_assembly::start_part(plan, &part, &mut workshop);
+        let Assembled {
+            mut system,
+            mut network,
+        } = assembled.map_err(|error| MissionError::Launch(error.to_string()))?;
         for (component, property, value) in &self.properties {
             if plan.component(component).is_none() {
                 let known = plan.components.iter().map(|known| &known.name);
@@ -187,9 +191,9 @@ impl Mission {
             lock(&watcher).observe(at, event);
         });
         let connected = self.connect(plan)?;
-        let mut contacts = self.join(&mut system, &connected, plan, &part)?;
+        let mut contacts = self.join(&mut system, &mut network, &connected, plan, &part)?;
         let mut successor = self.successor(&opened, plan, &part, &connected)?;
-        let gateways = self.open_gateways(&mut system, &opened, plan, &part)?;
+        let gateways = self.open_gateways(&mut system, &mut network, &opened, plan, &part)?;
         let began = Instant::now();
         let mut run: Box<dyn Run> = match self.clock {
             Clock::Wall => Box::new(system.live()),

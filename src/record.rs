@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::io::Write;
 
-use asmotion_component::{Event, Time};
+use asmotion_component::Time;
 use asmotion_datum::Datum;
+use asmotion_runtime::Event;
 
 /// Maximum length of a list that is recorded by element; of longer lists only the length is recorded.
 const WIDE: usize = 64;

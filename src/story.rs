@@ -15,9 +15,10 @@ pub use summary::{Summary, Tally};
 pub use way::Way;
 
 use asmotion_assembly::Plan;
-use asmotion_component::{CallError, Event, Losses, Time};
+use asmotion_component::{CallError, Losses, Time};
 use asmotion_coordinator::{LOSSES_REPORT, STEP_REPORT, StepRecord, UNSENT_REPORT};
 use asmotion_datum::{Datum, Sample};
+use asmotion_runtime::Event;
 
 use self::ear::Ear;
 use self::repeats::Repeats;

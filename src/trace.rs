@@ -3,9 +3,10 @@
 //! Steps of coordinators are written in full. Of a message, the trace contains the CRC-32 of its CBOR encoding, so that a map
 //! takes one line like any other message. Cycles without effect are omitted.
 
-use asmotion_component::{CallError, Event, Time};
+use asmotion_component::{CallError, Time};
 use asmotion_coordinator::{STEP_REPORT, StepRecord};
 use asmotion_datum::{Datum, Sample, cbor};
+use asmotion_runtime::Event;
 use std::fmt::Write;
 
 /// Writes events as lines.

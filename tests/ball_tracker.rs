@@ -6,8 +6,9 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use asmotion::mission::{Mission, Outcome};
-use asmotion_component::{Event, Time};
+use asmotion_component::Time;
 use asmotion_coordinator::{STEP_REPORT, StepRecord};
+use asmotion_runtime::Event;
 
 fn composite() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("specs/ball_tracker/ball_tracker.composite.toml")

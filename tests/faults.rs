@@ -10,8 +10,9 @@ use std::time::Duration;
 
 use asmotion::mission::{Brokers, Clock, Ended, Mission, Outcome};
 use asmotion_broker::{Broker, Vhost};
-use asmotion_component::{Event, Time};
+use asmotion_component::Time;
 use asmotion_messages::Odometry;
+use asmotion_runtime::Event;
 use serde_json::Value;
 
 use crate::processes::{

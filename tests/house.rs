@@ -27,9 +27,14 @@ const FLOORS: &[&[&str]] = &[
     // the engine
     &["asmotion-datum", "asmotion-connection", "asmotion-broker"],
     &["asmotion-bus"],
-    &["asmotion-amqp", "asmotion-gateway"],
+    &["asmotion-amqp", "asmotion-gateway", "asmotion-port"],
     &["asmotion-component"],
-    &["asmotion-bridge", "asmotion-coordinator", "asmotion-mqueue"],
+    &[
+        "asmotion-bridge",
+        "asmotion-coordinator",
+        "asmotion-runtime",
+    ],
+    &["asmotion-network", "asmotion-mqueue"],
     &["asmotion-assembly"],
     &["asmotion-scdl", "asmotion-drawing", "asmotion-remote"],
     // the robot
@@ -147,6 +152,22 @@ fn built_from(package: &str) -> BTreeSet<String> {
 }
 
 #[test]
+fn a_component_is_built_without_runtime_and_bus() {
+    let used = built_from("asmotion-component");
+    let ours: BTreeSet<&str> = (used.iter().map(String::as_str))
+        .filter(|name| name.starts_with("asmotion-"))
+        .collect();
+    let below = [
+        "asmotion-component",
+        "asmotion-connection",
+        "asmotion-datum",
+        "asmotion-derive",
+        "asmotion-port",
+    ];
+    assert_eq!(ours, BTreeSet::from(below));
+}
+
+#[test]
 fn j5_the_core_is_built_without_any_transport() {
     // begins of words in the names of crates
     const TRANSPORTS: [&str; 8] = [
@@ -163,6 +184,8 @@ fn j5_the_core_is_built_without_any_transport() {
     for core in [
         "asmotion-bus",
         "asmotion-component",
+        "asmotion-runtime",
+        "asmotion-network",
         "asmotion-coordinator",
         "asmotion-bridge",
         "asmotion-assembly",

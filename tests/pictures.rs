@@ -2,8 +2,8 @@
 //! must be drawn anew (`UPDATE_PICTURES=1 ./test pictures`) and looked at.
 
 use asmotion::mission::{Mission, Outcome};
-use asmotion_component::Event;
 use asmotion_messages::{OccupancyGrid, Odometry, Path as Route, Point, Scene};
+use asmotion_runtime::Event;
 use std::fmt::Write;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;

@@ -264,13 +264,13 @@ fn messages_go_by_the_codec_of_the_broker_or_of_their_topic() {
         size,
         overflow: asmotion_bus::Overflow::DropNewest,
     };
-    let bell = std::sync::Arc::new(asmotion_bus::Bell::new());
+    let notifier = std::sync::Arc::new(asmotion_bus::Notifier::new());
     let seen = asmotion_bus::Bus::subscribe(
         &spy,
         "spy",
         &asmotion_bus::Pattern::new("navigation.#"),
         queue,
-        bell,
+        notifier,
     );
     let seen = seen.unwrap();
     let mut over = with_broker_and(folder.path(), &vhost.url(), more);

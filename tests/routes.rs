@@ -3,7 +3,7 @@
 
 use asmotion_amqp::{AmqpBus, Settings};
 use asmotion_broker::{Calm, Vhost};
-use asmotion_bus::{Bell, Bus, Pattern, Queue};
+use asmotion_bus::{Bus, Notifier, Pattern, Queue};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -119,7 +119,7 @@ impl Ear {
             size: 4096,
             overflow: asmotion_bus::Overflow::DropOldest,
         };
-        let heard = bus.subscribe("ear", &Pattern::new("#"), queue, Arc::new(Bell::new()));
+        let heard = bus.subscribe("ear", &Pattern::new("#"), queue, Arc::new(Notifier::new()));
         Self(heard.unwrap(), bus)
     }
 

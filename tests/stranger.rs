@@ -1,6 +1,6 @@
 //! Who joins with a program of their own: a component in Python, which knows the wire and nothing else.
 
-use asmotion_bus::{Bell, Bus, CallFailure, Origin, Payload, Request};
+use asmotion_bus::{Bus, CallFailure, Notifier, Origin, Payload, Request};
 use asmotion_messages::{OccupancyGrid, Path as Way, PlanRequest, Pose};
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -113,7 +113,9 @@ fn request(door: bool) -> PlanRequest {
 fn ask(bus: &dyn Bus, request: PlanRequest) -> Result<Way, CallFailure> {
     let origin = Origin::new("Tester", 1);
     let request = Request::new(origin, Payload::of(request), Duration::from_secs(20));
-    let pending = bus.call(ADDRESS, request, Arc::new(Bell::new())).unwrap();
+    let pending = bus
+        .call(ADDRESS, request, Arc::new(Notifier::new()))
+        .unwrap();
     Ok(pending.wait()?.to_datum().unwrap().to::<Way>().unwrap())
 }
 

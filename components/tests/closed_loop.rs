@@ -8,9 +8,10 @@
 
 mod course;
 
-use asmotion_component::{Run, Span, Time, Transition};
+use asmotion_component::{Span, Time, Transition};
 use asmotion_geometry::Point;
 use asmotion_messages::Path;
+use asmotion_runtime::Run;
 use asmotion_world::Obstacle;
 use course::{Course, GO, block, disc, nanos};
 

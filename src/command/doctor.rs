@@ -4,7 +4,7 @@ use crate::broker::Broker;
 use crate::exit::Exit;
 use crate::terminal::{BAD, GOOD, Terminal};
 use asmotion_amqp::{AmqpBus, Settings};
-use asmotion_bus::{Bell, Bus, BusError, CallFailure, Link, Origin, Payload, Request, Sending};
+use asmotion_bus::{Bus, BusError, CallFailure, Link, Notifier, Origin, Payload, Request, Sending};
 use asmotion_datum::{Datum, Message};
 use clap::Args;
 use std::net::{TcpStream, ToSocketAddrs};
@@ -173,7 +173,7 @@ fn exchange(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
 /// Tests whether a service can be offered and called.
 fn serve(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
     let ill = |what: String| forbidden("a service cannot be offered or called", &what, settings);
-    let serving = match bus.serve(TRIED, 1, Arc::new(Bell::new())) {
+    let serving = match bus.serve(TRIED, 1, Arc::new(Notifier::new())) {
         Ok(serving) => serving,
         // another `asmotion doctor` is running
         Err(BusError::Served { .. }) => return Ok(()),
@@ -185,7 +185,7 @@ fn serve(bus: &AmqpBus, settings: &Settings) -> Result<(), Ailment> {
         PATIENCE,
     );
     let pending = bus
-        .call(TRIED, request, Arc::new(Bell::new()))
+        .call(TRIED, request, Arc::new(Notifier::new()))
         .map_err(|error| ill(error.to_string()))?;
     if let Some(call) = serving.next_within(PATIENCE) {
         call.reply(Ok(Payload::of(Datum::Null)));

@@ -13,8 +13,9 @@ use std::time::Duration;
 
 use asmotion_assembly::{Value, plan};
 use asmotion_bus::Local;
-use asmotion_component::{Event, Time};
+use asmotion_component::Time;
 use asmotion_datum::Datum;
+use asmotion_runtime::Event;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 

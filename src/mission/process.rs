@@ -7,8 +7,9 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use asmotion_assembly::plan::Broker;
 use asmotion_assembly::{Opened, Part, Plan};
 use asmotion_bus::{Bus, BusError, Local};
-use asmotion_component::System;
+use asmotion_network::Network;
 use asmotion_remote::{Contact, Newest};
+use asmotion_runtime::System;
 
 use super::successor::Successor;
 use super::{Mission, MissionError};
@@ -152,6 +153,7 @@ impl Mission {
     pub(super) fn join<'p>(
         &self,
         system: &mut System,
+        network: &mut Network,
         connected: &'p [Connected],
         plan: &'p Plan,
         part: &Part,
@@ -163,7 +165,8 @@ impl Mission {
             (Brokers::Nothing, _) => {}
             (Brokers::Inside(_) | Brokers::One(_), connected) => {
                 for it in connected {
-                    system.attach(it.bus.clone(), incarnation).map_err(of_all)?;
+                    let attached = network.attach(system, it.bus.clone(), incarnation);
+                    attached.map_err(of_all)?;
                 }
             }
             (Brokers::Each(_), connected) => {
@@ -171,7 +174,7 @@ impl Mission {
                     let bus: Arc<dyn Bus> = it.bus.clone();
                     Some((it.name.clone()?, bus))
                 });
-                let attached = system.attach_each(named.collect(), incarnation);
+                let attached = network.attach_each(system, named.collect(), incarnation);
                 attached.map_err(of_all)?;
             }
         }

@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use asmotion_assembly::reconfigure::changes;
 use asmotion_assembly::{Opened, Part, Plan};
-use asmotion_bus::{Bell, Bus, BusError, Call, Payload, Refusal, Serving};
-use asmotion_component::{Change, Run};
+use asmotion_bus::{Bus, BusError, Call, Notifier, Payload, Refusal, Serving};
 use asmotion_datum::{Datum, DatumError};
 use asmotion_lang::{Style, render_all};
+use asmotion_runtime::{Change, Run};
 use serde::{Deserialize, Serialize};
 
 use super::Mission;
@@ -55,7 +55,7 @@ impl<'m> Successor<'m> {
     ) -> Result<Self, BusError> {
         let process = mission.process.as_deref().unwrap_or(&plan.name);
         let address = reconfigure_address(process);
-        let serve = |bus: &dyn Bus| bus.serve(&address, WAITING, Arc::new(Bell::new()));
+        let serve = |bus: &dyn Bus| bus.serve(&address, WAITING, Arc::new(Notifier::new()));
         Ok(Self {
             mission,
             part: part.clone(),

@@ -4,10 +4,11 @@ use super::{MissionError, Outcome};
 use crate::files::Disk;
 use asmotion_assembly::Plan;
 use asmotion_assembly::plan::Implementation;
-use asmotion_component::{Event, Observer, Time};
+use asmotion_component::Time;
 use asmotion_coordinator::{STEP_REPORT, StepRecord};
 use asmotion_lang::machine::Machine;
 use asmotion_lang::simulate::Awaited;
+use asmotion_runtime::{Event, Observer};
 
 /// Returns the end conditions; by default `mode` with its usual value.
 pub(super) fn awaited(

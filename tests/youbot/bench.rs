@@ -8,15 +8,14 @@ use asmotion_assembly::model::Builtin;
 use asmotion_assembly::{
     AsmFiles, Constructor, Context, EmptyEnvironment, Opened, Standard, Tables,
 };
-use asmotion_component::{
-    Component, Cycle, Event, Fault, Interface, Property, Provided, Required, Run, Simulation, Time,
-};
+use asmotion_component::{Component, Cycle, Fault, Interface, Property, Provided, Required, Time};
 use asmotion_datum::{Datum, Sample};
 use asmotion_lang::Files;
 use asmotion_messages::{
     Empty, GetJointsPositions, JointPositions, JointStatus, Notify, Period, SetJointsPositions,
     SetPeriod,
 };
+use asmotion_runtime::{Event, Run, Simulation};
 
 /// Calls what its script says: `"1.0 move 0.5 0.2"` (s, rad), `"2 period 0.05"`, `"3 read"`.
 struct Client {

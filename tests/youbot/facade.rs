@@ -1,8 +1,8 @@
 //! Data-flow components, and the composites that hide them behind services.
 
 use super::bench::Bench;
-use asmotion_component::{Run, Simulation};
 use asmotion_messages::{JointCommand, JointStatus};
+use asmotion_runtime::{Run, Simulation};
 use std::time::Duration;
 
 /// The names of a component's ports, and of its services and references.

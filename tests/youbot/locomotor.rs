@@ -1,7 +1,8 @@
 //! The locomotor: the specification, live in the composite that ships.
 
 use super::bench::{Log, shipped};
-use asmotion_component::{Run, Time, Transition};
+use asmotion_component::{Time, Transition};
+use asmotion_runtime::Run;
 use std::time::Duration;
 
 /// Goals around the arm, all within reach: x, y, z in m, lean and roll in rad.

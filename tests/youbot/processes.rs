@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use asmotion::top::{Board, Silence};
 use asmotion_amqp::{AmqpBus, Settings};
 use asmotion_broker::Vhost;
-use asmotion_bus::{Bell, Bus, Link, Overflow, Pattern, Queue, Subscription};
+use asmotion_bus::{Bus, Link, Notifier, Overflow, Pattern, Queue, Subscription};
 use serde_json::Value;
 
 use crate::faults::{Heard, entered, enters};
@@ -132,8 +132,8 @@ impl Monitor {
             size: 10_000,
             overflow: Overflow::DropOldest,
         };
-        let bell = Arc::new(Bell::new());
-        let everything = bus.subscribe("monitor", &Pattern::new("#"), queue, bell);
+        let notifier = Arc::new(Notifier::new());
+        let everything = bus.subscribe("monitor", &Pattern::new("#"), queue, notifier);
         Self {
             everything: everything.unwrap(),
             bus,

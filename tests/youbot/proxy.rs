@@ -1,8 +1,9 @@
 //! The driver and its proxy.
 
 use super::bench::Bench;
-use asmotion_component::{Run, Time};
+use asmotion_component::Time;
 use asmotion_datum::Datum;
+use asmotion_runtime::Run;
 use std::time::Duration;
 
 const POSTURE: &str = "1 move 0.5 0.2 -0.3 0.4 0.1";

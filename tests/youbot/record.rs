@@ -6,8 +6,9 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 
 use asmotion::mission::Mission;
-use asmotion_component::{Event, Time};
+use asmotion_component::Time;
 use asmotion_messages::JointStatus;
+use asmotion_runtime::Event;
 
 const COMPOSITE: &str = "specs/youbot/youbot.composite.toml";
 

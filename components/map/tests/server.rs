@@ -10,11 +10,11 @@
 use std::sync::{Arc, Mutex};
 
 use asmotion_component::{
-    Activity, CallError, Component, Cycle, Event, Fault, Interface, Log, Required, Run, Span,
-    State, System, Time, Wire,
+    Activity, CallError, Component, Cycle, Fault, Interface, Required, Span, State, Time, Wire,
 };
 use asmotion_map::{FileFault, Files, MapServer, Memory};
 use asmotion_messages::{GetMap, OccupancyGrid, Place};
+use asmotion_runtime::{Event, Log, Run, System};
 
 const WALL: &str = r#"{"type":"FeatureCollection","map":{"units":"metres"},"features":[{"type":"Feature","properties":{"indoor":"wall"},"geometry":{"type":"LineString","coordinates":[[0,0],[4,3]]}}]}"#;
 

@@ -10,12 +10,12 @@
 use std::sync::{Arc, Mutex};
 
 use asmotion_component::{
-    Activity, CallError, Component, Cycle, Fault, Interface, Log, Provided, Required, Run, Span,
-    System, Time, Wire,
+    Activity, CallError, Component, Cycle, Fault, Interface, Provided, Required, Span, Time, Wire,
 };
 use asmotion_geometry::{FREE, Grid, Layout, OCCUPIED, Point, Pose, heading, message};
 use asmotion_messages::{Disc, GetMap, Obstacles, OccupancyGrid, Path, Plan, PlanRequest};
 use asmotion_planner::TrajectoryPlanner;
+use asmotion_runtime::{Log, Run, System};
 
 /// 6 m × 4 m with a wall in the middle that has an opening at either end.
 fn hall() -> OccupancyGrid {

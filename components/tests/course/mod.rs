@@ -5,15 +5,14 @@ pub mod mission;
 use std::sync::{Arc, Mutex};
 
 use asmotion_adapter::TrajectoryAdapter;
-use asmotion_component::{
-    Activity, Component, Event, Interface, Policy, Run, Simulation, Span, System, Time, Wire,
-};
+use asmotion_component::{Activity, Component, Interface, Policy, Span, Time, Wire};
 use asmotion_datum::{Datum, Message, Sample};
 use asmotion_follower::TrajectoryFollower;
 use asmotion_geometry::{Grid, Layout, Point, Polyline, Pose, Scene, message};
 use asmotion_laser::LaserDriver;
 use asmotion_messages::{OccupancyGrid, Path, PoseStamped, Twist, WheelSpeeds};
 use asmotion_rover::RoverDriver;
+use asmotion_runtime::{Event, Run, Simulation, System};
 use asmotion_world::{Obstacle, World};
 
 /// Where the robot drives.

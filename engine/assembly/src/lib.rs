@@ -38,6 +38,6 @@ pub use opened::{Opened, open, summary};
 pub use plan::Plan;
 pub use signature::{NoSpecifications, Signature, Specifications};
 pub use specification::AsmFiles;
-pub use start::{Part, Standard, StartError, Workshop, start, start_part};
+pub use start::{Assembled, Part, Standard, StartError, Workshop, start, start_part};
 pub use types::open_types;
 pub use value::{REDACTED, Value};

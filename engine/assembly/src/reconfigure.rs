@@ -1,7 +1,7 @@
 //! From one plan to another while the system runs: what changes, and what cannot without a new start.
 
-use asmotion_component::{Change, Run};
 use asmotion_datum::Datum;
+use asmotion_runtime::{Change, Run};
 
 use crate::plan::{self, Component, Connection, End, Plan, Settings, Terminal, Wire};
 use crate::start::{self, Part};

@@ -4,9 +4,10 @@
 mod support;
 
 use asmotion_assembly::{Context, Opened, Standard, Tables, property_file};
-use asmotion_component::{Component, Cycle, Fault, Interface, Log, Property, Run, Span, System};
+use asmotion_component::{Component, Cycle, Fault, Interface, Property, Span};
 use asmotion_datum::Datum;
 use asmotion_lang::Files;
+use asmotion_runtime::{Log, Run, System};
 
 const BUILD: Tables = Tables {
     components: &[

@@ -5,9 +5,10 @@ mod support;
 
 use asmotion_assembly::reconfigure::changes;
 use asmotion_assembly::{Context, Opened, Part, Plan, Standard, Tables};
-use asmotion_component::{Component, Cycle, Fault, In, Interface, Log, Out, Property, Run, Span};
+use asmotion_component::{Component, Cycle, Fault, In, Interface, Out, Property, Span};
 use asmotion_datum::{Message, Schema};
 use asmotion_lang::Files;
+use asmotion_runtime::{Log, Run};
 
 asmotion_datum::message! {
     /// A number.
@@ -135,7 +136,7 @@ fn version(replaced: &[(&str, &str)]) -> Plan {
 }
 
 /// A running composite, its plan, and what happens in it.
-fn running() -> (Plan, asmotion_component::System, Log) {
+fn running() -> (Plan, asmotion_runtime::System, Log) {
     let (files, opened) = open(COMPOSITE);
     let plan = opened.plan(None).expect("a plan").clone();
     let mut workshop = Standard {

@@ -8,12 +8,12 @@ use asmotion_assembly::{
 };
 use asmotion_component::declaration::OperationDeclaration;
 use asmotion_component::{
-    Component, Cycle, Fault, In, Interface, Log, Operation, Out, Property, Provided, Run, Span,
-    System,
+    Component, Cycle, Fault, In, Interface, Operation, Out, Property, Provided, Span,
 };
 use asmotion_coordinator::{Action, Argument, Effect};
 use asmotion_datum::{Datum, Message, Schema};
 use asmotion_lang::Files;
+use asmotion_runtime::{Log, Run, System};
 use support::Variables;
 
 asmotion_datum::message! {
@@ -550,7 +550,7 @@ fn o17_ports_join_over_a_message_queue() {
     run.run_until_event(until, &mut |_, event| {
         matches!(
             event,
-            asmotion_component::Event::Published {
+            asmotion_runtime::Event::Published {
                 component: "Reader",
                 sequence: 3,
                 ..

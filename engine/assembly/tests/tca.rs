@@ -8,11 +8,10 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use asmotion_assembly::{AsmFiles, Constructor, Context, Opened, Plan, Standard, Tables, plan};
-use asmotion_component::{
-    Component, Cycle, Event, Fault, Interface, Run, Simulation, State, Time, Transition,
-};
+use asmotion_component::{Component, Cycle, Fault, Interface, State, Time, Transition};
 use asmotion_coordinator::StepRecord;
 use asmotion_lang::Files;
+use asmotion_runtime::{Event, Run, Simulation};
 use support::Variables;
 
 asmotion_datum::message! {

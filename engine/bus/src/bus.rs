@@ -6,8 +6,8 @@ use std::time::Duration;
 use asmotion_datum::Schema;
 
 use crate::{
-    Bell, Health, Pattern, Payload, Pending, Queue, Request, Sending, Sent, Serving, Subscription,
-    Trace,
+    Health, Notifier, Pattern, Payload, Pending, Queue, Request, Sending, Sent, Serving,
+    Subscription, Trace,
 };
 
 /// A bus: topics and addresses shared by processes.
@@ -25,26 +25,41 @@ pub trait Bus: Send + Sync {
         sending: Sending,
     ) -> Result<Box<dyn Publisher>, BusError>;
 
-    /// All messages of the topics that match a pattern, from now on, for one reader, whose name operators see. The bell
-    /// is rung for each.
+    /// All messages of the topics that match a pattern, from now on, for one reader, whose name operators see. The notifier
+    /// is notified of each.
     fn subscribe(
         &self,
         reader: &str,
         pattern: &Pattern,
         queue: Queue,
-        bell: Arc<Bell>,
+        notifier: Arc<Notifier>,
     ) -> Result<Subscription, BusError>;
 
     /// Serves requests at an address; one server at a time. At most `size` requests wait.
-    fn serve(&self, address: &str, size: usize, bell: Arc<Bell>) -> Result<Serving, BusError>;
+    fn serve(
+        &self,
+        address: &str,
+        size: usize,
+        notifier: Arc<Notifier>,
+    ) -> Result<Serving, BusError>;
 
     /// Sends a request to an address. It ends with an answer, or with a [`CallFailure`](crate::CallFailure): at once
     /// if nobody serves there, else at the deadline.
-    fn call(&self, address: &str, request: Request, bell: Arc<Bell>) -> Result<Pending, BusError>;
+    fn call(
+        &self,
+        address: &str,
+        request: Request,
+        notifier: Arc<Notifier>,
+    ) -> Result<Pending, BusError>;
 
     /// Sends a request that has no answer (SCA `@OneWay`). It ends with nothing when the server's queue has it, else
     /// with a failure; who does not care drops it.
-    fn tell(&self, address: &str, request: Request, bell: Arc<Bell>) -> Result<Pending, BusError>;
+    fn tell(
+        &self,
+        address: &str,
+        request: Request,
+        notifier: Arc<Notifier>,
+    ) -> Result<Pending, BusError>;
 
     /// Sends the last message of each publisher that [keeps it](Sending::init) again, as the same message: those who
     /// came late get it, those who have it take it out.
@@ -53,8 +68,8 @@ pub trait Bus: Send + Sync {
     /// The state of the transport.
     fn health(&self) -> Health;
 
-    /// Rings a bell at every change of the [`health`](Self::health), as long as somebody else holds it too.
-    fn watch(&self, bell: &Arc<Bell>);
+    /// Notifies at every change of the [`health`](Self::health), as long as somebody else holds it too.
+    fn watch(&self, notifier: &Arc<Notifier>);
 
     /// Waits until all that was published has left, and was confirmed where that was asked for; or so long. Says
     /// whether it has.

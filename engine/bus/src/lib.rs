@@ -4,9 +4,9 @@
 //! [`contract::violations`]. Inside a process components are joined directly; the bus carries their topics to tools
 //! and to other processes.
 
-mod bell;
 mod bus;
 pub mod contract;
+mod deadline;
 mod envelope;
 mod health;
 mod local;
@@ -16,8 +16,9 @@ mod request;
 mod sending;
 mod trace;
 
-pub use bell::{Bell, later};
+pub use asmotion_connection::Notifier;
 pub use bus::{Bus, BusError, Origin, Publisher};
+pub use deadline::later;
 pub use envelope::{Envelope, Payload};
 pub use health::{Health, Link};
 pub use local::Local;

@@ -11,7 +11,7 @@ use asmotion_datum::Schema;
 
 use crate::request::Desk;
 use crate::{
-    Bell, Bus, BusError, CallFailure, Envelope, Health, Inlet, Link, Origin, Pattern, Payload,
+    Bus, BusError, CallFailure, Envelope, Health, Inlet, Link, Notifier, Origin, Pattern, Payload,
     Pending, Publisher, Queue, Request, Sending, Sent, Serving, Spans, Subscription, Trace,
 };
 
@@ -126,9 +126,9 @@ impl Bus for Local {
         _: &str,
         pattern: &Pattern,
         queue: Queue,
-        bell: Arc<Bell>,
+        notifier: Arc<Notifier>,
     ) -> Result<Subscription, BusError> {
-        let inlet = Inlet::new(queue, bell);
+        let inlet = Inlet::new(queue, notifier);
         self.shared.change_routes(|routes, since| {
             routes.push(Route {
                 pattern: pattern.clone(),
@@ -142,14 +142,19 @@ impl Bus for Local {
         }))
     }
 
-    fn serve(&self, address: &str, size: usize, bell: Arc<Bell>) -> Result<Serving, BusError> {
+    fn serve(
+        &self,
+        address: &str,
+        size: usize,
+        notifier: Arc<Notifier>,
+    ) -> Result<Serving, BusError> {
         let mut desks = self.shared.desks();
         if desks.contains_key(address) {
             return Err(BusError::Served {
                 address: address.to_owned(),
             });
         }
-        let desk = Desk::new(size, bell);
+        let desk = Desk::new(size, notifier);
         desks.insert(address.to_owned(), Arc::clone(&desk));
         let (shared, address) = (Arc::clone(&self.shared), address.to_owned());
         Ok(Serving::new(desk, move || {
@@ -157,9 +162,14 @@ impl Bus for Local {
         }))
     }
 
-    fn call(&self, address: &str, request: Request, bell: Arc<Bell>) -> Result<Pending, BusError> {
+    fn call(
+        &self,
+        address: &str,
+        request: Request,
+        notifier: Arc<Notifier>,
+    ) -> Result<Pending, BusError> {
         let desk = self.shared.desks().get(address).cloned();
-        let (pending, call) = Pending::new(request, bell);
+        let (pending, call) = Pending::new(request, notifier);
         match desk {
             // What the desk refuses, it ends.
             Some(desk) => drop(desk.put(call)),
@@ -168,9 +178,14 @@ impl Bus for Local {
         Ok(pending)
     }
 
-    fn tell(&self, address: &str, request: Request, bell: Arc<Bell>) -> Result<Pending, BusError> {
+    fn tell(
+        &self,
+        address: &str,
+        request: Request,
+        notifier: Arc<Notifier>,
+    ) -> Result<Pending, BusError> {
         let desk = self.shared.desks().get(address).cloned();
-        let (pending, call, delivered) = Pending::one_way(request, bell);
+        let (pending, call, delivered) = Pending::one_way(request, notifier);
         delivered.end(match desk {
             Some(desk) => desk.put(call),
             None => Err(CallFailure::Unavailable),
@@ -200,7 +215,7 @@ impl Bus for Local {
     }
 
     /// It never changes.
-    fn watch(&self, _: &Arc<Bell>) {}
+    fn watch(&self, _: &Arc<Notifier>) {}
 
     /// What is published has arrived.
     fn drain(&self, _: Duration) -> bool {

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use crossbeam_queue::ArrayQueue;
 
-use crate::bell::later;
-use crate::{Bell, Envelope};
+use crate::deadline::later;
+use crate::{Envelope, Notifier};
 
 /// What a subscription keeps for its reader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,12 +65,12 @@ struct Kept {
     queue: ArrayQueue<Envelope>,
     policy: Queue,
     counts: Counts,
-    bell: Arc<Bell>,
+    notifier: Arc<Notifier>,
 }
 
 impl Inlet {
-    /// A queue and its two ends. The bell is rung for every message.
-    pub fn new(policy: Queue, bell: Arc<Bell>) -> Self {
+    /// A queue and its two ends. The notifier is notified of every message.
+    pub fn new(policy: Queue, notifier: Arc<Notifier>) -> Self {
         let size = match policy {
             Queue::Latest => 1,
             Queue::All { size, .. } => size.max(1),
@@ -80,7 +80,7 @@ impl Inlet {
                 queue: ArrayQueue::new(size),
                 policy,
                 counts: Counts::default(),
-                bell,
+                notifier,
             }),
         }
     }
@@ -105,7 +105,7 @@ impl Inlet {
         if dropped {
             kept.counts.dropped.fetch_add(1, Ordering::Relaxed);
         }
-        kept.bell.ring();
+        kept.notifier.notify();
     }
 
     /// So many messages never came, all in all.
@@ -160,7 +160,7 @@ impl Subscription {
             if left.is_zero() {
                 return None;
             }
-            self.kept.bell.wait(left);
+            self.kept.notifier.wait(left);
         }
     }
 

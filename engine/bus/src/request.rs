@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use crossbeam_queue::ArrayQueue;
 
-use crate::bell::later;
-use crate::{Bell, Origin, Payload, Trace};
+use crate::deadline::later;
+use crate::{Notifier, Origin, Payload, Trace};
 
 /// What is asked of a server.
 #[derive(Debug, Clone)]
@@ -85,15 +85,15 @@ type Answer = Result<Payload, CallFailure>;
 struct Slot {
     answer: Mutex<Option<Answer>>,
     answered: AtomicBool,
-    bell: Arc<Bell>,
+    notifier: Arc<Notifier>,
 }
 
 impl Slot {
-    fn new(bell: Arc<Bell>) -> Arc<Self> {
+    fn new(notifier: Arc<Notifier>) -> Arc<Self> {
         Arc::new(Self {
             answer: Mutex::new(None),
             answered: AtomicBool::new(false),
-            bell,
+            notifier,
         })
     }
 
@@ -103,7 +103,7 @@ impl Slot {
             return;
         }
         *self.answer.lock().unwrap_or_else(PoisonError::into_inner) = Some(answer);
-        self.bell.ring();
+        self.notifier.notify();
     }
 }
 
@@ -115,17 +115,17 @@ pub struct Pending {
 
 impl Pending {
     /// A call and its server's end of it, for back ends.
-    pub fn new(request: Request, bell: Arc<Bell>) -> (Self, Call) {
-        let slot = Slot::new(bell);
+    pub fn new(request: Request, notifier: Arc<Notifier>) -> (Self, Call) {
+        let slot = Slot::new(notifier);
         let call = Call::new(request, Arc::clone(&slot), false);
         let deadline = call.deadline;
         (Self { slot, deadline }, call)
     }
 
     /// A request without answer, and its server's end. `delivered` ends the first.
-    pub fn one_way(request: Request, bell: Arc<Bell>) -> (Self, Call, Delivered) {
-        let call = Call::new(request, Slot::new(Arc::new(Bell::new())), true);
-        let slot = Slot::new(bell);
+    pub fn one_way(request: Request, notifier: Arc<Notifier>) -> (Self, Call, Delivered) {
+        let call = Call::new(request, Slot::new(Arc::new(Notifier::new())), true);
+        let slot = Slot::new(notifier);
         let deadline = call.deadline;
         let delivered = Delivered(Arc::clone(&slot));
         (Self { slot, deadline }, call, delivered)
@@ -162,7 +162,7 @@ impl Pending {
                 return answer;
             }
             self.slot
-                .bell
+                .notifier
                 .wait(self.deadline.saturating_duration_since(Instant::now()));
         }
     }
@@ -240,16 +240,16 @@ impl Call {
 pub struct Desk {
     waiting: ArrayQueue<Call>,
     open: AtomicBool,
-    bell: Arc<Bell>,
+    notifier: Arc<Notifier>,
 }
 
 impl Desk {
-    /// A desk where at most `size` requests wait. The bell is rung for each.
-    pub fn new(size: usize, bell: Arc<Bell>) -> Arc<Self> {
+    /// A desk where at most `size` requests wait. The notifier is notified of each.
+    pub fn new(size: usize, notifier: Arc<Notifier>) -> Arc<Self> {
         Arc::new(Self {
             waiting: ArrayQueue::new(size.max(1)),
             open: AtomicBool::new(true),
-            bell,
+            notifier,
         })
     }
 
@@ -264,7 +264,7 @@ impl Desk {
             CallFailure::Unavailable
         });
         if taken.is_ok() {
-            self.bell.ring();
+            self.notifier.notify();
         }
         if !self.open.load(Ordering::Acquire) {
             self.refuse_all();
@@ -310,7 +310,7 @@ impl Serving {
             if left.is_zero() {
                 return None;
             }
-            self.desk.bell.wait(left);
+            self.desk.notifier.wait(left);
         }
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use asmotion_bus::{
-    Bell, Bus, BusError, Health, Local, Origin, Overflow, Pattern, Payload, Pending, Publisher,
+    Bus, BusError, Health, Local, Notifier, Origin, Overflow, Pattern, Payload, Pending, Publisher,
     Queue, Request, Sending, Sent, Serving, Subscription, contract,
 };
 use asmotion_datum::{Datum, Message};
@@ -60,35 +60,45 @@ impl Bus for Forgetful {
         reader: &str,
         pattern: &Pattern,
         queue: Queue,
-        bell: Arc<Bell>,
+        notifier: Arc<Notifier>,
     ) -> Result<Subscription, BusError> {
-        self.0.subscribe(reader, pattern, queue, bell)
+        self.0.subscribe(reader, pattern, queue, notifier)
     }
 
-    fn serve(&self, address: &str, size: usize, bell: Arc<Bell>) -> Result<Serving, BusError> {
-        self.0.serve(address, size, bell)
+    fn serve(
+        &self,
+        address: &str,
+        size: usize,
+        notifier: Arc<Notifier>,
+    ) -> Result<Serving, BusError> {
+        self.0.serve(address, size, notifier)
     }
 
     fn call(
         &self,
         address: &str,
         mut request: Request,
-        bell: Arc<Bell>,
+        notifier: Arc<Notifier>,
     ) -> Result<Pending, BusError> {
         request.timeout = Duration::ZERO;
-        self.0.call(address, request, bell)
+        self.0.call(address, request, notifier)
     }
 
-    fn tell(&self, address: &str, request: Request, bell: Arc<Bell>) -> Result<Pending, BusError> {
-        self.0.call(address, request, bell)
+    fn tell(
+        &self,
+        address: &str,
+        request: Request,
+        notifier: Arc<Notifier>,
+    ) -> Result<Pending, BusError> {
+        self.0.call(address, request, notifier)
     }
 
     fn health(&self) -> Health {
         self.0.health()
     }
 
-    fn watch(&self, bell: &Arc<Bell>) {
-        self.0.watch(bell);
+    fn watch(&self, notifier: &Arc<Notifier>) {
+        self.0.watch(notifier);
     }
 
     fn repeat(&self) {
@@ -117,18 +127,18 @@ fn the_contract_finds_out_a_bus_that_breaks_it() {
 }
 
 #[test]
-fn one_bell_rings_for_several_subscriptions() {
+fn one_notifier_wakes_for_several_subscriptions() {
     let bus = Local::new();
-    let bell = Arc::new(Bell::new());
+    let notifier = Arc::new(Notifier::new());
     let all = Queue::All {
         size: 8,
         overflow: Overflow::DropOldest,
     };
     let a = bus
-        .subscribe("Tester", &Pattern::new("a"), all, Arc::clone(&bell))
+        .subscribe("Tester", &Pattern::new("a"), all, Arc::clone(&notifier))
         .unwrap();
     let b = bus
-        .subscribe("Tester", &Pattern::new("b"), all, Arc::clone(&bell))
+        .subscribe("Tester", &Pattern::new("b"), all, Arc::clone(&notifier))
         .unwrap();
     let publishing = std::thread::spawn(move || {
         let origin = Origin::new("Elsewhere", 1);
@@ -138,7 +148,7 @@ fn one_bell_rings_for_several_subscriptions() {
             .unwrap();
         publisher.publish(0, Payload::of(Datum::Int(1))).unwrap();
     });
-    assert!(bell.wait(Duration::from_secs(10)));
+    assert!(notifier.wait(Duration::from_secs(10)));
     assert!(a.try_next().is_none());
     assert!(b.try_next().is_some());
     publishing.join().unwrap();
@@ -152,7 +162,7 @@ fn payloads_are_shared_not_copied() {
             "Tester",
             &Pattern::all(),
             Queue::Latest,
-            Arc::new(Bell::new()),
+            Arc::new(Notifier::new()),
         )
         .unwrap();
     let sample: Arc<dyn asmotion_datum::Sample> = Arc::new(Datum::text("a big map"));

@@ -3,9 +3,8 @@
 use std::time::Duration;
 
 use asmotion_derive::Word;
+use asmotion_port::Time;
 use serde::{Deserialize, Serialize};
-
-use crate::Time;
 
 /// What drives cycles, and how.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -37,7 +36,7 @@ pub struct Activity {
     pub cpus: Vec<usize>,
 }
 
-/// The scheduling class of a thread, where the system permits it; where not, [`Event::Denied`](crate::Event::Denied)
+/// The scheduling class of a thread, where the system permits it; where not, `Event::Denied`
 /// says so. A slave is in its master's thread, and so in its class.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, Word)]
 #[serde(rename_all = "snake_case")]
@@ -87,7 +86,7 @@ pub enum Drive {
     Event,
     /// Somebody who asks for it.
     Manual,
-    /// The end of the master's cycle ([`System::slave`](crate::System::slave)).
+    /// The end of the master's cycle (`System::slave`).
     Slave,
 }
 
@@ -105,7 +104,7 @@ pub enum Overrun {
 }
 
 /// How long a cycle may take, from its beginning to its end. One that takes longer is counted and told in any case
-/// ([`Event::Late`](crate::Event::Late)).
+/// (`Event::Late`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Deadline {
     /// So long.
@@ -130,13 +129,7 @@ pub enum OnDeadline {
 impl Overrun {
     /// After a cycle that was due at `due` and ran from `begin` to `end`: how many periods it has missed, and when the
     /// next one is due.
-    pub(crate) fn after_cycle(
-        self,
-        due: Time,
-        period: Duration,
-        begin: Time,
-        end: Time,
-    ) -> (u64, Time) {
+    pub fn after_cycle(self, due: Time, period: Duration, begin: Time, end: Time) -> (u64, Time) {
         let passed = |at: Time| {
             let periods = at.since(due).as_nanos() / period.as_nanos().max(1);
             u64::try_from(periods).unwrap_or(u64::MAX)
@@ -184,7 +177,7 @@ impl Activity {
         Self::new(Drive::Event)
     }
 
-    /// A cycle whenever [`trigger`](crate::Run::trigger) asks for one.
+    /// A cycle whenever `Run::trigger` asks for one.
     pub fn manual() -> Self {
         Self::new(Drive::Manual)
     }
@@ -286,7 +279,7 @@ impl Drive {
     }
 
     /// Driven by this period from now on; a slave stays one.
-    pub(crate) fn with_period(self, period: Duration) -> Self {
+    pub fn with_period(self, period: Duration) -> Self {
         match self {
             Self::Period(_) | Self::Event | Self::Manual => Self::of_period(period),
             Self::Slave => Self::Slave,
@@ -305,7 +298,7 @@ impl Drive {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Span;
+    use asmotion_port::Span;
 
     /// Missed periods and the next deadline of a cycle of 10 ms, all in milliseconds.
     fn after(overrun: Overrun, due: u64, begin: u64, end: u64) -> (u64, u64) {

@@ -4,9 +4,9 @@
 //! [`Cycle::spawn`](crate::Cycle::spawn) and looks for the result in the cycles that follow. Where the work runs is the
 //! executor's affair:
 //!
-//! - [`Live`](crate::Live): in a thread of its own. The component's thread goes on; when the work is done, an
+//! - Live: in a thread of its own. The component's thread goes on; when the work is done, an
 //!   event-driven component gets a cycle, a periodic one finds the result in its next.
-//! - [`Simulation`](crate::Simulation): at once, in the caller's thread. A cycle takes no virtual time, so neither does
+//! - Simulated: at once, in the caller's thread. A cycle takes no virtual time, so neither does
 //!   the work: its result is there before the call returns, in the same cycle in each run, and traces stay equal.
 //!
 //! A component is written for the first case and is right in the second: it asks
@@ -15,11 +15,12 @@
 use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver, TryRecvError};
 
-use crate::fault::{Fault, guarded};
+use crate::fault::Fault;
+use crate::guard::guarded;
 
 /// Where the work of a component runs; set by its executor.
 #[derive(Clone, Default)]
-pub(crate) enum WorkPlace {
+pub enum WorkPlace {
     /// In the cycle.
     #[default]
     InCycle,

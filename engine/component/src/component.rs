@@ -1,6 +1,8 @@
 //! The component: what a robot programmer writes.
 
-use crate::{Cycle, Fault, Setup};
+use crate::cycle::Cycle;
+use crate::fault::Fault;
+use crate::setup::Setup;
 
 /// A component: something with a cycle. Everything that lives in a running system is one.
 ///

@@ -3,22 +3,23 @@
 use std::any::Any;
 use std::cell::Cell;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use asmotion_datum::{Datum, Message, Sample};
+use asmotion_port::{AnyInput, Flow, InputPort, OutputPort, Time};
 
+use crate::action::CycleAction;
 use crate::background::BackgroundWork;
-use crate::body::{Action, Body};
-use crate::face::Status;
+use crate::fault::Fault;
 use crate::handle::{In, Out, Property, Provided, Required};
-use crate::port::{Flow, Input, Output};
-use crate::property::PropertyValue;
-use crate::service::{
-    CallError, CallId, Operation, Reply, Request, RequestId, SendStatus, ServiceFault, Slot,
-    unreadable,
+use crate::host::CycleHost;
+use crate::losses::Losses;
+use crate::operation::{
+    CallError, CallId, Operation, OperationSlot, Reply, Request, RequestId, SendStatus,
+    ServiceFault, unreadable,
 };
-use crate::{Fault, Losses, Time};
+use crate::property::PropertyValue;
+use crate::setup::value_of;
 
 /// What a handle that was not the component's stands for.
 type Foreign = &'static str;
@@ -27,22 +28,21 @@ type Foreign = &'static str;
 ///
 /// Nothing here blocks, looks up a name or sends: what is written waits for the end of the cycle.
 pub struct Cycle<'a> {
-    body: &'a mut Body,
+    host: &'a mut dyn CycleHost,
     now: Time,
     number: u64,
-    status: &'a Status,
     /// The first handle that was not this component's.
     foreign: Cell<Option<Foreign>>,
     error: Option<Fault>,
 }
 
 impl<'a> Cycle<'a> {
-    pub(crate) fn new(body: &'a mut Body, now: Time, number: u64, status: &'a Status) -> Self {
+    /// The cycle of this number, from 1, at this time. For runtimes, and for tests that drive a component by hand.
+    pub fn new(host: &'a mut dyn CycleHost, now: Time, number: u64) -> Self {
         Self {
-            body,
+            host,
             now,
             number,
-            status,
             foreign: Cell::new(None),
             error: None,
         }
@@ -60,36 +60,32 @@ impl<'a> Cycle<'a> {
 
     /// The newest sample of an input port (TCA `receiveLast`).
     pub fn read<T: Message>(&self, port: In<T>) -> Flow<&T> {
-        self.input(port).map_or(Flow::NoData, Input::read)
+        self.input(port).map_or(Flow::NoData, InputPort::read)
     }
 
     /// Every sample that came since the last cycle, in the order in which they came (TCA `receiveAll`).
     pub fn all<T: Message>(&self, port: In<T>) -> &[T] {
-        self.input(port).map_or(&[], Input::all)
+        self.input(port).map_or(&[], InputPort::all)
     }
 
     /// Whether an input's newest sample is older than its connection promises.
     pub fn is_stale<T: Message>(&self, port: In<T>) -> bool {
-        let input = self.body.inputs.get(port.position(self.body.owner));
-        input.is_some_and(|input| input.is_stale())
+        self.any_input(port).is_some_and(AnyInput::is_stale)
     }
 
     /// When the newest sample of an input was written: the time of its writer's cycle.
     pub fn written_at<T: Message>(&self, port: In<T>) -> Option<Time> {
-        let input = self.body.inputs.get(port.position(self.body.owner));
-        input.and_then(|input| input.written_at())
+        self.any_input(port).and_then(AnyInput::written_at)
     }
 
     /// Writes a sample; it leaves when the cycle has succeeded (TCA `send`).
     pub fn write<T: Message>(&mut self, port: Out<T>, sample: T) {
-        let output = self.body.outputs.get_mut(port.position(self.body.owner));
-        match output.and_then(|output| (&mut **output as &mut dyn Any).downcast_mut::<Output<T>>())
-        {
+        let index = port.position(self.host.owner());
+        let output = self.host.output(index);
+        match output.and_then(|output| (output as &mut dyn Any).downcast_mut::<OutputPort<T>>()) {
             Some(output) => {
                 output.write(sample);
-                self.body
-                    .journal
-                    .push(Action::Write(port.position(self.body.owner)));
+                self.host.record(CycleAction::Write(index));
             }
             None => self.refuse("output"),
         }
@@ -101,18 +97,19 @@ impl<'a> Cycle<'a> {
         let Some(slot) = self.provided(served) else {
             return Vec::new();
         };
-        let taken = self.body.services[slot.port].take(slot.operation);
-        let mut requests = Vec::with_capacity(taken.len());
-        for (id, ask) in taken {
-            self.body.cause.take(ask.trace);
-            match ask.argument.read() {
+        let waiting = self.host.take_requests(slot);
+        let mut requests = Vec::with_capacity(waiting.len());
+        for request in waiting {
+            match request.argument.read() {
                 Ok(argument) => requests.push(Request {
-                    id,
+                    id: request.id,
                     argument,
-                    caller: ask.caller,
-                    deadline: ask.deadline,
+                    caller: request.caller,
+                    deadline: request.deadline,
                 }),
-                Err(error) => self.answer(slot, id, Err(unreadable("BAD_ARGUMENT", &error))),
+                Err(error) => {
+                    self.answer(slot, request.id, Err(unreadable("BAD_ARGUMENT", &error)));
+                }
             }
         }
         requests
@@ -121,7 +118,7 @@ impl<'a> Cycle<'a> {
     /// Requests handed over earlier that nobody waits for any more: cancelled, or past their deadline.
     pub fn cancelled<O: Operation>(&self, served: Provided<O>) -> &[RequestId] {
         match self.provided(served) {
-            Some(slot) => self.body.services[slot.port].cancelled(),
+            Some(slot) => self.host.cancelled(slot.port),
             None => &[],
         }
     }
@@ -153,7 +150,7 @@ impl<'a> Cycle<'a> {
     /// Takes back a call: it ends with [`CallError::Cancelled`], and the provider is told. One that has ended stays
     /// ended.
     pub fn cancel(&mut self, call: CallId) {
-        self.body.journal.push(Action::Cancel(call));
+        self.host.record(CycleAction::Cancel(call));
     }
 
     /// The calls of an operation that ended since the last cycle, each handed over once.
@@ -161,18 +158,12 @@ impl<'a> Cycle<'a> {
         let Some(slot) = self.required(reference) else {
             return Vec::new();
         };
-        let ended = self.body.caller.take(slot);
-        for ended in &ended {
-            self.body.cause.take(ended.cause);
-        }
-        let read = |response: Arc<dyn Sample>| {
-            (response.read()).map_err(|error| CallError::Fault(unreadable("BAD_REPLY", &error)))
-        };
+        let ended = self.host.take_replies(slot);
         ended
             .into_iter()
-            .map(|ended| Reply {
-                call: CallId(ended.number),
-                result: ended.result.and_then(read),
+            .map(|reply| Reply {
+                call: reply.call,
+                result: reply.result.and_then(read_reply),
             })
             .collect()
     }
@@ -186,20 +177,13 @@ impl<'a> Cycle<'a> {
         let Some(slot) = self.required(reference) else {
             return SendStatus::Unknown;
         };
-        let Some(ended) = self.body.caller.take_one(slot, call) else {
-            let made = |action: &Action| matches!(action, Action::Call { call: made, .. } if *made == call);
-            let under_way =
-                self.body.caller.is_under_way(call) || self.body.journal.iter().any(made);
-            return match under_way {
+        let Some(reply) = self.host.take_reply(slot, call) else {
+            return match self.host.is_under_way(call) {
                 true => SendStatus::NotReady,
                 false => SendStatus::Unknown,
             };
         };
-        self.body.cause.take(ended.cause);
-        let read = |response: Arc<dyn Sample>| {
-            (response.read()).map_err(|error| CallError::Fault(unreadable("BAD_REPLY", &error)))
-        };
-        match ended.result.and_then(read) {
+        match reply.result.and_then(read_reply) {
             Ok(response) => SendStatus::Success(response),
             Err(error) => SendStatus::Failure(error),
         }
@@ -208,7 +192,7 @@ impl<'a> Cycle<'a> {
     /// The value of a property, as of the beginning of the cycle: a copy, so big ones are better read in
     /// [`Component::configure`](crate::Component::configure).
     pub fn property<T: PropertyValue>(&self, property: Property<T>) -> T {
-        self.body.value(property).unwrap_or_else(|| {
+        value_of(&*self.host, property).unwrap_or_else(|| {
             self.refuse("property");
             T::initial()
         })
@@ -216,17 +200,17 @@ impl<'a> Cycle<'a> {
 
     /// Tells the observers something, if the cycle succeeds; nobody else hears of it.
     pub fn report(&mut self, kind: &'static str, what: Datum) {
-        self.body.journal.push(Action::Report(kind, what));
+        self.host.record(CycleAction::Report(kind, what));
     }
 
     /// Says how many messages the component has lost so far, all in all.
     pub fn set_losses(&mut self, losses: Losses) {
-        self.status.set_losses(losses);
+        self.host.set_losses(losses);
     }
 
     /// Asks for another cycle at once, if the component is event-driven: not all that came could be done in this one.
     pub fn again(&mut self) {
-        self.body.journal.push(Action::Again);
+        self.host.record(CycleAction::Again);
     }
 
     /// Puts the component in [`State::RunTimeError`](crate::State::RunTimeError) after this cycle, which otherwise
@@ -237,13 +221,13 @@ impl<'a> Cycle<'a> {
 
     /// Changes the component's own period, from the next cycle on; zero makes it event-driven.
     pub fn set_period(&mut self, period: Duration) {
-        self.body.journal.push(Action::SetPeriod(period));
+        self.host.record(CycleAction::SetPeriod(period));
     }
 
     /// Says how long this cycle's work takes: simulated time, which stands still in a cycle, has no other way to hold
     /// it against its deadline. Live, the clock knows.
     pub fn lasts(&mut self, how_long: Duration) {
-        self.body.lasts = how_long;
+        self.host.set_duration(how_long);
     }
 
     /// Starts work that takes too long for a cycle, such as reading a file, and returns at once. Ask for the result with
@@ -255,50 +239,49 @@ impl<'a> Cycle<'a> {
         &mut self,
         work: impl FnOnce() -> T + Send + 'static,
     ) -> BackgroundWork<T> {
-        BackgroundWork::spawn(&self.body.background, work)
+        BackgroundWork::spawn(self.host.work_place(), work)
     }
 
     /// Whether somebody wants the component to stop, and its activity allows to interrupt it: a long cycle asks now
     /// and then, and returns (TCA `mayInterruptIfRunning`). What it wrote until then counts.
     pub fn interrupted(&self) -> bool {
-        self.status.interrupt.load(Ordering::Relaxed)
+        self.host.is_interrupted()
     }
 
-    /// How the cycle ended, beside what it returned.
-    pub(crate) fn finish(self) -> Result<Option<Fault>, Fault> {
+    /// Ends the cycle. `Ok` may carry an error that the component has reported by [`Cycle::error`].
+    ///
+    /// # Errors
+    /// A handle was used that another component declared.
+    pub fn finish(self) -> Result<Option<Fault>, Fault> {
         match self.foreign.get() {
             None => Ok(self.error),
             Some(kind) => Err(Fault::ForeignHandle { kind: kind.into() }),
         }
     }
 
-    fn input<T: Message>(&self, port: In<T>) -> Option<&Input<T>> {
-        let input = self.body.inputs.get(port.position(self.body.owner));
-        let input = input.and_then(|input| (&**input as &dyn Any).downcast_ref());
+    fn any_input<T: Message>(&self, port: In<T>) -> Option<&dyn AnyInput> {
+        self.host.input(port.position(self.host.owner()))
+    }
+
+    fn input<T: Message>(&self, port: In<T>) -> Option<&InputPort<T>> {
+        let input = self.any_input(port);
+        let input = input.and_then(|input| (input as &dyn Any).downcast_ref());
         if input.is_none() {
             self.refuse("input");
         }
         input
     }
 
-    fn provided<O: Operation>(&self, served: Provided<O>) -> Option<Slot> {
-        let slot = self
-            .body
-            .provided
-            .get(served.position(self.body.owner))
-            .copied();
+    fn provided<O: Operation>(&self, served: Provided<O>) -> Option<OperationSlot> {
+        let slot = self.host.provided(served.position(self.host.owner()));
         if slot.is_none() {
             self.refuse("service");
         }
         slot
     }
 
-    fn required<O: Operation>(&self, reference: Required<O>) -> Option<Slot> {
-        let slot = self
-            .body
-            .required
-            .get(reference.position(self.body.owner))
-            .copied();
+    fn required<O: Operation>(&self, reference: Required<O>) -> Option<OperationSlot> {
+        let slot = self.host.required(reference.position(self.host.owner()));
         if slot.is_none() {
             self.refuse("reference");
         }
@@ -311,9 +294,9 @@ impl<'a> Cycle<'a> {
         argument: O::Request,
         one_way: bool,
     ) -> CallId {
-        let call = self.body.caller.number();
+        let call = self.host.next_call();
         if let Some(slot) = self.required(reference) {
-            self.body.journal.push(Action::Call {
+            self.host.record(CycleAction::Call {
                 slot,
                 call,
                 argument: Arc::new(argument),
@@ -323,8 +306,13 @@ impl<'a> Cycle<'a> {
         call
     }
 
-    fn answer(&mut self, slot: Slot, to: RequestId, result: Result<Arc<dyn Sample>, ServiceFault>) {
-        self.body.journal.push(Action::Answer {
+    fn answer(
+        &mut self,
+        slot: OperationSlot,
+        to: RequestId,
+        result: Result<Arc<dyn Sample>, ServiceFault>,
+    ) {
+        self.host.record(CycleAction::Answer {
             service: slot.port,
             to,
             result,
@@ -334,4 +322,9 @@ impl<'a> Cycle<'a> {
     fn refuse(&self, kind: Foreign) {
         self.foreign.set(Some(kind));
     }
+}
+
+/// A response in the type that the caller wants.
+fn read_reply<R: Message>(response: Arc<dyn Sample>) -> Result<R, CallError> {
+    (response.read()).map_err(|error| CallError::Fault(unreadable("BAD_REPLY", &error)))
 }

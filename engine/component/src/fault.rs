@@ -2,12 +2,10 @@
 
 use std::any::Any;
 use std::fmt;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
 
+use asmotion_port::Time;
 use serde::{Deserialize, Serialize};
-
-use crate::Time;
 
 /// Why a component failed. Any error becomes one with `?`; for words alone there is [`Fault::new`].
 ///
@@ -58,8 +56,8 @@ impl Fault {
         Self::Failed(what.to_string())
     }
 
-    /// What a caught panic carried.
-    fn panicked(payload: &(dyn Any + Send)) -> Self {
+    /// The fault of a caught panic, with its message if it has one.
+    pub fn of_panic(payload: &(dyn Any + Send)) -> Self {
         let message = payload
             .downcast_ref::<&str>()
             .map(|text| (*text).to_owned())
@@ -96,10 +94,4 @@ impl fmt::Display for Fault {
             }
         }
     }
-}
-
-/// Runs a component's code; a panic is a fault like another.
-pub(crate) fn guarded<R>(code: impl FnOnce() -> Result<R, Fault>) -> Result<R, Fault> {
-    // After a panic the component is not called again but to stop and clean up; it sees what it left behind.
-    catch_unwind(AssertUnwindSafe(code)).unwrap_or_else(|payload| Err(Fault::panicked(&*payload)))
 }

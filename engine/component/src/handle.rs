@@ -3,7 +3,7 @@
 use std::fmt;
 use std::marker::PhantomData;
 
-use crate::Operation;
+use crate::operation::Operation;
 
 macro_rules! handle {
     ($($(#[$meta:meta])* $name:ident<$of:ident $(: $bound:path)?>;)+) => {

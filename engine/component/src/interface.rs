@@ -4,33 +4,53 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 use asmotion_datum::{Datum, Message, Sample, Schema};
+use asmotion_port::{AnyInput, AnyOutput, InputPort, OutputPort};
 
 use crate::declaration::{
     Declaration, DeclarationError, OperationDeclaration, PortDeclaration, ReferenceDeclaration,
     ServiceDeclaration,
 };
 use crate::handle::{In, Out, Property, Provided, Required};
-use crate::port::{AnyInput, AnyOutput, Input, Output};
+use crate::operation::{Dynamic, Handler, Operation, OperationSlot, ServiceFault, unreadable};
 use crate::property::{self, AnyProperty, PropertyValue, Setting};
-use crate::service::{Dynamic, Handler, Operation, ServiceFault, Slot, unreadable};
 
 /// Takes a component's declarations. Construction is declaration: no IO happens in it.
 pub struct Interface {
     /// Marks the handles that are given out here.
-    pub(crate) owner: u32,
+    owner: u32,
     declaration: Declaration,
     problems: Vec<DeclarationError>,
-    pub(crate) inputs: Vec<Box<dyn AnyInput>>,
-    pub(crate) outputs: Vec<Box<dyn AnyOutput>>,
-    pub(crate) properties: Vec<Box<dyn AnyProperty>>,
+    inputs: Vec<Box<dyn AnyInput>>,
+    outputs: Vec<Box<dyn AnyOutput>>,
+    properties: Vec<Box<dyn AnyProperty>>,
     /// Counts the changes of properties; each property's slot increments it, a `PropertySet` compares it.
     revision: Arc<AtomicU64>,
     /// What each `Provided` handle stands for.
-    pub(crate) provided: Vec<Slot>,
+    provided: Vec<OperationSlot>,
     /// For each service and its operations, what serves them in the caller's thread.
-    pub(crate) handlers: Vec<Vec<Option<Handler>>>,
+    handlers: Vec<Vec<Option<Handler>>>,
     /// What each `Required` handle stands for.
-    pub(crate) required: Vec<Slot>,
+    required: Vec<OperationSlot>,
+}
+
+/// What a runtime takes over from an [`Interface`]: the tables that the component's handles index.
+pub struct InterfaceParts {
+    /// Marks the handles of this component.
+    pub owner: u32,
+    /// The declarations as data.
+    pub declaration: Declaration,
+    /// Input ports, in order of declaration.
+    pub inputs: Vec<Box<dyn AnyInput>>,
+    /// Output ports, in order of declaration.
+    pub outputs: Vec<Box<dyn AnyOutput>>,
+    /// Properties, in order of declaration.
+    pub properties: Vec<Box<dyn AnyProperty>>,
+    /// The operation that each `Provided` handle stands for.
+    pub provided: Vec<OperationSlot>,
+    /// For each service and its operations, the handler that runs in the caller's thread, if there is one.
+    pub handlers: Vec<Vec<Option<Handler>>>,
+    /// The operation that each `Required` handle stands for.
+    pub required: Vec<OperationSlot>,
 }
 
 impl Interface {
@@ -48,6 +68,20 @@ impl Interface {
             provided: Vec::new(),
             handlers: Vec::new(),
             required: Vec::new(),
+        }
+    }
+
+    /// Everything declared, for the runtime that takes the component.
+    pub fn into_parts(self) -> InterfaceParts {
+        InterfaceParts {
+            owner: self.owner,
+            declaration: self.declaration,
+            inputs: self.inputs,
+            outputs: self.outputs,
+            properties: self.properties,
+            provided: self.provided,
+            handlers: self.handlers,
+            required: self.required,
         }
     }
 
@@ -167,7 +201,8 @@ impl Interface {
     fn add_input<T: Message>(&mut self, name: &str, schema: Schema, doc: &str) -> In<T> {
         let known = self.declaration.input(name).is_some();
         self.refuse_twice(known, "input", name);
-        self.inputs.push(Box::new(Input::<T>::new(schema.clone())));
+        self.inputs
+            .push(Box::new(InputPort::<T>::new(schema.clone())));
         self.declaration.inputs.push(port(name, schema, doc));
         In::new(self.owner, self.inputs.len() - 1)
     }
@@ -175,7 +210,7 @@ impl Interface {
     fn add_output<T: Message>(&mut self, name: &str, schema: Schema, doc: &str) -> Out<T> {
         let known = self.declaration.output(name).is_some();
         self.refuse_twice(known, "output", name);
-        (self.outputs).push(Box::new(Output::<T>::new(schema.clone())));
+        (self.outputs).push(Box::new(OutputPort::<T>::new(schema.clone())));
         self.declaration.outputs.push(port(name, schema, doc));
         Out::new(self.owner, self.outputs.len() - 1)
     }
@@ -211,7 +246,7 @@ impl Interface {
         );
         self.problems.extend(problem);
         let operation = service.operations.len() - 1;
-        self.provided.push(Slot { port, operation });
+        self.provided.push(OperationSlot { port, operation });
         Provided::new(self.owner, self.provided.len() - 1)
     }
 
@@ -241,7 +276,7 @@ impl Interface {
         let problem = join(name, &reference.interface, interface, operations, operation);
         self.problems.extend(problem);
         let operation = reference.operations.len() - 1;
-        self.required.push(Slot { port, operation });
+        self.required.push(OperationSlot { port, operation });
         Required::new(self.owner, self.required.len() - 1)
     }
 

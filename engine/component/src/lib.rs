@@ -1,74 +1,57 @@
-//! The one cycle: freeze inputs → compute → commit all outputs or none → flush.
+//! What a component is written against: freeze inputs → compute → commit all outputs or none → flush.
 //!
 //! TCA's `run()`, Orocos' `updateHook()` and a step of an Abstract State Machine have this one shape, and everything
-//! that lives in a running system is a [`Component`] with it. A [`System`] joins components; an executor runs it, in
-//! simulated time ([`Simulation`]) or [`Live`].
+//! that lives in a running system is a [`Component`] with it. A constructor declares ports, services, references and
+//! properties on an [`Interface`], and keeps typed handles; a [`Cycle`] is what the component sees through them. The
+//! runtime that joins and drives components is another crate, `asmotion-runtime`: it implements [`CycleHost`].
 
+mod action;
 mod activity;
 mod background;
-mod body;
-mod cause;
+mod bus_health;
 mod component;
 mod cycle;
 pub mod declaration;
 mod derived;
-mod door;
-mod event;
-mod exchange;
-mod face;
 mod fault;
+mod guard;
 mod handle;
-mod health;
+mod host;
 mod interface;
 mod life_cycle;
-mod live;
-mod log;
-mod outside;
-mod policy;
-mod port;
+mod losses;
+mod operation;
 mod property;
 mod reference;
-mod run;
-mod service;
 mod setup;
-mod simulated;
-mod stream;
-mod system;
-mod time;
-mod unit;
+mod suggestion;
+mod wire;
 
-pub use ::asmotion_connection::{Delivery, Kind};
+pub use action::CycleAction;
 pub use activity::{
     Activity, Deadline, Denied, Drive, OnDeadline, OnException, Overrun, Scheduler,
 };
 pub use asmotion_datum::Word;
 pub use asmotion_derive::{Ports, Properties, Word};
-pub use background::BackgroundWork;
+pub use asmotion_port::{Flow, Kind, Lock, OnStale, Policy, Sharing, Span, Time};
+pub use background::{BackgroundWork, WorkPlace};
+pub use bus_health::{BusHealth, HEALTH_TOPIC};
 pub use component::Component;
 pub use cycle::Cycle;
 pub use declaration::Declaration;
 pub use derived::{Ports, Properties, PropertySet, PropertySource};
-pub use event::{Event, Observer};
 pub use fault::Fault;
+pub use guard::guarded;
 pub use handle::{In, Out, Property, Provided, Required};
-pub use health::{BusHealth, HEALTH_TOPIC};
-pub use interface::Interface;
+pub use host::{CycleHost, PropertyHost, WaitingRequest};
+pub use interface::{Interface, InterfaceParts};
 pub use life_cycle::{LifeCycleError, State, Transition};
-pub use live::Live;
-pub use log::Log;
-pub use policy::{Lock, OnStale, Policy, Sharing};
-pub use port::Flow;
-pub use property::{PropertyError, PropertyProblem, PropertyValue, Setting};
-pub use run::{
-    Asked, Change, ChangeError, CycleTime, Losses, Reader, Run, RunError, Sent, Subscription,
-    WriteError, Writer,
+pub use losses::Losses;
+pub use operation::{
+    CallError, CallId, Dynamic, Handler, Operation, OperationSlot, Reply, Request, RequestId,
+    SendStatus, ServiceFault, unreadable,
 };
-pub use service::{
-    CallError, CallId, Dynamic, Operation, Reply, Request, RequestId, SendStatus, ServiceFault,
-    Wire,
-};
+pub use property::{AnyProperty, PropertyError, PropertyProblem, PropertyValue, Setting};
 pub use setup::Setup;
-pub use simulated::{Pace, Simulation};
-pub use stream::{Sink, Source};
-pub use system::{BuildError, ComponentId, System, port_topic};
-pub use time::{Span, Time};
+pub use suggestion::{suggestion, suggestion_among};
+pub use wire::Wire;

@@ -4,6 +4,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::fault::Fault;
+
 /// Where a component is in its life.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -47,8 +49,9 @@ impl State {
         self == Self::Stopped || self.is_running()
     }
 
-    /// Back from its number, as shared between threads.
-    pub(crate) fn from_number(number: u8) -> Self {
+    /// The state of a number, as `state as u8` gives it and threads share it; [`FatalError`](Self::FatalError) for a
+    /// number that is none.
+    pub fn from_number(number: u8) -> Self {
         Self::ALL
             .into_iter()
             .find(|state| *state as u8 == number)
@@ -153,7 +156,7 @@ pub enum LifeCycleError {
         /// What was asked.
         transition: Transition,
         /// The hook's reason.
-        fault: crate::Fault,
+        fault: Fault,
     },
     /// There is no such component.
     #[error("there is no component `{component}`")]

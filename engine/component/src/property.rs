@@ -11,7 +11,9 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::declaration::PropertyDeclaration;
-use crate::{Interface, handle};
+use crate::handle;
+use crate::interface::Interface;
+use crate::suggestion::suggestion;
 
 /// What a property may hold: numbers, truth values, text, runs of them, messages.
 pub trait PropertyValue:
@@ -73,22 +75,6 @@ pub enum PropertyProblem {
         /// The lawful ones.
         choices: Vec<Datum>,
     },
-}
-
-/// The known name most like another, if one is like it.
-pub(crate) fn suggestion_among<'a>(
-    name: &str,
-    known: impl Iterator<Item = &'a str>,
-) -> Option<String> {
-    known
-        .map(|known| (strsim::damerau_levenshtein(name, known), known))
-        .filter(|(distance, known)| *distance <= known.len().max(name.len()) / 3)
-        .min()
-        .map(|(_, known)| known.to_owned())
-}
-
-pub(crate) fn suggestion(nearest: Option<&str>) -> String {
-    nearest.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
 }
 
 fn space(unit: &str) -> &str {
@@ -188,14 +174,21 @@ pub(crate) struct Slot<T> {
     revision: Arc<AtomicU64>,
 }
 
-/// A property whose type is not known here.
-pub(crate) trait AnyProperty: Any + Send {
+/// A property at run time, whose type the caller does not know. One thread at a time has it: its component's.
+pub trait AnyProperty: Any + Send {
+    /// What the component declared.
     fn declaration(&self) -> &PropertyDeclaration;
 
     /// The present value.
+    ///
+    /// # Errors
+    /// The value has no form as data, which its own `Serialize` has refused.
     fn get(&self) -> Result<Datum, DatumError>;
 
-    /// Whether a value is lawful.
+    /// Checks that a value is lawful.
+    ///
+    /// # Errors
+    /// The value is of another type, out of range or none of the choices.
     fn check(&self, value: &Datum) -> Result<(), PropertyProblem>;
 
     /// Gets a lawful value ready; [`AnyProperty::apply`] puts it in place.

@@ -3,23 +3,24 @@
 use std::any::Any;
 use std::cell::Cell;
 
-use crate::Fault;
-use crate::body::Body;
+use crate::fault::Fault;
 use crate::handle::Property;
-use crate::property::{self, PropertyValue};
+use crate::host::PropertyHost;
+use crate::property::{PropertyValue, Slot};
 
 /// What a component sees while it is configured: its properties.
 pub struct Setup<'a> {
-    body: &'a Body,
+    host: &'a dyn PropertyHost,
     name: &'a str,
-    /// A handle was not this component's.
+    /// Set when a handle was not this component's.
     foreign: Cell<bool>,
 }
 
 impl<'a> Setup<'a> {
-    pub(crate) fn new(body: &'a Body, name: &'a str) -> Self {
+    /// The setup of the component of this name. For runtimes, and for tests that configure a component by hand.
+    pub fn new(host: &'a dyn PropertyHost, name: &'a str) -> Self {
         Self {
-            body,
+            host,
             name,
             foreign: Cell::new(false),
         }
@@ -32,14 +33,17 @@ impl<'a> Setup<'a> {
 
     /// The value of a property.
     pub fn property<T: PropertyValue>(&self, property: Property<T>) -> T {
-        self.body.value(property).unwrap_or_else(|| {
+        value_of(self.host, property).unwrap_or_else(|| {
             self.foreign.set(true);
             T::initial()
         })
     }
 
-    /// Fails if a handle was not this component's.
-    pub(crate) fn finish(self) -> Result<(), Fault> {
+    /// Ends the configuring.
+    ///
+    /// # Errors
+    /// A handle was used that another component declared.
+    pub fn finish(self) -> Result<(), Fault> {
         if !self.foreign.get() {
             return Ok(());
         }
@@ -48,11 +52,12 @@ impl<'a> Setup<'a> {
     }
 }
 
-impl Body {
-    /// The value of a property, if the handle is this component's.
-    pub(crate) fn value<T: PropertyValue>(&self, property: Property<T>) -> Option<T> {
-        let slot = self.properties.get(property.position(self.owner))?;
-        let slot: &property::Slot<T> = (&**slot as &dyn Any).downcast_ref()?;
-        Some(slot.value.clone())
-    }
+/// The value of a property, if the handle is this component's.
+pub(crate) fn value_of<T: PropertyValue>(
+    host: &dyn PropertyHost,
+    property: Property<T>,
+) -> Option<T> {
+    let slot = host.property(property.position(host.owner()))?;
+    let slot: &Slot<T> = (slot as &dyn Any).downcast_ref()?;
+    Some(slot.value.clone())
 }

@@ -6,6 +6,7 @@
 
 mod channel;
 mod kind;
+mod notifier;
 mod pool;
 mod ring;
 mod store;
@@ -15,4 +16,5 @@ mod unsync;
 
 pub use channel::{Delivery, Receiver, Sender, channel};
 pub use kind::Kind;
+pub use notifier::Notifier;
 pub use pool::Pool;

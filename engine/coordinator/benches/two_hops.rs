@@ -13,14 +13,16 @@ use amqprs::channel::{
 use amqprs::connection::{Connection, OpenConnectionArguments};
 use asmotion_amqp::{AmqpBus, Settings};
 use asmotion_bus::{
-    Bell, Bus, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription,
+    Bus, Notifier, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription,
 };
-use asmotion_component::{Activity, Live, Policy, System};
+use asmotion_component::{Activity, Policy};
 use asmotion_coordinator::{
     Binding, Coordinator, Effect, Interfaces, Monitored, Out, PublishWhen, Receive, Source,
 };
 use asmotion_datum::{Datum, Message, Schema};
 use asmotion_lang::Files;
+use asmotion_network::Network;
+use asmotion_runtime::{Live, System};
 use tokio::runtime::Runtime;
 use tokio::sync::mpsc::UnboundedReceiver;
 
@@ -64,14 +66,14 @@ impl Ours {
         };
         let commands = Pattern::new("command");
         let subscription = bus
-            .subscribe("Bench", &commands, queue, Arc::new(Bell::new()))
+            .subscribe("Bench", &commands, queue, Arc::new(Notifier::new()))
             .unwrap();
         let origin = Origin::new("Bench", 1);
         let publisher = bus
             .publisher("event", &origin, Datum::schema(), Sending::default())
             .unwrap();
         let mut system = coordinator();
-        system.attach(bus.clone(), 2).unwrap();
+        Network::new().attach(&mut system, bus.clone(), 2).unwrap();
         Self {
             _live: system.live(),
             _bus: bus,

@@ -4,8 +4,8 @@
 use std::sync::{Arc, Mutex};
 
 use asmotion_component::{
-    Activity, Component, Cycle, Event, Fault, Interface, Losses, Operation, Policy, Provided, Run,
-    Simulation, Span, System, Time, Transition, Wire,
+    Activity, Component, Cycle, Fault, Interface, Losses, Operation, Policy, Provided, Span, Time,
+    Transition, Wire,
 };
 use asmotion_coordinator::{
     Action, Argument, Binding, Call, Case, Coordinator, Effect, Interfaces, LOSSES_REPORT,
@@ -13,6 +13,7 @@ use asmotion_coordinator::{
 };
 use asmotion_datum::{Datum, Schema};
 use asmotion_lang::Files;
+use asmotion_runtime::{Event, Run, Simulation, System};
 
 asmotion_datum::message! {
     /// Anything.

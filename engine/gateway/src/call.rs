@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asmotion_bus::{Bell, Bus, CallFailure, Payload, Request, later};
+use asmotion_bus::{Bus, CallFailure, Notifier, Payload, Request, later};
 use tokio::sync::Notify;
 use tokio::time::timeout_at;
 
@@ -15,11 +15,11 @@ pub(crate) async fn call(
 ) -> Result<Payload, CallFailure> {
     let news = Arc::new(Notify::new());
     let ring = Arc::clone(&news);
-    let bell = Arc::new(Bell::that(move || ring.notify_one()));
+    let notifier = Arc::new(Notifier::calling(move || ring.notify_one()));
     let until = later(request.timeout).into();
     let begun = match one_way {
-        true => bus.tell(address, request, bell),
-        false => bus.call(address, request, bell),
+        true => bus.tell(address, request, notifier),
+        false => bus.call(address, request, notifier),
     };
     let pending = begun.map_err(|_| CallFailure::Unavailable)?;
     loop {

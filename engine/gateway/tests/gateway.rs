@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use asmotion_bus::{Bell, Bus, Call, Local, Payload, Refusal};
+use asmotion_bus::{Bus, Call, Local, Notifier, Payload, Refusal};
 use asmotion_datum::{Datum, Message, Schema, Shape};
 use asmotion_gateway::{Gateway, Operation, Service, Settings};
 use client::{Client, Said};
@@ -56,10 +56,10 @@ impl Open {
         mut take: impl FnMut(Call) + Send + 'static,
     ) -> Self {
         let bus = Local::new();
-        let bell = Arc::new(Bell::new());
+        let notifier = Arc::new(Notifier::new());
         let serving = ["get", "tell", "any"].map(|operation| {
             let address = format!("maps.{operation}");
-            bus.serve(&address, 8, Arc::clone(&bell)).unwrap()
+            bus.serve(&address, 8, Arc::clone(&notifier)).unwrap()
         });
         let ended = Arc::new(AtomicBool::new(false));
         let end = Arc::clone(&ended);
@@ -69,7 +69,7 @@ impl Open {
                     .iter()
                     .filter_map(asmotion_bus::Serving::try_next)
                     .for_each(&mut take);
-                bell.wait(Duration::from_millis(5));
+                notifier.wait(Duration::from_millis(5));
             }
         });
         let mut settings = Settings::at("127.0.0.1:0".parse().unwrap());

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
-use asmotion_component::Source;
 use asmotion_datum::{Datum, DatumError, Sample};
+use asmotion_runtime::Source;
 
 use crate::queue::Queue;
 use crate::writer::told;

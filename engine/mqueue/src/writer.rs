@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use asmotion_component::{Delivery, Sink};
 use asmotion_datum::{Datum, DatumError, Problem, Sample};
+use asmotion_runtime::{Delivery, Sink};
 
 use crate::queue::{Pushed, Queue};
 use crate::{Layout, Name, QueueError};

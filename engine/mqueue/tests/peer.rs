@@ -6,9 +6,9 @@ use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use asmotion_component::Delivery;
 use asmotion_datum::{Datum, DatumError, Message};
 use asmotion_mqueue::{First, Keep, Layout, Name, QueueError, Reader, Room, Writer};
+use asmotion_runtime::Delivery;
 
 asmotion_datum::message! {
     /// What the peer speaks.

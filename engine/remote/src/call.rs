@@ -3,6 +3,7 @@
 use asmotion_bus::{CallFailure, Payload, Pending};
 use asmotion_component::{CallError, SendStatus, ServiceFault};
 use asmotion_datum::Datum;
+use asmotion_network::call_error;
 
 use crate::{Remote, RemoteError};
 
@@ -79,5 +80,5 @@ fn read(end: Result<Payload, CallFailure>) -> Result<Datum, CallError> {
     let unreadable = |error: asmotion_datum::DatumError| {
         ServiceFault::new("BAD_REPLY", error.to_string()).into()
     };
-    end?.to_datum().map_err(unreadable)
+    end.map_err(call_error)?.to_datum().map_err(unreadable)
 }

@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use asmotion_assembly::{Part, Plan};
 use asmotion_bus::{
-    Bell, Bus, BusError, Call, Origin, Overflow, Pattern, Payload, Queue, Refusal, Sending,
+    Bus, BusError, Call, Notifier, Origin, Overflow, Pattern, Payload, Queue, Refusal, Sending,
     Serving, Subscription,
 };
-use asmotion_component::{Asked, Run};
 use asmotion_datum::{Datum, Schema};
+use asmotion_runtime::{Asked, Run};
 
 use crate::herald::Herald;
 use crate::{Begun, Newest, Order, Reason, control_address, presence_topic};
@@ -44,7 +44,7 @@ impl<'p> Contact<'p> {
         incarnation: u64,
         newest: Newest,
     ) -> Result<Self, BusError> {
-        let bell = Arc::new(Bell::new());
+        let notifier = Arc::new(Notifier::new());
         let everyone = Pattern::new(presence_topic("*"));
         let queue = Queue::All {
             size: 256,
@@ -52,10 +52,10 @@ impl<'p> Contact<'p> {
         };
         Ok(Self {
             origin: Origin::new(process, incarnation),
-            presences: bus.subscribe(process, &everyone, queue, Arc::clone(&bell))?,
+            presences: bus.subscribe(process, &everyone, queue, Arc::clone(&notifier))?,
             herald: Herald::new(plan, part, process, bus, incarnation)?,
             bus,
-            orders: bus.serve(&control_address(process), WAITING, bell)?,
+            orders: bus.serve(&control_address(process), WAITING, notifier)?,
             begun: Vec::new(),
             newest,
             known: BTreeSet::from([(process.into(), incarnation)]),

@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use asmotion_assembly::{Part, Plan};
 use asmotion_bus::{Bus, BusError, Origin, Payload, Publisher, Sending};
-use asmotion_component::Run;
 use asmotion_datum::{Codec, Datum, Schema};
+use asmotion_runtime::Run;
 
 use crate::newest::now;
 use crate::{PRESENCE, Presence, presence_topic};

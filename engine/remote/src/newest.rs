@@ -5,8 +5,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use asmotion_bus::{Payload, Publisher};
-use asmotion_component::{Event, Observer, Time};
+use asmotion_component::Time;
 use asmotion_datum::Sample;
+use asmotion_runtime::{Event, Observer};
 
 /// How long a port is watched, unless whoever watches asks again.
 const LEASE: Duration = Duration::from_secs(15);

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use asmotion_component::Transition;
 use asmotion_component::declaration::{Declaration, PortDeclaration};
-use asmotion_component::{Asked, Run, RunError, Transition};
 use asmotion_datum::{Datum, Schema};
+use asmotion_runtime::{Asked, Run, RunError};
 use serde::{Deserialize, Serialize};
 
 use crate::{Newest, OrderError, Present};

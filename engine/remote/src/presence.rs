@@ -5,8 +5,9 @@ use std::time::Duration;
 use asmotion_assembly::Part;
 use asmotion_assembly::plan::{self, End, Plan};
 use asmotion_bus::Envelope;
-use asmotion_component::{Losses, Run, State};
+use asmotion_component::{Losses, State};
 use asmotion_datum::Datum;
+use asmotion_runtime::Run;
 use serde::{Deserialize, Serialize};
 
 /// The type of the message.

@@ -1,7 +1,7 @@
 //! Why an order is not carried out: at the system as facts, on the wire as a code.
 
-use asmotion_component::RunError;
 use asmotion_datum::DatumError;
+use asmotion_runtime::RunError;
 
 /// Why an order is not carried out.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

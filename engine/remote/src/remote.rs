@@ -6,11 +6,12 @@ use std::time::{Duration, Instant};
 #[cfg(feature = "amqp")]
 use asmotion_amqp::{AmqpBus, Settings};
 use asmotion_bus::{
-    Bell, Bus, BusError, CallFailure, Origin, Overflow, Pattern, Payload, Queue, Request,
+    Bus, BusError, CallFailure, Notifier, Origin, Overflow, Pattern, Payload, Queue, Request,
     Subscription,
 };
 use asmotion_datum::Datum;
 use asmotion_diagnostics::similar;
+use asmotion_network::call_error;
 
 use crate::roster::{Found, Roster, WORDS, named};
 use crate::{Component, Order, RemoteError, Sent, Wish, Word, control_address, key};
@@ -122,7 +123,7 @@ impl Remote {
         patience: Duration,
     ) -> Result<Sent, RemoteError> {
         let request = request(argument, patience);
-        let pending = (self.0.bus).call(operation, request, Arc::new(Bell::new()))?;
+        let pending = (self.0.bus).call(operation, request, Arc::new(Notifier::new()))?;
         Ok(Sent::new(self.clone(), operation, pending))
     }
 
@@ -130,13 +131,13 @@ impl Remote {
     pub(crate) fn order(&self, of: &Found, wish: Wish) -> Result<Datum, RemoteError> {
         let (address, order) = envelope(of, wish)?;
         let request = request(order, PATIENCE);
-        let pending = (self.0.bus).call(&address, request, Arc::new(Bell::new()))?;
+        let pending = (self.0.bus).call(&address, request, Arc::new(Notifier::new()))?;
         match pending.wait() {
             Ok(answer) => Ok(answer.to_datum()?),
             Err(CallFailure::Refused(refusal)) => Err(refusal.into()),
             Err(failure) => Err(RemoteError::Process {
                 process: of.process.clone(),
-                source: failure.into(),
+                source: call_error(failure),
             }),
         }
     }
@@ -145,7 +146,7 @@ impl Remote {
     pub(crate) fn tell(&self, of: &Found, wish: Wish) -> Result<(), RemoteError> {
         let (address, order) = envelope(of, wish)?;
         let request = request(order, PATIENCE);
-        drop((self.0.bus).tell(&address, request, Arc::new(Bell::new()))?);
+        drop((self.0.bus).tell(&address, request, Arc::new(Notifier::new()))?);
         Ok(())
     }
 
@@ -214,8 +215,8 @@ pub fn listen(bus: &dyn Bus, pattern: &str) -> Result<Subscription, BusError> {
         size: 4096,
         overflow: Overflow::DropOldest,
     };
-    let bell = Arc::new(Bell::new());
-    bus.subscribe("tool", &Pattern::new(pattern), queue, bell)
+    let notifier = Arc::new(Notifier::new());
+    bus.subscribe("tool", &Pattern::new(pattern), queue, notifier)
 }
 
 fn request(argument: Datum, patience: Duration) -> Request {

@@ -1,7 +1,8 @@
 //! Prints the events and the summary of a run, as text or as JSON.
 
-use asmotion_component::{Event, Time};
+use asmotion_component::Time;
 use asmotion_coordinator::{STEP_REPORT, StepRecord};
+use asmotion_runtime::Event;
 use serde_json::json;
 
 use crate::mission::{Ended, Outcome};

@@ -1,7 +1,8 @@
 //! What stands for gateways in a build without them: a composite that needs none runs, another one does not.
 
 use asmotion_assembly::{Opened, Part, Plan};
-use asmotion_component::System;
+use asmotion_network::Network;
+use asmotion_runtime::System;
 
 use super::Gateways;
 use crate::feature::{Http, LeftOut};
@@ -15,6 +16,7 @@ impl Mission {
     pub(in crate::mission) fn open_gateways(
         &self,
         _: &mut System,
+        _: &mut Network,
         _: &Opened,
         plan: &Plan,
         part: &Part,

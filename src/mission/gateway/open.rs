@@ -6,8 +6,9 @@ use std::time::Duration;
 
 use asmotion_assembly::{Opened, Part, Plan, plan};
 use asmotion_bus::Local;
-use asmotion_component::System;
 use asmotion_gateway::{Gateway, Operation, Service, Settings};
+use asmotion_network::{Network, NetworkError};
+use asmotion_runtime::System;
 
 use super::Gateways;
 use crate::describe::{self, Served};
@@ -18,6 +19,7 @@ impl Mission {
     pub(in crate::mission) fn open_gateways(
         &self,
         system: &mut System,
+        network: &mut Network,
         opened: &Opened,
         plan: &Plan,
         part: &Part,
@@ -29,9 +31,9 @@ impl Mission {
         let served = gateways.iter().flat_map(|(_, promoted)| promoted);
         let served: Vec<(&str, &str)> = served.map(|it| (&*it.inside, &*it.name)).collect();
         let bus = Arc::new(Local::new());
-        let launch =
-            |error: asmotion_component::BuildError| MissionError::Launch(error.to_string());
-        system.serve_on(bus.clone(), &served).map_err(launch)?;
+        let launch = |error: NetworkError| MissionError::Launch(error.to_string());
+        let serving = network.serve_on(system, bus.clone(), &served);
+        serving.map_err(launch)?;
         let operations = describe::describe(opened, plan).operations;
         let open = |(gateway, promoted): &(&plan::Gateway, Vec<&plan::Promoted>)| {
             let other = elsewhere.iter().find(|(name, _)| *name == gateway.name);

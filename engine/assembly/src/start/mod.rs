@@ -11,9 +11,9 @@ mod workshop;
 use std::time::Duration;
 
 use asmotion_component::declaration::Declaration;
-use asmotion_component::{
-    BuildError, Component, ComponentId, Interface, Policy, PropertyError, System, Wire, port_topic,
-};
+use asmotion_component::{Component, Interface, Policy, PropertyError, Wire};
+use asmotion_network::{Network, port_topic};
+use asmotion_runtime::{BuildError, ComponentId, System};
 
 use crate::model::{self, Transport};
 use crate::plan::{self, Plan, Terminal};
@@ -78,10 +78,18 @@ pub const SUBSCRIPTION_SIZE: usize = 64;
 /// # Errors
 /// The first thing that stands in the way.
 pub fn start(plan: &Plan, workshop: &mut dyn Workshop) -> Result<System, StartError> {
-    start_part(plan, &Part::Whole, workshop)
+    start_part(plan, &Part::Whole, workshop).map(|assembled| assembled.system)
 }
 
-/// Builds a part of a plan's system. What joins it to the rest is on the bus that the system is then attached to.
+/// A part of a plan, ready to be attached to its buses and to run.
+pub struct Assembled {
+    /// The components, joined.
+    pub system: System,
+    /// What joins them to the rest of the plan, over buses.
+    pub network: Network,
+}
+
+/// Builds a part of a plan's system, and what joins it to the rest over a bus.
 ///
 /// # Errors
 /// The first thing that stands in the way.
@@ -89,7 +97,7 @@ pub fn start_part(
     plan: &Plan,
     part: &Part,
     workshop: &mut dyn Workshop,
-) -> Result<System, StartError> {
+) -> Result<Assembled, StartError> {
     if !plan.missing.is_empty() {
         return Err(StartError::Missing {
             variables: plan.missing.clone(),
@@ -99,9 +107,10 @@ pub fn start_part(
         plan,
         part,
         system: System::new(),
+        network: Network::new(),
     };
     if part.takes_the_bus_inside() {
-        building.system.topics_abroad();
+        building.system.leave_topics_to_adapters();
     }
     let here = |component: &&plan::Component| part.has(&component.name);
     for component in plan.components.iter().filter(here) {
@@ -120,18 +129,22 @@ pub fn start_part(
         building.connection(connection)?;
     }
     for (topic, sending) in sending::of_topics(plan, part) {
-        building.system.sending(topic, sending);
+        building.network.set_sending(topic, sending);
     }
     for wire in &plan.wires {
         building.wire(wire)?;
     }
-    Ok(building.system)
+    Ok(Assembled {
+        system: building.system,
+        network: building.network,
+    })
 }
 
 struct Building<'p> {
     plan: &'p Plan,
     part: &'p Part,
     system: System,
+    network: Network,
 }
 
 impl Building<'_> {
@@ -160,7 +173,7 @@ impl Building<'_> {
             return Err(not_made(reason));
         }
         if let Some(broker) = self.plan.broker_of(&component.name) {
-            self.system.put_on(id, broker);
+            self.network.put_on(id, broker);
         }
         for (name, value) in &component.properties.0 {
             let set = self.system.set_property(id, name, &value.datum());
@@ -210,7 +223,7 @@ impl Building<'_> {
                 let end = format!("{}.{}", component.name, service.name);
                 let doors = self.plan.doors(&component.name, &service.name, self.part);
                 for (name, broker) in doors {
-                    self.system.offer_at(&end, &name, broker)?;
+                    self.network.offer_at(&self.system, &end, &name, broker)?;
                 }
             }
         }
@@ -258,7 +271,10 @@ impl Building<'_> {
         let (writer, reader) = (from.to_string(), to.to_string());
         match (self.part.has(&from.component), self.part.has(&to.component)) {
             (true, true) => self.system.connect(&writer, &reader, policy),
-            (true, false) => (self.system).expose(&writer, sending::of_port(self.plan, from)),
+            (true, false) => {
+                let sending = sending::of_port(self.plan, from);
+                self.network.expose(&self.system, &writer, sending)
+            }
             (false, true) => (self.system).subscribe(&port_topic(&writer), &reader, policy),
             (false, false) => Ok(()),
         }
@@ -287,7 +303,11 @@ impl Building<'_> {
             let provider = service.to_string();
             match stays_here(wire, service, self.part) {
                 true => self.system.wire(&caller, &provider, how)?,
-                false => (self.system).reach_over(&caller, &provider, how, broker)?,
+                false => {
+                    let system = &mut self.system;
+                    self.network
+                        .reach_over(system, &caller, &provider, how, broker)?;
+                }
             }
         }
         Ok(())

@@ -1,8 +1,9 @@
 //! Ports joined to Orocos components over message queues.
 
+use asmotion_component::Policy;
 use asmotion_component::declaration::{Declaration, PortDeclaration};
-use asmotion_component::{Policy, System};
 use asmotion_mqueue::{First, Keep, Layout, Name, Reader, Room, Writer};
+use asmotion_runtime::System;
 
 use super::StartError;
 use crate::model::Flow;

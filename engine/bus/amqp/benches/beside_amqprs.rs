@@ -16,7 +16,7 @@ use amqprs::channel::{
 use amqprs::connection::{Connection, OpenConnectionArguments};
 use asmotion_amqp::{AmqpBus, Settings};
 use asmotion_bus::{
-    Bell, Bus, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription,
+    Bus, Notifier, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription,
 };
 use asmotion_datum::{Codec, Datum, Message, Schema};
 use tokio::runtime::Runtime;
@@ -44,7 +44,12 @@ impl Ours {
             overflow: Overflow::DropNewest,
         };
         let subscription = bus
-            .subscribe("bench", &Pattern::new("ours"), queue, Arc::new(Bell::new()))
+            .subscribe(
+                "bench",
+                &Pattern::new("ours"),
+                queue,
+                Arc::new(Notifier::new()),
+            )
             .unwrap();
         let origin = Origin::new("Bench", 1);
         let publisher = bus

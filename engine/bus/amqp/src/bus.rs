@@ -6,7 +6,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use asmotion_bus::{
-    Bell, Bus, BusError, Health, Inlet, Origin, Pattern, Pending, Publisher, Queue, Request,
+    Bus, BusError, Health, Inlet, Notifier, Origin, Pattern, Pending, Publisher, Queue, Request,
     Sending, Serving, Spans, Subscription,
 };
 use asmotion_datum::Schema;
@@ -89,8 +89,8 @@ impl AmqpBus {
     /// A bus that is connected, or why it is not within so long. A wrong password is known at once.
     pub fn connect(settings: Settings, within: Duration) -> Result<Self, BusError> {
         let bus = Self::open(settings)?;
-        let bell = Arc::new(Bell::new());
-        bus.watch(&bell);
+        let notifier = Arc::new(Notifier::new());
+        bus.watch(&notifier);
         let until = Instant::now() + within;
         loop {
             let reason = match bus.health().link {
@@ -108,7 +108,7 @@ impl AmqpBus {
                 let reason = reason.to_string();
                 return Err(BusError::Disconnected { reason });
             }
-            bell.wait(left);
+            notifier.wait(left);
         }
     }
 
@@ -171,10 +171,10 @@ impl Bus for AmqpBus {
         reader: &str,
         pattern: &Pattern,
         queue: Queue,
-        bell: Arc<Bell>,
+        notifier: Arc<Notifier>,
     ) -> Result<Subscription, BusError> {
         let binding = self.names.binding(pattern)?;
-        let inlet = Inlet::new(queue, bell);
+        let inlet = Inlet::new(queue, notifier);
         let (leaving, leave) = oneshot::channel();
         let (ready, told) = Ready::new();
         let task = subscriber::Task {
@@ -203,16 +203,31 @@ impl Bus for AmqpBus {
     }
 
     /// Returns when the broker has the queue of requests; without a broker at once, and it is made when there is one.
-    fn serve(&self, address: &str, size: usize, bell: Arc<Bell>) -> Result<Serving, BusError> {
-        self.services.serve(address, size, bell)
+    fn serve(
+        &self,
+        address: &str,
+        size: usize,
+        notifier: Arc<Notifier>,
+    ) -> Result<Serving, BusError> {
+        self.services.serve(address, size, notifier)
     }
 
-    fn call(&self, address: &str, request: Request, bell: Arc<Bell>) -> Result<Pending, BusError> {
-        self.services.call(address, request, bell)
+    fn call(
+        &self,
+        address: &str,
+        request: Request,
+        notifier: Arc<Notifier>,
+    ) -> Result<Pending, BusError> {
+        self.services.call(address, request, notifier)
     }
 
-    fn tell(&self, address: &str, request: Request, bell: Arc<Bell>) -> Result<Pending, BusError> {
-        self.services.tell(address, request, bell)
+    fn tell(
+        &self,
+        address: &str,
+        request: Request,
+        notifier: Arc<Notifier>,
+    ) -> Result<Pending, BusError> {
+        self.services.tell(address, request, notifier)
     }
 
     fn repeat(&self) {
@@ -226,8 +241,8 @@ impl Bus for AmqpBus {
         self.link.health()
     }
 
-    fn watch(&self, bell: &Arc<Bell>) {
-        self.link.watch(bell);
+    fn watch(&self, notifier: &Arc<Notifier>) {
+        self.link.watch(notifier);
     }
 
     fn drain(&self, at_most: Duration) -> bool {

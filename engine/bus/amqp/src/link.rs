@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::Duration;
 
 use amqprs::connection::Connection;
-use asmotion_bus::{Bell, Health};
+use asmotion_bus::{Health, Notifier};
 use tokio::runtime::Handle;
 use tokio::sync::{Notify, watch};
 use tokio::time::timeout;
@@ -53,7 +53,7 @@ pub(crate) struct Link {
     pub settings: Settings,
     state: watch::Sender<State>,
     health: Mutex<Health>,
-    watchers: Mutex<Vec<Weak<Bell>>>,
+    watchers: Mutex<Vec<Weak<Notifier>>>,
     /// How many tasks use the link.
     crew: watch::Sender<usize>,
     /// How many channels the broker has closed on these connections.
@@ -113,10 +113,10 @@ impl Link {
         health.clone()
     }
 
-    pub(crate) fn watch(&self, bell: &Arc<Bell>) {
+    pub(crate) fn watch(&self, notifier: &Arc<Notifier>) {
         let mut watchers = self.watchers.lock().unwrap_or_else(PoisonError::into_inner);
-        watchers.retain(|bell| bell.strong_count() > 0);
-        watchers.push(Arc::downgrade(bell));
+        watchers.retain(|notifier| notifier.strong_count() > 0);
+        watchers.push(Arc::downgrade(notifier));
     }
 
     /// The state as it is, and as it changes.
@@ -237,8 +237,8 @@ impl Link {
         *health = Health::now(link);
         drop(health);
         let watchers = self.watchers.lock().unwrap_or_else(PoisonError::into_inner);
-        for bell in watchers.iter().filter_map(Weak::upgrade) {
-            bell.ring();
+        for notifier in watchers.iter().filter_map(Weak::upgrade) {
+            notifier.notify();
         }
     }
 

@@ -15,7 +15,7 @@ use std::sync::mpsc::sync_channel;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use asmotion_bus::{Bell, BusError, CallFailure, Desk, Pending, Request, Serving};
+use asmotion_bus::{BusError, CallFailure, Desk, Notifier, Pending, Request, Serving};
 use asmotion_datum::{Codec, Datum, Message};
 use tokio::runtime::Handle;
 use tokio::sync::mpsc::{UnboundedSender, unbounded_channel};
@@ -60,7 +60,7 @@ impl Services {
         &self,
         address: &str,
         size: usize,
-        bell: Arc<Bell>,
+        notifier: Arc<Notifier>,
     ) -> Result<Serving, BusError> {
         let served = || BusError::Served {
             address: address.to_owned(),
@@ -71,7 +71,7 @@ impl Services {
         if !lock(&self.served).insert(key.clone()) {
             return Err(served());
         }
-        let desk = Desk::new(size, bell);
+        let desk = Desk::new(size, notifier);
         let (leaving, leave) = oneshot::channel();
         let (gone, left) = sync_channel(1);
         let (ready, told) = Ready::new();
@@ -114,10 +114,10 @@ impl Services {
         &self,
         address: &str,
         request: Request,
-        bell: Arc<Bell>,
+        notifier: Arc<Notifier>,
     ) -> Result<Pending, BusError> {
         let message = self.message(address, &request)?;
-        let (pending, call) = Pending::new(request, bell);
+        let (pending, call) = Pending::new(request, notifier);
         self.open(message, Wait::Answer(call));
         Ok(pending)
     }
@@ -126,10 +126,10 @@ impl Services {
         &self,
         address: &str,
         request: Request,
-        bell: Arc<Bell>,
+        notifier: Arc<Notifier>,
     ) -> Result<Pending, BusError> {
         let message = self.message(address, &request)?;
-        let (pending, _call, delivered) = Pending::one_way(request, bell);
+        let (pending, _call, delivered) = Pending::one_way(request, notifier);
         self.open(message, Wait::Delivery(delivered));
         Ok(pending)
     }

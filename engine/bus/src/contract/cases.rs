@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use asmotion_datum::{Codec, Datum, Message, Schema};
 
 use crate::{
-    Bell, Bus, BusError, CallFailure, Envelope, Origin, Overflow, Pattern, Payload, Pending,
+    Bus, BusError, CallFailure, Envelope, Notifier, Origin, Overflow, Pattern, Payload, Pending,
     Publisher, Queue, Refusal, Request, Sending, Serving, Spans, Subscription,
 };
 
@@ -86,7 +86,7 @@ fn subscribe(bus: &dyn Bus, pattern: &str, queue: Queue) -> Result<Subscription,
         "contract",
         &Pattern::new(pattern),
         queue,
-        Arc::new(Bell::new()),
+        Arc::new(Notifier::new()),
     )
     .map_err(said)
 }
@@ -316,11 +316,11 @@ fn never_stalls(bus: &dyn Bus, name: &str) -> Result<(), String> {
 }
 
 fn serve(bus: &dyn Bus, address: &str, size: usize) -> Result<Serving, String> {
-    (bus.serve(address, size, Arc::new(Bell::new()))).map_err(said)
+    (bus.serve(address, size, Arc::new(Notifier::new()))).map_err(said)
 }
 
 fn call(bus: &dyn Bus, address: &str, n: i64, timeout: Duration) -> Result<Pending, String> {
-    bus.call(address, request(n, timeout), Arc::new(Bell::new()))
+    bus.call(address, request(n, timeout), Arc::new(Notifier::new()))
         .map_err(said)
 }
 
@@ -411,7 +411,7 @@ fn request_dropped(bus: &dyn Bus, name: &str) -> Result<(), String> {
 
 fn one_server(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let _first = serve(bus, name, 8)?;
-    let second = bus.serve(name, 8, Arc::new(Bell::new()));
+    let second = bus.serve(name, 8, Arc::new(Notifier::new()));
     let address = name.to_owned();
     expect(second.err(), Some(BusError::Served { address }))
 }
@@ -458,7 +458,7 @@ fn takes_back(bus: &dyn Bus, name: &str) -> Result<(), String> {
 
 fn tells(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let tell = |n| {
-        bus.tell(name, request(n, CROSSING), Arc::new(Bell::new()))
+        bus.tell(name, request(n, CROSSING), Arc::new(Notifier::new()))
             .map_err(said)
     };
     expect(end(tell(0)?), Err(CallFailure::Unavailable))?;
@@ -477,7 +477,7 @@ fn calls_back(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let (serving, hearing) = (serve(bus, name, 8)?, serve(bus, &back, 8)?);
     let request = request(1, CROSSING).with_callback(&*back);
     let pending = bus
-        .call(name, request, Arc::new(Bell::new()))
+        .call(name, request, Arc::new(Notifier::new()))
         .map_err(said)?;
     let call = next_call(&serving)?;
     let callback = call.callback.clone().ok_or("no callback came")?;
@@ -485,7 +485,7 @@ fn calls_back(bus: &dyn Bus, name: &str) -> Result<(), String> {
     expect(end(pending), Ok(Some(2)))?;
     let later = self::request(3, CROSSING);
     let told = bus
-        .tell(&callback, later, Arc::new(Bell::new()))
+        .tell(&callback, later, Arc::new(Notifier::new()))
         .map_err(said)?;
     expect(end(told), Ok(None))?;
     let heard = next_call(&hearing)?.argument.to_datum();
@@ -508,7 +508,7 @@ fn carries_trace(bus: &dyn Bus, name: &str) -> Result<(), String> {
     let serving = serve(bus, &address, 1)?;
     let asked = request(1, CROSSING).within(cause);
     let _pending = bus
-        .call(&address, asked, Arc::new(Bell::new()))
+        .call(&address, asked, Arc::new(Notifier::new()))
         .map_err(said)?;
     expect(next_call(&serving)?.trace, Some(cause))
 }

@@ -1,9 +1,10 @@
 //! Orders to a running system: ports are read and written, shapes described, the life cycle is driven.
 
 use asmotion_assembly::Standard;
-use asmotion_component::{Run, Simulation, Span, State};
+use asmotion_component::{Span, State};
 use asmotion_datum::Datum;
 use asmotion_remote::{Begun, Newest, Order, Wish};
+use asmotion_runtime::{Run, Simulation};
 
 use crate::driver::{self, BUILD, files, open};
 

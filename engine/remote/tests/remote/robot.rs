@@ -4,10 +4,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 
-use asmotion_assembly::{Part, Standard};
+use asmotion_assembly::{Assembled, Part, Standard};
 use asmotion_bus::Local;
-use asmotion_component::{Run, Span};
+use asmotion_component::Span;
 use asmotion_remote::{Contact, Newest, Remote};
+use asmotion_runtime::Run;
 
 use crate::driver::{BUILD, files, open};
 
@@ -57,8 +58,13 @@ fn live(bus: &Local, until: &AtomicBool) {
         builtins: &mut |_, _| None,
     };
     let part = Part::with_brokers(plan);
-    let mut system = asmotion_assembly::start_part(plan, &part, &mut workshop).expect("a system");
-    system.attach(Arc::new(bus.clone()), 1).expect("a bus");
+    let assembled = asmotion_assembly::start_part(plan, &part, &mut workshop);
+    let Assembled {
+        mut system,
+        mut network,
+    } = assembled.expect("a system");
+    let attached = network.attach(&mut system, Arc::new(bus.clone()), 1);
+    attached.expect("a bus");
     let newest = Newest::default();
     system.observe(newest.clone());
     let mut contact = Contact::new(plan, part, "arm", bus, 1, newest).expect("a bus");

@@ -10,7 +10,7 @@ use amqprs::channel::{
     BasicAckArguments, BasicConsumeArguments, BasicPublishArguments, Channel, ConsumerMessage,
     QueueBindArguments, QueueDeclareArguments,
 };
-use asmotion_bus::{Bell, CallFailure, Desk, Pending, Request};
+use asmotion_bus::{CallFailure, Desk, Notifier, Pending, Request};
 use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 use tokio::sync::oneshot;
 use tokio::time::{MissedTickBehavior, interval, sleep};
@@ -221,18 +221,18 @@ impl Task {
 
     fn begin(&mut self, id: String, request: Request, one_way: bool, reply_to: Option<&String>) {
         if one_way {
-            let (_, call, _) = Pending::one_way(request, Arc::new(Bell::new()));
+            let (_, call, _) = Pending::one_way(request, Arc::new(Notifier::new()));
             // The desk ends what it refuses, and nobody waits for it.
             let _ = self.post.desk.put(call);
             self.remember(id, None);
             return;
         }
         let (answering, answered) = (self.answering.clone(), id.clone());
-        let bell = Bell::that(move || {
+        let notifier = Notifier::calling(move || {
             // A task that has ended answers nothing any more.
             let _ = answering.send(answered.clone());
         });
-        let (pending, call) = Pending::new(request, Arc::new(bell));
+        let (pending, call) = Pending::new(request, Arc::new(notifier));
         let reply_to = reply_to.cloned().unwrap_or_default();
         self.known.insert(id, Known::Begun { pending, reply_to });
         // What the desk refuses it answers.

@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use asmotion_amqp::{AmqpBus, Notice, Settings};
 use asmotion_bus::{
-    Bell, Bus, Link, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending, Subscription,
+    Bus, Link, Notifier, Origin, Overflow, Pattern, Payload, Publisher, Queue, Sending,
+    Subscription,
 };
 use asmotion_datum::{Datum, Schema};
 
@@ -57,7 +58,7 @@ pub fn subscribe(bus: &dyn Bus, pattern: &str, queue: Queue) -> Subscription {
         "Tester",
         &Pattern::new(pattern),
         queue,
-        Arc::new(Bell::new()),
+        Arc::new(Notifier::new()),
     )
     .unwrap()
 }

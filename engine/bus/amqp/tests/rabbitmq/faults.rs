@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use asmotion_amqp::{AmqpBus, Notice};
-use asmotion_bus::{Bell, Bus, BusError, Link, Queue, Sending};
+use asmotion_bus::{Bus, BusError, Link, Notifier, Queue, Sending};
 
 use crate::common::{
     LONG, all, connect, events, eventually, is_down, noted, number, numbers, publisher, quick,
@@ -225,7 +225,7 @@ fn who_may_not_is_told_and_others_go_on() {
     let mut forbidden = publisher(&bus, "t", events());
     forbidden.publish(0, number(1)).unwrap();
     eventually("it is refused", || forbidden.sent().refused == 1);
-    let serving = bus.serve("there", 1, Arc::new(Bell::new()));
+    let serving = bus.serve("there", 1, Arc::new(Notifier::new()));
     assert!(matches!(serving.map(drop), Err(BusError::Refused { .. })));
     let subscription = subscribe(&bus, "t", all(10));
     publisher(&admin, "t", events())
@@ -252,7 +252,7 @@ fn who_may_not_read_is_told_at_once() {
         "Tester",
         &asmotion_bus::Pattern::all(),
         all(1),
-        Arc::new(Bell::new()),
+        Arc::new(Notifier::new()),
     );
     assert!(matches!(end.map(drop), Err(BusError::Refused { .. })));
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use asmotion_amqp::{AmqpBus, Credentials, Identity, Notice, Settings, Tls};
-use asmotion_bus::{Bell, Bus, BusError, CallFailure, Link, Origin, Pattern, Request, Sending};
+use asmotion_bus::{Bus, BusError, CallFailure, Link, Notifier, Origin, Pattern, Request, Sending};
 use asmotion_datum::{Datum, Message, Schema};
 
 use crate::common::{
@@ -84,7 +84,7 @@ fn names_that_the_client_breaks_at_are_refused() {
     let vhost = broker.vhost().unwrap();
     let bus = connect(settings(&vhost.url()));
     let (long, origin) = ("x".repeat(256), Origin::new("Tester", 1));
-    let bell = || Arc::new(Bell::new());
+    let notifier = || Arc::new(Notifier::new());
     let request = || Request::new(origin.clone(), number(1), LONG);
     let ends = [
         bus.publisher(&long, &origin, Datum::schema(), Sending::default())
@@ -96,11 +96,11 @@ fn names_that_the_client_breaks_at_are_refused() {
             Sending::default(),
         )
         .map(drop),
-        bus.subscribe("Tester", &Pattern::new(&*long), all(1), bell())
+        bus.subscribe("Tester", &Pattern::new(&*long), all(1), notifier())
             .map(drop),
-        bus.serve(&long, 1, bell()).map(drop),
-        bus.call(&long, request(), bell()).map(drop),
-        bus.tell(&long, request(), bell()).map(drop),
+        bus.serve(&long, 1, notifier()).map(drop),
+        bus.call(&long, request(), notifier()).map(drop),
+        bus.tell(&long, request(), notifier()).map(drop),
     ];
     for end in ends {
         assert!(matches!(end, Err(BusError::BadName { .. })), "{end:?}");
@@ -172,14 +172,16 @@ fn without_a_broker_a_bus_waits_for_it_and_keeps_what_it_is_told_to() {
         assert!(dropped.publish(0, number(200)).is_err());
     }
     let request = Request::new(Origin::new("Tester", 1), number(1), LONG);
-    let pending = bus.call("nobody", request, Arc::new(Bell::new())).unwrap();
+    let pending = bus
+        .call("nobody", request, Arc::new(Notifier::new()))
+        .unwrap();
     assert_eq!(pending.wait().unwrap_err(), CallFailure::Unavailable);
-    let (bell, begun) = (Arc::new(Bell::new()), Instant::now());
-    bus.watch(&bell);
+    let (notifier, begun) = (Arc::new(Notifier::new()), Instant::now());
+    bus.watch(&notifier);
     broker.revive().unwrap();
     while !bus.health().is_up() {
         assert!(begun.elapsed() < 3 * LONG);
-        bell.wait(LONG);
+        notifier.wait(LONG);
     }
     assert!(bus.drain(LONG));
     // Its queue may be declared after the first were published; what follows comes in any case.
@@ -206,7 +208,7 @@ fn a_bus_that_is_closed_has_sent_what_it_took_and_leaves_nothing() {
     let (settings, notices) = noted(&vhost.url());
     let writer = connect(settings);
     let _unread = subscribe(&writer, "other", all(5));
-    let _served = writer.serve("there", 1, Arc::new(Bell::new())).unwrap();
+    let _served = writer.serve("there", 1, Arc::new(Notifier::new())).unwrap();
     let mut publisher = publisher(&writer, "t", events());
     for n in 0..3000 {
         publisher.publish(0, number(n)).unwrap();
@@ -317,7 +319,7 @@ fn an_idle_bus_uses_next_to_nothing() {
     let _publishers: Vec<_> = (0..20)
         .map(|n| publisher(&bus, &format!("t{n}"), events()))
         .collect();
-    let _serving = bus.serve("there", 1, Arc::new(Bell::new())).unwrap();
+    let _serving = bus.serve("there", 1, Arc::new(Notifier::new())).unwrap();
     std::thread::sleep(Duration::from_millis(500));
     let (used, at) = (processor_time(), Instant::now());
     std::thread::sleep(Duration::from_secs(4));

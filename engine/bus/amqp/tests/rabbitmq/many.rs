@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
-use asmotion_component::{
-    Activity, Component, Cycle, Event, Fault, Flow, In, Out, Policy, Run, Span, System, Time,
-};
+use asmotion_component::{Activity, Component, Cycle, Fault, Flow, In, Out, Policy, Span, Time};
 use asmotion_datum::Datum;
+use asmotion_network::Network;
+use asmotion_runtime::{Event, Run, System};
 
 use crate::common::{LONG, connect, settings};
 use crate::systems::Count;
@@ -40,7 +40,7 @@ fn two_hundred_components_talk_over_one_bus() {
     };
     let vhost = broker.vhost().unwrap();
     let mut system = System::new();
-    system.topics_abroad();
+    system.leave_topics_to_adapters();
     for n in 0..MANY {
         let neighbour = |interface: &mut asmotion_component::Interface| {
             Box::new(Neighbour {
@@ -56,7 +56,7 @@ fn two_hundred_components_talk_over_one_bus() {
         (system.subscribe(&before, &format!("{name}.from"), Policy::data())).unwrap();
     }
     let bus = Arc::new(connect(settings(&vhost.url())));
-    system.attach(bus, 1).unwrap();
+    Network::new().attach(&mut system, bus, 1).unwrap();
     assert_eq!(vhost.queues().unwrap().len(), MANY, "a queue for each");
     let mut run = system.live();
     let mut heard = BTreeSet::new();

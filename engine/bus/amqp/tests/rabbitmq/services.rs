@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use asmotion_amqp::AmqpBus;
 use asmotion_broker::Vhost;
-use asmotion_bus::{Bell, Bus, Call, CallFailure, Origin, Payload, Pending, Request, Serving};
+use asmotion_bus::{Bus, Call, CallFailure, Notifier, Origin, Payload, Pending, Request, Serving};
 use asmotion_datum::Datum;
 
 use crate::common::{LONG, connect, eventually, number, settings};
@@ -17,13 +17,13 @@ fn two(vhost: &Vhost<'_>) -> (AmqpBus, AmqpBus) {
 }
 
 fn serve(bus: &dyn Bus, size: usize) -> Serving {
-    bus.serve("planner.plan", size, Arc::new(Bell::new()))
+    bus.serve("planner.plan", size, Arc::new(Notifier::new()))
         .unwrap()
 }
 
 fn call(bus: &dyn Bus, n: i64, timeout: Duration) -> Pending {
     let request = Request::new(Origin::new("Tester", 1), number(n), timeout);
-    bus.call("planner.plan", request, Arc::new(Bell::new()))
+    bus.call("planner.plan", request, Arc::new(Notifier::new()))
         .unwrap()
 }
 
@@ -44,7 +44,7 @@ fn a_service_is_called_from_another_process() {
     let (here, there) = two(&vhost);
     let serving = serve(&there, 8);
     assert!(matches!(
-        here.serve("planner.plan", 8, Arc::new(Bell::new()))
+        here.serve("planner.plan", 8, Arc::new(Notifier::new()))
             .map(drop),
         Err(asmotion_bus::BusError::Served { .. })
     ));
@@ -146,9 +146,9 @@ fn c8_a_callback_finds_its_way_after_a_restart_of_the_broker() {
     let vhost = broker.vhost().unwrap();
     let (here, there) = two(&vhost);
     let serving = serve(&there, 8);
-    let back = here.serve("back", 8, Arc::new(Bell::new())).unwrap();
+    let back = here.serve("back", 8, Arc::new(Notifier::new())).unwrap();
     let request = Request::new(Origin::new("Tester", 1), number(1), LONG).with_callback("back");
-    (here.tell("planner.plan", request, Arc::new(Bell::new())))
+    (here.tell("planner.plan", request, Arc::new(Notifier::new())))
         .unwrap()
         .wait()
         .unwrap();
@@ -162,7 +162,9 @@ fn c8_a_callback_finds_its_way_after_a_restart_of_the_broker() {
     eventually("it is told", || {
         told += 1;
         let word = Request::new(Origin::new("Planner", 1), number(3), LONG);
-        let word = there.tell(&callback, word, Arc::new(Bell::new())).unwrap();
+        let word = there
+            .tell(&callback, word, Arc::new(Notifier::new()))
+            .unwrap();
         word.wait().is_ok()
     });
     assert_eq!(int(&next(&back).argument), 3);

@@ -5,10 +5,12 @@ use std::time::Duration;
 
 use asmotion_bus::{Payload, Sending};
 use asmotion_component::{
-    Activity, Component, Cycle, Event, Fault, In, Operation, Out, Policy, Provided, Required, Run,
-    Span, System, Time, Wire,
+    Activity, Component, Cycle, Fault, In, Operation, Out, Policy, Provided, Required, Span, Time,
+    Wire,
 };
 use asmotion_datum::{Codec, Datum};
+use asmotion_network::Network;
+use asmotion_runtime::{Event, Run, System};
 
 use crate::common::{LONG, all, connect, events, eventually, settings, subscribe};
 
@@ -56,8 +58,10 @@ fn counting(url: &str, sending: Sending) -> System {
     };
     (system.add("Counter", Activity::periodic(20.ms()), counter)).unwrap();
     system.publish("Counter.out", "counts").unwrap();
-    system.sending("counts", sending);
-    system.attach(Arc::new(connect(settings(url))), 1).unwrap();
+    let mut network = Network::new();
+    network.set_sending("counts", sending);
+    let bus = Arc::new(connect(settings(url)));
+    network.attach(&mut system, bus, 1).unwrap();
     system
 }
 
@@ -72,7 +76,8 @@ fn telling(url: &str, names: &[&str]) -> System {
         let end = format!("{name}.in");
         (system.subscribe("counts", &end, Policy::buffer(1000))).unwrap();
     }
-    system.attach(Arc::new(connect(settings(url))), 2).unwrap();
+    let bus = Arc::new(connect(settings(url)));
+    Network::new().attach(&mut system, bus, 2).unwrap();
     system
 }
 
@@ -139,8 +144,9 @@ fn a_call_is_tried_again_over_the_broker() {
         Box::new(Sleepy { echo, requests: 0 }) as Box<dyn Component>
     };
     on_board.add("Sleepy", Activity::event(), sleepy).unwrap();
-    on_board.offer("Sleepy.echoing").unwrap();
-    on_board.attach(bus(), 1).unwrap();
+    let mut network = Network::new();
+    network.offer(&on_board, "Sleepy.echoing").unwrap();
+    network.attach(&mut on_board, bus(), 1).unwrap();
     let mut above = System::new();
     let asker = |interface: &mut asmotion_component::Interface| {
         let echo = interface.require("echo", "a number");
@@ -155,8 +161,9 @@ fn a_call_is_tried_again_over_the_broker() {
         cancel_on_timeout: true,
         one_way: false,
     };
-    above.reach("Asker.echo", "Sleepy.echoing", wire).unwrap();
-    above.attach(bus(), 2).unwrap();
+    let mut network = Network::new();
+    (network.reach(&mut above, "Asker.echo", "Sleepy.echoing", wire)).unwrap();
+    network.attach(&mut above, bus(), 2).unwrap();
     let _on_board = on_board.live();
     let mut attempts = Vec::new();
     let mut said = None;

@@ -1,0 +1,76 @@
+//! A notifier: wakes the one thread that waits for any of several queues.
+
+use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::thread::Thread;
+use std::time::Duration;
+
+/// Notified when something has come; notifying never blocks for longer than a waiter needs to store its handle.
+///
+/// Any thread may notify; one thread at a time waits. No notification is lost: the notifier stores `notified` before
+/// it looks at `waiting`, the waiter stores `waiting` before it looks at `notified`. Both flags are `SeqCst`, so of two
+/// threads that store one flag and read the other at least one reads what the other has stored: either the waiter does
+/// not sleep, or it is unparked. (With `Release` and `Acquire` alone both could read the old value, and the waiter would
+/// sleep its full time.) An unpark that comes before the park makes the park return at once.
+#[derive(Default)]
+pub struct Notifier {
+    /// Set by `notify`; cleared by the waiter when its wait ends.
+    notified: AtomicBool,
+    /// Set by the waiter before it sleeps; taken by the first `notify` after that, so that a burst of notifications
+    /// takes the lock once.
+    waiting: AtomicBool,
+    /// The waiter's thread. Held only to store or to unpark it.
+    thread: Mutex<Option<Thread>>,
+    /// Called by `notify` in the notifying thread, before the flag is set.
+    callback: Option<Box<dyn Fn() + Send + Sync>>,
+}
+
+impl Notifier {
+    /// A notifier that nothing has notified yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// A notifier that calls a function in the notifying thread, where there is no thread to wake. The function must
+    /// return soon and must not block.
+    pub fn calling(callback: impl Fn() + Send + Sync + 'static) -> Self {
+        Self {
+            callback: Some(Box::new(callback)),
+            ..Self::default()
+        }
+    }
+
+    /// Something has come: ends the present wait, or the next one if there is none.
+    pub fn notify(&self) {
+        if let Some(callback) = &self.callback {
+            callback();
+        }
+        self.notified.store(true, Ordering::SeqCst);
+        if self.waiting.swap(false, Ordering::SeqCst)
+            && let Some(thread) = &*self.thread.lock().unwrap_or_else(PoisonError::into_inner)
+        {
+            thread.unpark();
+        }
+    }
+
+    /// Waits for a notification, at most this long. Returns whether there was one since the last wait. For one thread
+    /// at a time: a second thread's wait may last its full time.
+    pub fn wait(&self, at_most: Duration) -> bool {
+        *self.thread.lock().unwrap_or_else(PoisonError::into_inner) = Some(std::thread::current());
+        self.waiting.store(true, Ordering::SeqCst);
+        if !self.notified.load(Ordering::SeqCst) {
+            std::thread::park_timeout(at_most);
+        }
+        self.waiting.store(false, Ordering::SeqCst);
+        self.notified.swap(false, Ordering::SeqCst)
+    }
+}
+
+impl fmt::Debug for Notifier {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Notifier")
+            .field("notified", &self.notified)
+            .finish_non_exhaustive()
+    }
+}

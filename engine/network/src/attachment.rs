@@ -1,0 +1,73 @@
+//! What of a system is on one bus.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use asmotion_bus::BusError;
+use asmotion_port::Time;
+use asmotion_runtime::{Effects, LiveContext, System, SystemTopic};
+
+use crate::identity::BusIdentity;
+use crate::network::{Network, is_on};
+use crate::offered::OfferedOperations;
+use crate::remote::RemoteService;
+use crate::topics::BusTopics;
+
+/// The ends of a system on one bus.
+pub(crate) struct Attachment {
+    topics: BusTopics,
+    offered: OfferedOperations,
+    remote: Vec<RemoteService>,
+}
+
+/// Whether a component is on a bus.
+pub(crate) fn is_here(
+    homes: &BTreeMap<usize, String>,
+    component: usize,
+    bus: Option<&str>,
+) -> bool {
+    is_on(homes.get(&component).map(String::as_str), bus)
+}
+
+impl Attachment {
+    /// Joins what is on the bus of this name; everything, if it has none. Takes the references that are reached over it out
+    /// of the network.
+    pub(crate) fn new(
+        system: &mut System,
+        network: &mut Network,
+        name: Option<&str>,
+        identity: Arc<BusIdentity>,
+    ) -> Result<Self, BusError> {
+        identity.bus.watch(&identity.notifier);
+        let homes = &network.homes;
+        let of_bus = |topic: &SystemTopic| topic.filtered(|unit| is_here(homes, unit, name));
+        let of_bus: Vec<SystemTopic> = system.topics().iter().map(of_bus).collect();
+        let exposed = network.exposed.iter();
+        let exposed = exposed.filter(|(end, _)| is_here(homes, end.component(), name));
+        let topics = BusTopics::new(system, &of_bus, &network.sending, exposed, &identity)?;
+        let offered = network.offered.iter();
+        let offered = offered.filter(|offered| is_on(offered.bus.as_deref(), name));
+        let offered = OfferedOperations::new(system, offered, &identity)?;
+        let reached = (network.reached).extract_if(.., |it| is_on(it.bus.as_deref(), name));
+        let remote = reached.map(|it| RemoteService::new(it.route, Arc::clone(&identity)));
+        Ok(Self {
+            topics,
+            offered,
+            remote: remote.collect(),
+        })
+    }
+
+    /// From now on topics come in by the threads that bring them.
+    pub(crate) fn go_live(&self, context: &LiveContext) {
+        self.topics.go_live(context);
+    }
+
+    /// Lets in what has come, and lets out what waits.
+    pub(crate) fn deliver(&mut self, now: Time, effects: &mut dyn Effects) {
+        self.topics.deliver(now, effects);
+        for remote in &mut self.remote {
+            remote.deliver(now, effects);
+        }
+        self.offered.deliver(now, effects);
+    }
+}

@@ -1,0 +1,46 @@
+//! Tells components how their bus is.
+
+use asmotion_bus::{Health, Link};
+use asmotion_component::BusHealth;
+use asmotion_port::Time;
+use asmotion_runtime::{Effects, HealthTopic, InjectionPorts, SystemTopic};
+
+/// Publishes the health of a bus at the start and at every change.
+pub(crate) struct HealthPublisher {
+    topic: HealthTopic,
+    /// What was published last.
+    published: Option<Health>,
+}
+
+impl HealthPublisher {
+    pub(crate) fn new(topics: &[SystemTopic]) -> Self {
+        Self {
+            topic: HealthTopic::new(topics),
+            published: None,
+        }
+    }
+
+    /// Publishes a change, if there is one and anything reads the topic.
+    pub(crate) fn publish(
+        &mut self,
+        health: impl FnOnce() -> Health,
+        ports: &mut InjectionPorts,
+        now: Time,
+        effects: &mut dyn Effects,
+    ) {
+        if !self.topic.is_read() {
+            return;
+        }
+        let health = health();
+        if self.published.as_ref() == Some(&health) {
+            return;
+        }
+        let (state, reason) = match &health.link {
+            Link::Up => (BusHealth::UP, ""),
+            Link::Blocked { reason } => (BusHealth::BLOCKED, &**reason),
+            Link::Down { reason } => (BusHealth::DOWN, &**reason),
+        };
+        self.topic.publish(state, reason, ports, now, effects);
+        self.published = Some(health);
+    }
+}

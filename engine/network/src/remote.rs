@@ -1,0 +1,171 @@
+//! Services of other processes that a reference reaches: requests of its component are called over the bus, answers are
+//! put into the component's queue. To the component a remote service is one like another.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use asmotion_bus::{CallFailure, Origin, Payload, Pending, Request, Spans};
+use asmotion_component::{CallError, ServiceFault};
+use asmotion_datum::{Datum, Message, Sample};
+use asmotion_port::Time;
+use asmotion_runtime::{
+    CallKey, Effects, Event, ProviderMessage, ReplyTo, RequestQueue, ServiceRequest,
+};
+
+use crate::identity::BusIdentity;
+
+/// The route from a reference to a remote service.
+pub(crate) struct RemoteRoute {
+    /// Where the component leaves its requests.
+    pub queue: Arc<RequestQueue>,
+    /// By position of the operation in the reference.
+    pub addresses: Vec<String>,
+    /// How long a one-way call may be under way.
+    pub timeout: Duration,
+}
+
+/// A remote service, and the calls of it that are under way.
+pub(crate) struct RemoteService {
+    route: RemoteRoute,
+    identity: Arc<BusIdentity>,
+    open: Vec<RemoteCall>,
+    /// One-way calls that found no provider.
+    lost: u64,
+}
+
+/// A call under way.
+struct RemoteCall {
+    key: CallKey,
+    origin: CallOrigin,
+    pending: Pending,
+}
+
+/// Where the end of a call goes.
+enum CallOrigin {
+    /// To the component, as an answer.
+    Waiting(ReplyTo),
+    /// To the observers, if the one-way call found no provider.
+    OneWay {
+        component: Arc<str>,
+        address: String,
+    },
+}
+
+impl RemoteService {
+    pub(crate) fn new(route: RemoteRoute, identity: Arc<BusIdentity>) -> Self {
+        Self {
+            route,
+            identity,
+            open: Vec::new(),
+            lost: 0,
+        }
+    }
+
+    /// Sends what was posted, and hands over what was answered.
+    pub(crate) fn deliver(&mut self, now: Time, effects: &mut dyn Effects) {
+        while let Some(message) = self.route.queue.next() {
+            match message {
+                ProviderMessage::Request(request) => self.send(request, now, effects),
+                ProviderMessage::Cancel(key) => self.cancel(key),
+            }
+        }
+        let mut index = 0;
+        while let Some(open) = self.open.get(index) {
+            match open.pending.try_take() {
+                None => index += 1,
+                Some(end) => {
+                    let RemoteCall { key, origin, .. } = self.open.remove(index);
+                    self.end(key, origin, end, now, effects);
+                }
+            }
+        }
+    }
+
+    fn send(&mut self, asked: ServiceRequest, now: Time, effects: &mut dyn Effects) {
+        let address = self.route.addresses.get(asked.operation).cloned();
+        let address = address.unwrap_or_default();
+        let BusIdentity { bus, notifier, .. } = &*self.identity;
+        let left = asked.deadline.map(|deadline| deadline.since(now));
+        let request = Request::new(
+            Origin::new(Arc::clone(&asked.caller), self.identity.incarnation),
+            Payload::Sample(asked.argument),
+            left.unwrap_or(self.route.timeout),
+        );
+        let spans = Spans::new(&asked.caller, self.identity.incarnation, &address);
+        let request = request.within(spans.of(asked.key.number, asked.trace));
+        let notifier = Arc::clone(notifier);
+        let (sent, origin) = match asked.reply_to {
+            Some(reply_to) => {
+                let sent = bus.call(&address, request, notifier);
+                (sent, CallOrigin::Waiting(reply_to))
+            }
+            None => {
+                let sent = bus.tell(&address, request, notifier);
+                let component = asked.caller;
+                (sent, CallOrigin::OneWay { component, address })
+            }
+        };
+        let key = asked.key;
+        match sent {
+            Ok(pending) => self.open.push(RemoteCall {
+                key,
+                origin,
+                pending,
+            }),
+            Err(_) => self.end(key, origin, Err(CallFailure::Unavailable), now, effects),
+        }
+    }
+
+    fn cancel(&mut self, key: CallKey) {
+        let cancelled = self.open.extract_if(.., |open| {
+            open.key == key && matches!(open.origin, CallOrigin::Waiting(_))
+        });
+        for open in cancelled {
+            open.pending.cancel();
+        }
+    }
+
+    fn end(
+        &mut self,
+        key: CallKey,
+        origin: CallOrigin,
+        end: Result<Payload, CallFailure>,
+        now: Time,
+        effects: &mut dyn Effects,
+    ) {
+        match (origin, end) {
+            // The caller's own clock ends it, or has it tried again.
+            (CallOrigin::Waiting(_), Err(CallFailure::Timeout | CallFailure::Cancelled)) => {}
+            (CallOrigin::Waiting(reply_to), Err(CallFailure::Unavailable)) => {
+                reply_to.send(key.number, Err(CallError::Unavailable), effects);
+            }
+            (CallOrigin::Waiting(reply_to), Err(CallFailure::Refused(refusal))) => {
+                let fault = ServiceFault::new(refusal.code, refusal.detail);
+                reply_to.send(key.number, Err(CallError::Fault(fault)), effects);
+            }
+            (CallOrigin::Waiting(reply_to), Ok(payload)) => {
+                reply_to.send(key.number, read(&payload), effects);
+            }
+            (CallOrigin::OneWay { .. }, Ok(_)) => {}
+            (CallOrigin::OneWay { component, address }, Err(_)) => {
+                self.lost += 1;
+                effects.emit(
+                    now,
+                    &Event::Dropped {
+                        component: &component,
+                        port: "",
+                        to: &address,
+                        total: self.lost,
+                        reason: None,
+                    },
+                );
+            }
+        }
+    }
+}
+
+fn read(payload: &Payload) -> Result<Arc<dyn Sample>, CallError> {
+    payload
+        .to_sample(Datum::schema())
+        .map_err(|error| CallError::Fault(ServiceFault::new("BAD_REPLY", error.to_string())))
+}

@@ -1,0 +1,128 @@
+//! Topics on the bus: what is published inside goes out, what others publish comes in.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use asmotion_bus::{Bus, BusError, Origin, Payload, Publisher, Sending};
+use asmotion_component::HEALTH_TOPIC;
+use asmotion_datum::{DatumError, Problem, Sample};
+use asmotion_port::{AnySender, Delivery, Time};
+use asmotion_runtime::{
+    ComponentEnd, CycleCause, Effects, InjectionPorts, LiveContext, System, SystemTopic,
+};
+
+use crate::health::HealthPublisher;
+use crate::identity::BusIdentity;
+use crate::network::port_topic;
+use crate::subscription::TopicSubscription;
+
+/// The system's topics on one bus.
+pub(crate) struct BusTopics {
+    subscriptions: Vec<TopicSubscription>,
+    health: HealthPublisher,
+    /// Those of the health topic.
+    health_ports: InjectionPorts,
+    bus: Arc<dyn Bus>,
+}
+
+impl BusTopics {
+    /// Joins topics, and outputs that other processes are connected to. Messages of the process's own come in too, if
+    /// topics inside the system are left to the bus.
+    pub(crate) fn new<'e>(
+        system: &mut System,
+        topics: &[SystemTopic],
+        sending: &BTreeMap<String, Sending>,
+        exposed: impl Iterator<Item = &'e (ComponentEnd, Sending)>,
+        identity: &BusIdentity,
+    ) -> Result<Self, BusError> {
+        for topic in topics {
+            let sending = sending.get(&topic.name).copied().unwrap_or_default();
+            for end in &topic.publishers {
+                publish(system, end, &topic.name, sending, identity)?;
+            }
+        }
+        for (end, sending) in exposed {
+            publish(system, end, &port_topic(end.name()), *sending, identity)?;
+        }
+        let own = (!system.leaves_topics_to_adapters()).then_some(identity.incarnation);
+        let is_health = |topic: &&SystemTopic| topic.name == HEALTH_TOPIC;
+        let mut subscriptions = Vec::new();
+        for topic in topics.iter().filter(|topic| !is_health(topic)) {
+            for (end, policy) in &topic.subscribers {
+                let made = TopicSubscription::new(system, &topic.name, end, policy, own, identity)?;
+                subscriptions.extend(made);
+            }
+        }
+        let health: Vec<SystemTopic> = topics
+            .iter()
+            .filter(is_health)
+            .map(|it| it.filtered(|_| true))
+            .collect();
+        Ok(Self {
+            subscriptions,
+            health: HealthPublisher::new(&health),
+            health_ports: system.injection_topics(&health),
+            bus: Arc::clone(&identity.bus),
+        })
+    }
+
+    /// From now on the thread that brings a message puts it into its port.
+    pub(crate) fn go_live(&self, context: &LiveContext) {
+        for subscription in &self.subscriptions {
+            subscription.go_live(context);
+        }
+    }
+
+    /// Lets in what has come, and tells how the bus is.
+    pub(crate) fn deliver(&mut self, now: Time, effects: &mut dyn Effects) {
+        let bus = &self.bus;
+        (self.health).publish(|| bus.health(), &mut self.health_ports, now, effects);
+        for subscription in &self.subscriptions {
+            subscription.deliver(now, effects);
+        }
+    }
+}
+
+/// Lets an output publish on the bus too.
+fn publish(
+    system: &mut System,
+    end: &ComponentEnd,
+    topic: &str,
+    sending: Sending,
+    identity: &BusIdentity,
+) -> Result<(), BusError> {
+    let origin = Origin::new(system.component_of(end), identity.incarnation);
+    let cause = system.cause_of(end);
+    let schema = system.output_schema(end);
+    let publisher = (identity.bus).publisher(topic, &origin, schema, sending)?;
+    let sender = BusSender { publisher, cause };
+    system.join_output(end, Box::new(sender), format!("bus topic {topic}"));
+    Ok(())
+}
+
+/// The bus as the reading end of a connection.
+struct BusSender {
+    publisher: Box<dyn Publisher>,
+    /// What the component's present cycle follows from.
+    cause: Arc<CycleCause>,
+}
+
+impl AnySender for BusSender {
+    fn accepts(&self, _: &Arc<dyn Sample>) -> Result<(), DatumError> {
+        Ok(())
+    }
+
+    fn send_sample(
+        &mut self,
+        sample: Arc<dyn Sample>,
+        at: Time,
+        _: u64,
+    ) -> Result<Delivery, DatumError> {
+        let payload = Payload::Sample(sample);
+        let cause = self.cause.present();
+        match (self.publisher).publish_within(at.nanos(), payload, cause) {
+            Ok(()) => Ok(Delivery::Stored),
+            Err(error) => Err(DatumError::new(Problem::Mismatch(error.to_string()))),
+        }
+    }
+}

@@ -1,0 +1,391 @@
+//! Services, ports and topics over a bus: to a component they are like those inside.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
+
+#[path = "../../runtime/tests/common/mod.rs"]
+mod common;
+
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use asmotion_bus::{Bus, CallFailure, Local, Notifier, Origin, Pattern, Payload, Queue, Sending};
+use asmotion_component::{
+    Activity, CallError, Component, Interface, Policy, Reply, ServiceFault, Span, Time, Wire,
+};
+use asmotion_datum::Datum;
+use asmotion_network::{Network, port_topic};
+use asmotion_runtime::{Event, Log, Run, System};
+use common::{Double, Number, behaviour, counter, doubler, number};
+
+type Replies = Arc<Mutex<Vec<Result<i64, CallError>>>>;
+
+/// Calls `double` once, and keeps what comes back.
+fn caller(replies: &Replies) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
+    let replies = Arc::clone(replies);
+    behaviour(move |interface| {
+        let double = interface.require::<Double>("sums", "to double");
+        let mut called = false;
+        move |cycle| {
+            if !std::mem::replace(&mut called, true) {
+                cycle.call(double, number(21));
+            }
+            for Reply { result, .. } in cycle.replies(double) {
+                cycle.report("replied", Datum::Null);
+                replies.lock().unwrap().push(result.map(|sample| sample.n));
+            }
+            Ok(())
+        }
+    })
+}
+
+/// Serves `double`, in its own way.
+fn provider(
+    answer: impl Fn(i64) -> Option<Result<i64, ServiceFault>> + Send + 'static,
+) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
+    behaviour(move |interface| {
+        let double = interface.serve::<Double>("sums", "in its own way");
+        move |cycle| {
+            for request in cycle.requests(double) {
+                cycle.report("asked", Datum::Null);
+                if let Some(result) = answer(request.argument.n) {
+                    cycle.reply(double, request.id, result.map(number));
+                }
+            }
+            for _ in 0..cycle.cancelled(double).len() {
+                cycle.report("cancelled", Datum::Null);
+            }
+            Ok(())
+        }
+    })
+}
+
+/// A system that calls what is elsewhere.
+fn calling(bus: &Local, replies: &Replies, wire: Wire) -> (System, Log) {
+    let (mut system, log) = (System::new(), Log::new());
+    system.observe(log.clone());
+    system
+        .add("Caller", Activity::event(), caller(replies))
+        .unwrap();
+    let mut network = Network::new();
+    (network.reach(&mut system, "Caller.sums", "Provider.sums", wire)).unwrap();
+    network
+        .attach(&mut system, Arc::new(bus.clone()), 1)
+        .unwrap();
+    (system, log)
+}
+
+/// A system that offers a service.
+fn offering(
+    bus: &Local,
+    construct: impl FnOnce(&mut Interface) -> Box<dyn Component>,
+) -> (System, Log) {
+    let (mut system, log) = (System::new(), Log::new());
+    system.observe(log.clone());
+    system
+        .add("Provider", Activity::event(), construct)
+        .unwrap();
+    let mut network = Network::new();
+    network.offer(&system, "Provider.sums").unwrap();
+    network
+        .attach(&mut system, Arc::new(bus.clone()), 2)
+        .unwrap();
+    (system, log)
+}
+
+/// Runs two live systems until a component of the first one reports.
+fn until_reported(run: &mut impl Run, kind: &str) {
+    let mut seen =
+        |_: Time, event: &Event<'_>| matches!(event, Event::Report { kind: it, .. } if *it == kind);
+    let limit = run.now() + Duration::from_secs(20);
+    assert!(
+        run.run_until_event(limit, &mut seen),
+        "`{kind}` is not reported"
+    );
+}
+
+fn ends_with(
+    construct: impl FnOnce(&mut Interface) -> Box<dyn Component>,
+    wire: Wire,
+) -> Vec<Result<i64, CallError>> {
+    let (bus, replies) = (Local::new(), Replies::default());
+    let there = offering(&bus, construct).0.live();
+    let mut here = calling(&bus, &replies, wire).0.live();
+    until_reported(&mut here, "replied");
+    drop(there);
+    replies.lock().unwrap().clone()
+}
+
+#[test]
+fn a_call_is_answered_by_another_system() {
+    assert_eq!(ends_with(doubler(), Wire::default()), [Ok(42)]);
+}
+
+#[test]
+fn a_fault_keeps_its_code() {
+    let fault = ServiceFault::new("ODD", "21 is odd");
+    let refusing = fault.clone();
+    let refuses = provider(move |_| Some(Err(refusing.clone())));
+    assert_eq!(
+        ends_with(refuses, Wire::default()),
+        [Err(CallError::Fault(fault))]
+    );
+}
+
+#[test]
+fn silence_is_a_timeout() {
+    let wire = Wire::timeout(50.ms());
+    assert_eq!(
+        ends_with(provider(|_| None), wire),
+        [Err(CallError::Timeout)]
+    );
+}
+
+#[test]
+fn where_nobody_is_a_call_ends_unavailable() {
+    let (bus, replies) = (Local::new(), Replies::default());
+    let (system, _) = calling(&bus, &replies, Wire::default());
+    system.simulate().run_for(1.s());
+    assert_eq!(*replies.lock().unwrap(), [Err(CallError::Unavailable)]);
+}
+
+#[test]
+fn a_service_that_stops_is_unavailable() {
+    let (bus, replies) = (Local::new(), Replies::default());
+    let mut there = offering(&bus, provider(|_| None)).0.live();
+    let mut here = calling(&bus, &replies, Wire::timeout(20.s())).0.live();
+    until_reported(&mut there, "asked");
+    there.stop();
+    until_reported(&mut here, "replied");
+    assert_eq!(*replies.lock().unwrap(), [Err(CallError::Unavailable)]);
+}
+
+#[test]
+fn a_provider_learns_that_nobody_waits() {
+    let bus = Local::new();
+    let (system, log) = offering(&bus, provider(|_| None));
+    let mut run = system.simulate();
+    let request =
+        asmotion_bus::Request::new(Origin::new("Tool", 9), Payload::of(number(1)), 20.s());
+    let pending = bus
+        .call("Provider.sums.double", request, Arc::new(Notifier::new()))
+        .unwrap();
+    run.run_for(1.ms());
+    pending.cancel();
+    assert_eq!(
+        pending.try_take().unwrap().unwrap_err(),
+        CallFailure::Cancelled
+    );
+    run.trigger("Provider").unwrap();
+    run.run_for(1.ms());
+    assert_eq!(log.lines_with("cancelled").len(), 1);
+}
+
+#[test]
+fn a_one_way_call_arrives_or_is_counted() {
+    let (bus, replies) = (Local::new(), Replies::default());
+    let (system, log) = calling(&bus, &replies, Wire::one_way());
+    system.simulate().run_for(1.s());
+    let dropped = log.lines_with("dropped");
+    assert!(dropped[0].contains("Provider.sums.double"), "{dropped:?}");
+
+    let mut there = offering(&bus, provider(|_| None)).0.live();
+    let here = calling(&bus, &replies, Wire::one_way()).0.live();
+    until_reported(&mut there, "asked");
+    drop(here);
+    assert_eq!(*replies.lock().unwrap(), []);
+}
+
+#[test]
+fn one_system_reaches_itself_over_the_bus_the_same_way_each_time() {
+    let lines = || {
+        let (bus, replies) = (Local::new(), Replies::default());
+        let (mut system, log) = (System::new(), Log::new());
+        system.observe(log.clone());
+        system
+            .add("Caller", Activity::periodic(10.ms()), caller(&replies))
+            .unwrap();
+        system
+            .add("Provider", Activity::periodic(30.ms()), doubler())
+            .unwrap();
+        let mut network = Network::new();
+        network
+            .reach(&mut system, "Caller.sums", "Provider.sums", Wire::default())
+            .unwrap();
+        network.offer(&system, "Provider.sums").unwrap();
+        network.attach(&mut system, Arc::new(bus), 1).unwrap();
+        system.simulate().run_for(1.s());
+        assert_eq!(*replies.lock().unwrap(), [Ok(42)]);
+        log.lines()
+    };
+    assert_eq!(lines(), lines());
+}
+
+/// Reports what it is told.
+fn listening() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
+    behaviour(|interface| {
+        let double = interface.serve::<Double>("sums", "listens");
+        move |cycle| {
+            for request in cycle.requests(double) {
+                cycle.report("told", Datum::Int(request.argument.n));
+            }
+            Ok(())
+        }
+    })
+}
+
+#[test]
+fn y10_a_callback_reaches_listeners_inside_and_beyond_the_bus() {
+    let bus = Local::new();
+    let replies = Replies::default();
+    let (mut there, log_there) = (System::new(), Log::new());
+    there.observe(log_there.clone());
+    there.add("Far", Activity::event(), listening()).unwrap();
+    let mut network = Network::new();
+    network.offer(&there, "Far.sums").unwrap();
+    network
+        .attach(&mut there, Arc::new(bus.clone()), 1)
+        .unwrap();
+    let (mut here, log_here) = (System::new(), Log::new());
+    here.observe(log_here.clone());
+    here.add("Near", Activity::event(), listening()).unwrap();
+    (here.add("Caller", Activity::event(), caller(&replies))).unwrap();
+    (here.wire("Caller.sums", "Near.sums", Wire::one_way())).unwrap();
+    let mut network = Network::new();
+    (network.reach(&mut here, "Caller.sums", "Far.sums", Wire::one_way())).unwrap();
+    network.attach(&mut here, Arc::new(bus), 2).unwrap();
+    let (mut there, mut here) = (there.live(), here.live());
+    for _ in 0..200 {
+        here.run_for(10.ms());
+        there.run_for(10.ms());
+        if !log_here.lines_with("told").is_empty() && !log_there.lines_with("told").is_empty() {
+            break;
+        }
+    }
+    for (log, name) in [(log_here, "Near"), (log_there, "Far")] {
+        let told = log.lines_with("told");
+        assert!(
+            matches!(told.as_slice(), [one] if one.contains(name)),
+            "{told:?}"
+        );
+    }
+    assert!(replies.lock().unwrap().is_empty());
+}
+
+/// Reports every number it reads.
+fn teller() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
+    behaviour(|interface| {
+        let input = interface.input::<Number>("n", "numbers");
+        move |cycle| {
+            for _ in 0..cycle.all(input).len() {
+                cycle.report("heard", Datum::Null);
+            }
+            Ok(())
+        }
+    })
+}
+
+#[test]
+fn a_port_is_connected_to_one_of_another_system() {
+    let bus = Local::new();
+    let mut there = System::new();
+    there
+        .add("Counter", Activity::periodic(10.ms()), counter())
+        .unwrap();
+    let mut network = Network::new();
+    (network.expose(&there, "Counter.n", Sending::state())).unwrap();
+    network
+        .attach(&mut there, Arc::new(bus.clone()), 1)
+        .unwrap();
+    let mut here = System::new();
+    here.add("Teller", Activity::event(), teller()).unwrap();
+    here.subscribe(&port_topic("Counter.n"), "Teller.n", Policy::data())
+        .unwrap();
+    Network::new().attach(&mut here, Arc::new(bus), 2).unwrap();
+    let (mut here, there) = (here.live(), there.live());
+    until_reported(&mut here, "heard");
+    drop(there);
+}
+
+#[test]
+fn topics_left_to_the_bus_reach_those_inside_by_it_and_only_once() {
+    let bus = Local::new();
+    let tool = bus
+        .subscribe(
+            "Tester",
+            &asmotion_bus::Pattern::new("numbers"),
+            Queue::Latest,
+            Arc::new(Notifier::new()),
+        )
+        .unwrap();
+    let (mut system, log) = (System::new(), Log::new());
+    system.observe(log.clone());
+    system.leave_topics_to_adapters();
+    system
+        .add("Counter", Activity::periodic(10.ms()), counter())
+        .unwrap();
+    system.add("Teller", Activity::event(), teller()).unwrap();
+    system.publish("Counter.n", "numbers").unwrap();
+    system
+        .subscribe("numbers", "Teller.n", Policy::buffer(4))
+        .unwrap();
+    Network::new()
+        .attach(&mut system, Arc::new(bus), 1)
+        .unwrap();
+    let mut run = system.simulate();
+    run.run_for(15.ms());
+    assert_eq!(log.lines_with("heard").len(), 2);
+    assert_eq!(log.lines_with("Teller.n <- ").len(), 2);
+    assert_eq!(tool.try_next().unwrap().sequence, 2);
+}
+
+/// The result of `double` at an address.
+fn doubled(bus: &Local, address: &str, n: i64) -> Result<Payload, CallFailure> {
+    let request =
+        asmotion_bus::Request::new(Origin::new("Tool", 9), Payload::of(number(n)), 20.s());
+    bus.call(address, request, Arc::new(Notifier::new()))
+        .unwrap()
+        .wait()
+}
+
+#[test]
+fn a_service_is_served_on_a_bus_that_carries_nothing_else() {
+    for is_on_a_bus in [false, true] {
+        let (own, counter_of) = (Local::new(), Local::new());
+        let heard = Pattern::new("#");
+        let notifier = Arc::new(Notifier::new());
+        let heard = counter_of.subscribe("ear", &heard, Queue::Latest, notifier);
+        let heard = heard.unwrap();
+        let mut system = System::new();
+        system.add("Doubler", Activity::event(), doubler()).unwrap();
+        system
+            .add("Counter", Activity::periodic(10.ms()), counter())
+            .unwrap();
+        system.publish("Counter.n", "count").unwrap();
+        let mut network = Network::new();
+        if is_on_a_bus {
+            network.offer(&system, "Doubler.sums").unwrap();
+            network
+                .attach(&mut system, Arc::new(own.clone()), 1)
+                .unwrap();
+        }
+        let bus = Arc::new(counter_of.clone());
+        assert!(
+            network
+                .serve_on(&mut system, bus.clone(), &[("Doubler.sum", "x")])
+                .is_err()
+        );
+        let served = [("Doubler.sums", "sums"), ("Doubler.sums", "more")];
+        network.serve_on(&mut system, bus, &served).unwrap();
+        let run = system.live();
+        for address in ["sums.double", "more.double"] {
+            let payload = doubled(&counter_of, address, 21).unwrap();
+            assert_eq!(payload.read::<common::Number>().unwrap(), number(42));
+        }
+        let of_own = doubled(&own, "Doubler.sums.double", 4);
+        assert_eq!(of_own.is_ok(), is_on_a_bus);
+        assert!(doubled(&own, "sums.double", 4).is_err());
+        assert!(heard.try_next().is_none(), "no topic goes there");
+        drop(run);
+        let gone = doubled(&counter_of, "sums.double", 1).unwrap_err();
+        assert_eq!(gone, CallFailure::Unavailable);
+    }
+}

@@ -1,0 +1,207 @@
+//! How the bus is, as a topic.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
+
+#[path = "../../runtime/tests/common/mod.rs"]
+mod common;
+
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use asmotion_bus::{
+    Bus, BusError, Health, Link, Local, Notifier, Origin, Pattern, Pending, Publisher, Queue,
+    Request, Sending, Serving, Subscription,
+};
+use asmotion_component::{
+    Activity, BusHealth, Component, HEALTH_TOPIC, Interface, Policy, Span, Time,
+};
+use asmotion_datum::Datum;
+use asmotion_network::Network;
+use asmotion_runtime::{BuildError, Event, Log, Run, System};
+use common::{Number, behaviour, counter};
+
+/// Reports how the bus is.
+fn watcher() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
+    behaviour(|interface| {
+        let health = interface.input::<BusHealth>("bus", "how it is");
+        move |cycle| {
+            for health in cycle.all(health).to_vec() {
+                let said = format!("{} {}", health.state, health.reason);
+                cycle.report("health", Datum::Text(said));
+            }
+            Ok(())
+        }
+    })
+}
+
+fn watched() -> (System, Log) {
+    let (mut system, log) = (System::new(), Log::new());
+    system.observe(log.clone());
+    (system.add("Watcher", Activity::event(), watcher())).unwrap();
+    let policy = Policy::buffer(16);
+    (system.subscribe(HEALTH_TOPIC, "Watcher.bus", policy)).unwrap();
+    (system, log)
+}
+
+fn said(event: &Event<'_>) -> Option<String> {
+    match event {
+        Event::Report {
+            kind: "health",
+            what,
+            ..
+        } => what.as_text().map(str::to_owned),
+        _ => None,
+    }
+}
+
+/// What a system says about its bus in a second.
+fn heard(mut system: System) -> Vec<String> {
+    let heard = Arc::new(Mutex::new(Vec::new()));
+    let ear = Arc::clone(&heard);
+    system.observe(move |_: Time, event: &Event<'_>| ear.lock().unwrap().extend(said(event)));
+    system.simulate().run_for(1.s());
+    heard.lock().unwrap().clone()
+}
+
+#[test]
+fn a_system_is_told_once_that_its_bus_is_up_and_so_is_one_without() {
+    assert_eq!(heard(watched().0), ["UP "]);
+    let (mut system, _) = watched();
+    let bus = Local::new();
+    let tool = bus
+        .subscribe(
+            "Tester",
+            &Pattern::new("#"),
+            Queue::Latest,
+            Arc::new(Notifier::new()),
+        )
+        .unwrap();
+    Network::new()
+        .attach(&mut system, Arc::new(bus), 1)
+        .unwrap();
+    assert_eq!(heard(system), ["UP "]);
+    assert!(tool.try_next().is_none(), "it stays inside");
+}
+
+/// A bus of which the test says how it is.
+#[derive(Clone)]
+struct Moody {
+    bus: Local,
+    health: Arc<Mutex<Health>>,
+    notifier: Arc<Mutex<Option<Arc<Notifier>>>>,
+}
+
+impl Moody {
+    fn set(&self, link: Link) {
+        *self.health.lock().unwrap() = Health::now(link);
+        self.notifier.lock().unwrap().as_ref().unwrap().notify();
+    }
+}
+
+impl Bus for Moody {
+    fn publisher(
+        &self,
+        topic: &str,
+        origin: &Origin,
+        schema: &asmotion_datum::Schema,
+        sending: Sending,
+    ) -> Result<Box<dyn Publisher>, BusError> {
+        self.bus.publisher(topic, origin, schema, sending)
+    }
+
+    fn subscribe(
+        &self,
+        reader: &str,
+        pattern: &Pattern,
+        queue: Queue,
+        notifier: Arc<Notifier>,
+    ) -> Result<Subscription, BusError> {
+        self.bus.subscribe(reader, pattern, queue, notifier)
+    }
+
+    fn serve(
+        &self,
+        address: &str,
+        size: usize,
+        notifier: Arc<Notifier>,
+    ) -> Result<Serving, BusError> {
+        self.bus.serve(address, size, notifier)
+    }
+
+    fn call(
+        &self,
+        address: &str,
+        request: Request,
+        notifier: Arc<Notifier>,
+    ) -> Result<Pending, BusError> {
+        self.bus.call(address, request, notifier)
+    }
+
+    fn tell(
+        &self,
+        address: &str,
+        request: Request,
+        notifier: Arc<Notifier>,
+    ) -> Result<Pending, BusError> {
+        self.bus.tell(address, request, notifier)
+    }
+
+    fn health(&self) -> Health {
+        self.health.lock().unwrap().clone()
+    }
+
+    fn watch(&self, notifier: &Arc<Notifier>) {
+        *self.notifier.lock().unwrap() = Some(Arc::clone(notifier));
+    }
+
+    fn repeat(&self) {
+        self.bus.repeat();
+    }
+
+    fn drain(&self, at_most: Duration) -> bool {
+        self.bus.drain(at_most)
+    }
+}
+
+#[test]
+fn every_change_is_told_with_its_reason() {
+    let bus = Moody {
+        bus: Local::new(),
+        health: Arc::new(Mutex::new(Health::now(Link::Up))),
+        notifier: Arc::default(),
+    };
+    let (mut system, _) = watched();
+    Network::new()
+        .attach(&mut system, Arc::new(bus.clone()), 1)
+        .unwrap();
+    let mut live = system.live();
+    let mut told = |expected: &str| {
+        let mut seen = |_: Time, event: &Event<'_>| said(event).as_deref() == Some(expected);
+        let limit = live.now() + Duration::from_secs(20);
+        assert!(live.run_until_event(limit, &mut seen), "{expected}");
+    };
+    bus.set(Link::Down {
+        reason: "reset".into(),
+    });
+    told("DOWN reset");
+    bus.set(Link::Blocked {
+        reason: "memory".into(),
+    });
+    told("BLOCKED memory");
+    bus.set(Link::Up);
+    told("UP ");
+}
+
+#[test]
+fn nobody_else_publishes_it_and_nobody_reads_something_else_there() {
+    let (mut system, _) = watched();
+    (system.add("Counter", Activity::event(), counter())).unwrap();
+    let published = system.publish("Counter.n", HEALTH_TOPIC).unwrap_err();
+    assert!(matches!(published, BuildError::OwnTopic { .. }));
+    let reads_numbers = behaviour(|interface| {
+        interface.input::<Number>("n", "numbers");
+        |_| Ok(())
+    });
+    (system.add("Other", Activity::event(), reads_numbers)).unwrap();
+    let read = system.subscribe(HEALTH_TOPIC, "Other.n", Policy::data());
+    assert!(matches!(read, Err(BuildError::Types { .. })));
+}

@@ -1,0 +1,153 @@
+//! The channel of a connection, as its policy wants it.
+
+use std::any::Any;
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+use asmotion_connection::{Pool, Receiver, Sender};
+use asmotion_datum::{Datum, DatumError, Message, Sample};
+
+use crate::connection_id::ConnectionId;
+use crate::one_thread;
+use crate::policy::{Lock, OnStale, Policy};
+use crate::sender::{AnySender, PulledSender, Stamped};
+
+/// A queue that several connections share; made by the first of them, and typed by its readers.
+pub type SharedQueue = Option<Box<dyn Any + Send>>;
+
+/// Why a connection cannot be made.
+#[derive(Debug)]
+pub enum OpenError {
+    /// The policy wants zeros in place of stale data, and the type has none.
+    NoZero(DatumError),
+    /// The shared queue carries samples of another type.
+    OtherType,
+}
+
+/// Opens channels into an input port: knows the port's type, and needs no access to the port.
+pub trait ChannelOpener: Send + Sync {
+    /// Opens a channel for a connection, over the shared queue if there is one.
+    ///
+    /// # Errors
+    /// The type does not allow what the policy or the shared queue asks for.
+    fn open(
+        &self,
+        connection: ConnectionId,
+        policy: &Policy,
+        queue: Option<&mut SharedQueue>,
+    ) -> Result<(Box<dyn AnySender>, ReadingEnd), OpenError>;
+}
+
+/// The reading end of a connection, on its way to the port whose [`ChannelOpener`] made it.
+pub struct ReadingEnd(pub(crate) Box<dyn Any + Send>);
+
+/// The reading end of a connection, at its port.
+pub(crate) struct InputChannel<T> {
+    pub connection: ConnectionId,
+    pub policy: Policy,
+    /// Replaces a stale sample, if the policy wants zeros.
+    pub zero: Option<T>,
+    pub receiver: InputReceiver<T>,
+}
+
+/// How samples come out of a connection.
+pub(crate) enum InputReceiver<T> {
+    /// In the port's own type.
+    Own(Receiver<Stamped<T>>),
+    /// As they were written: the port converts them.
+    Pulled(Receiver<Stamped<Arc<dyn Sample>>>),
+}
+
+/// Opens channels into ports of this type.
+pub(crate) struct OpenerOf<T>(pub PhantomData<fn() -> T>);
+
+impl<T: Message> ChannelOpener for OpenerOf<T> {
+    fn open(
+        &self,
+        connection: ConnectionId,
+        policy: &Policy,
+        queue: Option<&mut SharedQueue>,
+    ) -> Result<(Box<dyn AnySender>, ReadingEnd), OpenError> {
+        let zero: Option<T> = match policy.on_stale {
+            // All fields of a message have an initial value.
+            OnStale::Zero => {
+                let zeros = Datum::Record(Vec::new());
+                Some(zeros.to().map_err(OpenError::NoZero)?)
+            }
+            OnStale::Hold | OnStale::NoData => None,
+        };
+        let (sender, receiver): (Box<dyn AnySender>, _) = if policy.pull {
+            let (sender, receiver) = ends(policy, queue)?;
+            (
+                Box::new(PulledSender(sender)),
+                InputReceiver::Pulled(receiver),
+            )
+        } else {
+            let (sender, receiver) = ends::<T>(policy, queue)?;
+            (Box::new(sender), InputReceiver::Own(receiver))
+        };
+        let channel = InputChannel {
+            connection,
+            policy: policy.clone(),
+            zero,
+            receiver,
+        };
+        Ok((sender, ReadingEnd(Box::new(channel))))
+    }
+}
+
+impl<T: Message> InputChannel<T> {
+    /// Takes out what is there now. Returns the number of samples that the port's type cannot read.
+    pub(crate) fn drain(&mut self, mut give: impl FnMut(Stamped<T>)) -> u64 {
+        match &mut self.receiver {
+            InputReceiver::Own(receiver) => {
+                receiver.drain(give);
+                0
+            }
+            InputReceiver::Pulled(receiver) => {
+                let mut unreadable = 0;
+                receiver.drain(|Stamped { at, order, value }| match value.read() {
+                    Ok(value) => give(Stamped { at, order, value }),
+                    Err(_) => unreadable += 1,
+                });
+                unreadable
+            }
+        }
+    }
+}
+
+impl<T> InputChannel<T> {
+    /// Whether the writing end is gone.
+    pub(crate) fn is_abandoned(&self) -> bool {
+        match &self.receiver {
+            InputReceiver::Own(receiver) => receiver.is_abandoned(),
+            InputReceiver::Pulled(receiver) => receiver.is_abandoned(),
+        }
+    }
+}
+
+/// The two ends of a connection.
+type Ends<T> = (Sender<Stamped<T>>, Receiver<Stamped<T>>);
+
+/// Makes the two ends of a connection. The runtime's table of connections admits an unsynchronised one only if both
+/// ends are in one thread.
+fn ends<T: Send + 'static>(
+    policy: &Policy,
+    queue: Option<&mut SharedQueue>,
+) -> Result<Ends<T>, OpenError> {
+    let make = || match policy.lock {
+        Lock::LockFree => Pool::lock_free(policy.kind),
+        Lock::Locked => Pool::locked(policy.kind),
+        Lock::Unsync => one_thread::pool(policy.kind),
+    };
+    let pool = match (queue, policy.lock) {
+        (None, Lock::LockFree) => return Ok(asmotion_connection::channel(policy.kind)),
+        (None, Lock::Locked | Lock::Unsync) => make(),
+        (Some(queue), _) => {
+            let queue = queue.get_or_insert_with(|| Box::new(make()));
+            let pool: Option<&Pool<Stamped<T>>> = queue.downcast_ref();
+            pool.ok_or(OpenError::OtherType)?.clone()
+        }
+    };
+    Ok((pool.sender(), pool.receiver()))
+}

@@ -1,0 +1,27 @@
+//! Typed ports: samples frozen for a cycle, samples that wait for its commit, and the channels between.
+//!
+//! A component sees its ports through the handles of `asmotion-component`; the runtime joins them through [`AnyInput`]
+//! and [`AnyOutput`], which do not show the message type. A [`Policy`] says what a connection promises, and every
+//! sample carries the [`Time`] of its writer's cycle.
+
+mod channel;
+mod connection_id;
+mod flow;
+mod input;
+mod one_thread;
+mod output;
+mod policy;
+mod sender;
+mod time;
+
+pub use asmotion_connection::{Delivery, Kind, Notifier};
+pub use channel::{ChannelOpener, OpenError, ReadingEnd, SharedQueue};
+pub use connection_id::ConnectionId;
+pub use flow::Flow;
+pub use input::{AnyInput, InputPort};
+pub use output::{
+    AnyOutput, LinkReader, Notification, OutputLink, OutputPort, PortEffects, Undelivered,
+};
+pub use policy::{Lock, OnStale, Policy, Sharing};
+pub use sender::{AnySender, PortSender, Stamped};
+pub use time::{Span, Time};

@@ -1,0 +1,271 @@
+//! What joins the ports of a system: direct connections by their ends, and the queues that several have in common.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicU64;
+
+use asmotion_port::{
+    AnySender, ChannelOpener, ConnectionId, Kind, LinkReader, Lock, Notification, OpenError,
+    OutputLink, Policy, ReadingEnd, SharedQueue, Sharing,
+};
+
+use crate::build_error::BuildError;
+use crate::end::ComponentEnd;
+
+/// All connections of a system. The executor's thread has it; components have only the ends.
+#[derive(Default)]
+pub(crate) struct ConnectionTable {
+    /// Number of the last connection.
+    last: u64,
+    /// Direct connections, so that none is made twice, and each can be ended.
+    direct: Vec<(ConnectionId, ComponentEnd, ComponentEnd)>,
+    queues: Vec<CommonQueue>,
+}
+
+/// A queue that several connections have in common.
+struct CommonQueue {
+    owner: QueueOwner,
+    /// As of the connection that was first.
+    policy: Policy,
+    queue: SharedQueue,
+    users: Vec<QueueUser>,
+}
+
+/// The connections that share the queue.
+#[derive(PartialEq)]
+enum QueueOwner {
+    Input(ComponentEnd),
+    Output(ComponentEnd),
+    Named(String),
+}
+
+/// A connection that has a queue in common with others, and its threads.
+struct QueueUser {
+    connection: ConnectionId,
+    threads: [usize; 2],
+}
+
+/// A connection that is possible, on its way to its two ports.
+pub(crate) struct NewConnection {
+    pub connection: ConnectionId,
+    pub sender: Box<dyn AnySender>,
+    pub reading_end: ReadingEnd,
+    pub link: OutputLink,
+}
+
+/// A direct connection that was forgotten.
+pub(crate) struct RemovedConnection {
+    connection: ConnectionId,
+    ends: (ComponentEnd, ComponentEnd),
+    /// Its part in queues that several have in common.
+    users: Vec<(usize, QueueUser)>,
+}
+
+impl RemovedConnection {
+    /// Which it was.
+    pub(crate) fn connection(&self) -> ConnectionId {
+        self.connection
+    }
+}
+
+impl ConnectionTable {
+    /// A number for a connection.
+    pub(crate) fn number(&mut self) -> ConnectionId {
+        self.last += 1;
+        ConnectionId::new(self.last)
+    }
+
+    /// Refuses a second direct connection of two ends.
+    pub(crate) fn refuse_twice(
+        &self,
+        from: &ComponentEnd,
+        to: &ComponentEnd,
+    ) -> Result<(), BuildError> {
+        match self.find(from, to) {
+            None => Ok(()),
+            Some(_) => Err(BuildError::Joined {
+                end: from.name.clone(),
+                to: format!("`{}`", to.name),
+            }),
+        }
+    }
+
+    fn find(&self, from: &ComponentEnd, to: &ComponentEnd) -> Option<usize> {
+        let ends = |(_, known_from, known_to): &(_, ComponentEnd, ComponentEnd)| {
+            (known_from, known_to) == (from, to)
+        };
+        self.direct.iter().position(ends)
+    }
+
+    /// Remembers a direct connection.
+    pub(crate) fn remember(
+        &mut self,
+        connection: ConnectionId,
+        from: ComponentEnd,
+        to: ComponentEnd,
+    ) {
+        self.direct.push((connection, from, to));
+    }
+
+    /// Forgets a direct connection.
+    pub(crate) fn forget(
+        &mut self,
+        from: &ComponentEnd,
+        to: &ComponentEnd,
+    ) -> Option<RemovedConnection> {
+        let (connection, from, to) = self.direct.remove(self.find(from, to)?);
+        let mut users = Vec::new();
+        for (queue, common) in self.queues.iter_mut().enumerate() {
+            let effects = (common.users).extract_if(.., |user| user.connection == connection);
+            users.extend(effects.map(|user| (queue, user)));
+        }
+        Some(RemovedConnection {
+            connection,
+            ends: (from, to),
+            users,
+        })
+    }
+
+    /// Remembers again what was forgotten last.
+    pub(crate) fn restore(&mut self, removed: RemovedConnection) {
+        let (from, to) = removed.ends;
+        self.remember(removed.connection, from, to);
+        for (queue, user) in removed.users {
+            self.queues[queue].users.push(user);
+        }
+    }
+
+    /// Makes a connection between two ports, whose components cycle in these threads.
+    pub(crate) fn make(
+        &mut self,
+        (from, to): (&ComponentEnd, &ComponentEnd),
+        threads: [usize; 2],
+        policy: &Policy,
+        opener: &dyn ChannelOpener,
+    ) -> Result<NewConnection, BuildError> {
+        let connection = self.number();
+        let queue = self.common(from, to, policy)?;
+        self.admit((from, to), threads, policy, queue)?;
+        let common = queue.map(|queue| &mut self.queues[queue].queue);
+        let opened = opener.open(connection, policy, common);
+        let (sender, reading_end) =
+            opened.map_err(|error| open_error(error, &from.name, &to.name))?;
+        if let Some(queue) = queue {
+            self.queues[queue].users.push(QueueUser {
+                connection,
+                threads,
+            });
+        }
+        let notification = match policy.trigger {
+            true => Notification::Trigger(to.unit),
+            false => Notification::Silent,
+        };
+        let link = OutputLink {
+            readers: vec![LinkReader {
+                connection,
+                notification,
+            }],
+            to: to.name.clone(),
+            mandatory: policy.mandatory,
+            queue,
+            dropped: Arc::new(AtomicU64::new(0)),
+        };
+        Ok(NewConnection {
+            connection,
+            sender,
+            reading_end,
+            link,
+        })
+    }
+
+    /// The position of the shared queue that the policy asks for.
+    fn common(
+        &mut self,
+        from: &ComponentEnd,
+        to: &ComponentEnd,
+        policy: &Policy,
+    ) -> Result<Option<usize>, BuildError> {
+        let owner = match (policy.sharing, policy.kind) {
+            (Sharing::PerConnection, _) | (_, Kind::Data) => return Ok(None),
+            (Sharing::PerInput, _) => QueueOwner::Input(to.clone()),
+            (Sharing::PerOutput, _) => QueueOwner::Output(from.clone()),
+            (Sharing::Shared, _) => QueueOwner::Named(policy.queue.clone()),
+        };
+        // One that nobody uses any more is made anew.
+        self.queues.iter_mut().for_each(|common| {
+            if common.users.is_empty() {
+                common.queue = None;
+            }
+        });
+        let known = self.queues.iter().position(|common| common.owner == owner);
+        let Some(known) = known else {
+            self.queues.push(CommonQueue {
+                owner,
+                policy: policy.clone(),
+                queue: None,
+                users: Vec::new(),
+            });
+            return Ok(Some(self.queues.len() - 1));
+        };
+        let common = &mut self.queues[known];
+        if common.users.is_empty() {
+            common.policy = policy.clone();
+        }
+        let same = |policy: &Policy| (policy.kind, policy.lock, policy.pull);
+        match same(&common.policy) == same(policy) {
+            true => Ok(Some(known)),
+            false => Err(other_queue(
+                &from.name,
+                &to.name,
+                "a queue of another policy",
+            )),
+        }
+    }
+
+    /// Refuses what the threads of the ends do not allow.
+    fn admit(
+        &self,
+        (from, to): (&ComponentEnd, &ComponentEnd),
+        threads: [usize; 2],
+        policy: &Policy,
+        queue: Option<usize>,
+    ) -> Result<(), BuildError> {
+        let users = queue.map_or(&[][..], |queue| &self.queues[queue].users);
+        let mut all: Vec<_> = users.iter().flat_map(|user| user.threads).collect();
+        all.extend(threads);
+        all.sort_unstable();
+        all.dedup();
+        if policy.lock == Lock::Unsync && all.len() > 1 {
+            return Err(BuildError::Threads {
+                from: from.name.clone(),
+                to: to.name.clone(),
+            });
+        }
+        match policy.max_threads {
+            Some(max) if all.len() > max => Err(BuildError::Crowded {
+                to: to.name.clone(),
+                threads: all.len(),
+                max,
+            }),
+            Some(_) | None => Ok(()),
+        }
+    }
+}
+
+/// The error of a connection between these ends.
+pub(crate) fn open_error(error: OpenError, from: &str, to: &str) -> BuildError {
+    match error {
+        OpenError::NoZero(source) => BuildError::NoZero {
+            to: to.to_owned(),
+            source,
+        },
+        OpenError::OtherType => other_queue(from, to, "samples of another type"),
+    }
+}
+
+fn other_queue(from: &str, to: &str, what: &'static str) -> BuildError {
+    BuildError::OtherQueue {
+        from: from.to_owned(),
+        to: to.to_owned(),
+        what,
+    }
+}

@@ -1,0 +1,74 @@
+//! The observers' queue: bounded; what it cannot hold is counted, never waited for.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
+
+use asmotion_port::{Notifier, Time};
+use crossbeam_queue::ArrayQueue;
+
+use crate::event::{Event, OwnedEvent};
+
+/// How many events may wait to be observed.
+const WAITING: usize = 1 << 16;
+
+/// Events on their way from the components' threads to the run's owner. Any thread pushes, the owner drains.
+pub(crate) struct EventQueue {
+    queue: ArrayQueue<(Time, OwnedEvent)>,
+    /// Whether there is an observer; without one, events are not even built. Set by the run's owner, never cleared.
+    observed: AtomicBool,
+    /// Events that did not fit since the last drain.
+    lost: AtomicU64,
+    notifier: Notifier,
+}
+
+impl EventQueue {
+    pub(crate) fn new(observed: bool) -> Self {
+        Self {
+            queue: ArrayQueue::new(WAITING),
+            observed: AtomicBool::new(observed),
+            lost: AtomicU64::new(0),
+            notifier: Notifier::new(),
+        }
+    }
+
+    /// From now on events are kept.
+    pub(crate) fn observe(&self) {
+        self.observed.store(true, Ordering::Relaxed);
+    }
+
+    pub(crate) fn push(&self, at: Time, event: &Event<'_>) {
+        if !self.observed.load(Ordering::Relaxed) {
+            return;
+        }
+        if self.queue.push((at, OwnedEvent::of(event))).is_err() {
+            self.lost.fetch_add(1, Ordering::Relaxed);
+        }
+        self.notifier.notify();
+    }
+
+    /// Hands over the waiting events, and how many were lost.
+    pub(crate) fn drain(&self, mut tell: impl FnMut(Time, &Event<'_>)) {
+        let mut last = Time::ZERO;
+        for _ in 0..self.queue.len() {
+            let Some((at, event)) = self.queue.pop() else {
+                break;
+            };
+            last = at;
+            tell(at, &event.borrow());
+        }
+        let count = self.lost.swap(0, Ordering::Relaxed);
+        if count > 0 {
+            tell(last, &Event::Lost { count });
+        }
+    }
+
+    /// Ends a sleep.
+    pub(crate) fn wake(&self) {
+        self.notifier.notify();
+    }
+
+    /// Sleeps until an event comes, or so long.
+    pub(crate) fn wait(&self, at_most: Duration) {
+        self.notifier.wait(at_most);
+    }
+}

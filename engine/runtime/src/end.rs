@@ -1,0 +1,120 @@
+//! Ends: finding `Component.port` among what components declare.
+
+use asmotion_component::declaration::{Declaration, PortDeclaration};
+use asmotion_component::suggestion_among;
+
+use crate::build_error::BuildError;
+
+/// One end of a connection or wire.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ComponentEnd {
+    /// `component.port`.
+    pub(crate) name: String,
+    /// The component's position in the system.
+    pub(crate) unit: usize,
+    /// The port's, service's or reference's position in the component.
+    pub(crate) index: usize,
+}
+
+impl ComponentEnd {
+    /// `component.port`.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The component's position in the system.
+    pub fn component(&self) -> usize {
+        self.unit
+    }
+}
+
+/// A table of a component's named things, and the one to look in when the name is not there.
+pub(crate) struct EndTable<'a> {
+    what: &'static str,
+    names: Vec<&'a str>,
+    /// What else the name may be, by mistake.
+    instead: (&'static str, Vec<&'a str>),
+}
+
+pub(crate) fn inputs(declaration: &Declaration) -> EndTable<'_> {
+    EndTable {
+        what: "input",
+        names: ports(&declaration.inputs),
+        instead: ("output", ports(&declaration.outputs)),
+    }
+}
+
+pub(crate) fn outputs(declaration: &Declaration) -> EndTable<'_> {
+    EndTable {
+        what: "output",
+        names: ports(&declaration.outputs),
+        instead: ("input", ports(&declaration.inputs)),
+    }
+}
+
+fn ports(ports: &[PortDeclaration]) -> Vec<&str> {
+    ports.iter().map(|port| &*port.name).collect()
+}
+
+pub(crate) fn services(declaration: &Declaration) -> EndTable<'_> {
+    let (services, references) = services_and_references(declaration);
+    EndTable {
+        what: "service",
+        names: services,
+        instead: ("reference", references),
+    }
+}
+
+pub(crate) fn references(declaration: &Declaration) -> EndTable<'_> {
+    let (services, references) = services_and_references(declaration);
+    EndTable {
+        what: "reference",
+        names: references,
+        instead: ("service", services),
+    }
+}
+
+fn services_and_references(declaration: &Declaration) -> (Vec<&str>, Vec<&str>) {
+    let services = declaration.services.iter().map(|service| &*service.name);
+    let references = (declaration.references.iter()).map(|reference| &*reference.name);
+    (services.collect(), references.collect())
+}
+
+/// Finds `component.port`. Components may have dots in their names, ports have none.
+pub(crate) fn find<'a>(
+    components: impl Iterator<Item = (&'a str, &'a Declaration)> + Clone,
+    path: &str,
+    table: fn(&Declaration) -> EndTable<'_>,
+) -> Result<ComponentEnd, BuildError> {
+    let (component, port) = path.rsplit_once('.').unwrap_or((path, ""));
+    let found = (components.clone().enumerate()).find(|(_, (name, _))| *name == component);
+    let Some((unit, (_, declaration))) = found else {
+        return Err(BuildError::Unknown {
+            what: "component",
+            name: component.to_owned(),
+            nearest: suggestion_among(component, components.map(|(name, _)| name)),
+        });
+    };
+    let EndTable {
+        what,
+        names,
+        instead: (is, others),
+    } = table(declaration);
+    if let Some(index) = names.iter().position(|name| *name == port) {
+        let name = path.to_owned();
+        return Ok(ComponentEnd { name, unit, index });
+    }
+    if others.contains(&port) {
+        return Err(BuildError::Direction {
+            end: path.to_owned(),
+            is,
+            wanted: what,
+        });
+    }
+    let nearest = suggestion_among(port, names.iter().copied());
+    Err(BuildError::Unknown {
+        what,
+        name: path.to_owned(),
+        nearest: nearest.map(|port| format!("{component}.{port}")),
+    })
+}

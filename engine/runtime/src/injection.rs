@@ -1,0 +1,250 @@
+//! Injection ports: samples from outside of the system, on their way into its input ports and topics.
+
+use std::sync::Arc;
+
+use asmotion_component::suggestion_among;
+use asmotion_datum::{DatumError, Sample};
+use asmotion_port::{AnySender, ConnectionId, Delivery, Policy, Time};
+
+use crate::connections::ConnectionTable;
+use crate::effects::Effects;
+use crate::event::Event;
+use crate::run_error::RunError;
+use crate::topic::SystemTopic;
+use crate::unit::ComponentUnit;
+
+/// How many samples from effects may wait at a port for its component's next cycle.
+const WAITING: usize = 64;
+
+/// A connection from outside of the system into one input port. One thread at a time has it.
+pub struct InjectionPort {
+    /// `Component.port`.
+    name: String,
+    component: usize,
+    /// Whether a sample triggers the component.
+    trigger: bool,
+    /// The port's type, for messages.
+    expected: String,
+    sender: Box<dyn AnySender>,
+    dropped: u64,
+}
+
+/// Several injection ports, by port and by topic.
+pub struct InjectionPorts {
+    /// One for each input; none, if they are those of topics alone.
+    ports: Vec<InjectionPort>,
+    /// For each topic those of its subscribers, each with the subscriber's policy.
+    topics: Vec<(String, Vec<InjectionPort>)>,
+}
+
+/// Where a sample from effects goes.
+#[derive(Debug, Clone, Copy)]
+pub enum InjectionTarget {
+    /// The input port at this position.
+    Port(usize),
+    /// All subscribers of the topic at this position.
+    Topic(usize),
+}
+
+impl InjectionPorts {
+    pub(crate) fn new(
+        units: &mut [ComponentUnit],
+        topics: &[SystemTopic],
+        connections: &mut ConnectionTable,
+    ) -> Self {
+        let mut ports = Vec::new();
+        for unit in &mut *units {
+            let inputs = unit.body.inputs.len();
+            let policy = Policy::buffer(WAITING);
+            ports.extend((0..inputs).filter_map(|index| {
+                InjectionPort::open(unit, index, &policy, connections.number())
+            }));
+        }
+        Self {
+            ports,
+            ..Self::of_topics(units, topics, connections)
+        }
+    }
+
+    /// The injection ports of topics alone.
+    pub(crate) fn of_topics(
+        units: &mut [ComponentUnit],
+        topics: &[SystemTopic],
+        connections: &mut ConnectionTable,
+    ) -> Self {
+        let topics = topics
+            .iter()
+            .map(|topic| {
+                let injections = topic.subscribers.iter().filter_map(|(end, policy)| {
+                    let unit = units.get_mut(end.unit)?;
+                    InjectionPort::open(unit, end.index, policy, connections.number())
+                });
+                (topic.name.clone(), injections.collect())
+            })
+            .collect();
+        Self {
+            ports: Vec::new(),
+            topics,
+        }
+    }
+
+    /// The target of a sample for an input port, `Component.port`.
+    ///
+    /// # Errors
+    /// There is no such port, or it cannot read the sample.
+    pub(crate) fn port(
+        &self,
+        name: &str,
+        sample: &Arc<dyn Sample>,
+    ) -> Result<InjectionTarget, RunError> {
+        let Some(index) = self
+            .ports
+            .iter()
+            .position(|injection| injection.name == name)
+        else {
+            return Err(RunError::Unknown {
+                what: "input",
+                name: name.to_owned(),
+                nearest: suggestion_among(
+                    name,
+                    self.ports.iter().map(|injection| &*injection.name),
+                ),
+            });
+        };
+        self.ports[index].accepts(sample)?;
+        Ok(InjectionTarget::Port(index))
+    }
+
+    /// The target of a sample for a topic.
+    ///
+    /// # Errors
+    /// There is no such topic, or a subscriber cannot read the sample.
+    pub(crate) fn topic(
+        &self,
+        name: &str,
+        sample: &Arc<dyn Sample>,
+    ) -> Result<InjectionTarget, RunError> {
+        let Some(index) = self.topics.iter().position(|(topic, _)| topic == name) else {
+            return Err(RunError::Unknown {
+                what: "topic",
+                name: name.to_owned(),
+                nearest: suggestion_among(name, self.topics.iter().map(|(topic, _)| &**topic)),
+            });
+        };
+        let injections = &self.topics[index].1;
+        injections
+            .iter()
+            .try_for_each(|injection| injection.accepts(sample))?;
+        Ok(InjectionTarget::Topic(index))
+    }
+
+    /// Puts a sample into its target, and tells the observers.
+    pub fn inject(
+        &mut self,
+        target: InjectionTarget,
+        sample: &Arc<dyn Sample>,
+        now: Time,
+        effects: &mut dyn Effects,
+    ) {
+        let name = match target {
+            InjectionTarget::Port(port) => &self.ports[port].name,
+            InjectionTarget::Topic(topic) => &self.topics[topic].0,
+        };
+        effects.emit(
+            now,
+            &Event::Injected {
+                place: name,
+                sample: &**sample,
+            },
+        );
+        for injection in self.at(target) {
+            injection.put(sample, now, effects);
+        }
+    }
+
+    fn at(&mut self, target: InjectionTarget) -> &mut [InjectionPort] {
+        match target {
+            InjectionTarget::Port(port) => std::slice::from_mut(&mut self.ports[port]),
+            InjectionTarget::Topic(topic) => self.topics[topic].1.as_mut_slice(),
+        }
+    }
+}
+
+impl InjectionPort {
+    /// Opens a connection into an input port. `None` if the policy asks for zeros that the type does not have.
+    pub(crate) fn open(
+        unit: &mut ComponentUnit,
+        index: usize,
+        policy: &Policy,
+        connection: ConnectionId,
+    ) -> Option<Self> {
+        let port = unit.body.declaration.inputs.get(index)?;
+        let input = unit.body.inputs.get_mut(index)?;
+        let (sender, reading_end) = (input.opener())
+            .open(connection, &policy.for_outsider(), None)
+            .ok()?;
+        input.join(reading_end);
+        Some(Self {
+            name: format!("{}.{}", unit.name, port.name),
+            component: unit.index,
+            trigger: policy.trigger,
+            expected: port.schema.to_string(),
+            sender,
+            dropped: 0,
+        })
+    }
+
+    fn accepts(&self, sample: &Arc<dyn Sample>) -> Result<(), RunError> {
+        self.sender
+            .accepts(sample)
+            .map_err(|source| RunError::Mismatch {
+                place: self.name.clone(),
+                expected: self.expected.clone(),
+                source: Box::new(source),
+            })
+    }
+
+    /// Puts in a sample that came to this port alone, and tells the observers.
+    pub fn inject(&mut self, sample: &Arc<dyn Sample>, now: Time, effects: &mut dyn Effects) {
+        effects.emit(
+            now,
+            &Event::Injected {
+                place: &self.name,
+                sample: &**sample,
+            },
+        );
+        self.put(sample, now, effects);
+    }
+
+    fn put(&mut self, sample: &Arc<dyn Sample>, now: Time, effects: &mut dyn Effects) {
+        let order = effects.next_order();
+        let delivery = self.sender.send_sample(Arc::clone(sample), now, order);
+        if self.trigger && matches!(delivery, Ok(Delivery::Stored | Delivery::DroppedOldest)) {
+            effects.trigger(self.component);
+        }
+        if delivery != Ok(Delivery::Stored) {
+            self.count_dropped(1, delivery.as_ref().err(), now, effects);
+        }
+    }
+
+    /// Counts samples that could not be put in, for this reason if one is known.
+    pub fn count_dropped(
+        &mut self,
+        count: u64,
+        reason: Option<&DatumError>,
+        now: Time,
+        effects: &mut dyn Effects,
+    ) {
+        self.dropped += count;
+        effects.emit(
+            now,
+            &Event::Dropped {
+                component: "",
+                port: "outside",
+                to: &self.name,
+                total: self.dropped,
+                reason,
+            },
+        );
+    }
+}

@@ -1,0 +1,54 @@
+//! Runs systems of components: in simulated time ([`Simulation`]) or [`Live`].
+//!
+//! A [`System`] joins components by name; an executor runs it. Both executors drive the same units through the same
+//! cycle, and both are a [`Run`]: time passes, samples come from outside, components are looked at and told to start or
+//! stop. Observers see every [`Event`]. What joins a system to a bus is an [`Adapter`], in `asmotion-network`.
+
+mod adapter;
+mod body;
+mod build_error;
+mod cause;
+mod connections;
+mod context;
+mod descriptor;
+mod effects;
+mod end;
+mod event;
+mod handle;
+mod health;
+mod injection;
+mod live;
+mod log;
+mod run;
+mod run_error;
+mod service;
+mod simulated;
+mod stream;
+mod system;
+mod topic;
+mod unit;
+
+pub use adapter::Adapter;
+pub use asmotion_port::Delivery;
+pub use build_error::BuildError;
+pub use cause::CycleCause;
+pub use context::LiveContext;
+pub use descriptor::CycleTime;
+pub use effects::Effects;
+pub use end::ComponentEnd;
+pub use event::{Event, Observer};
+pub use health::{HealthTopic, publish_without_bus};
+pub use injection::{InjectionPort, InjectionPorts, InjectionTarget};
+pub use live::Live;
+pub use log::Log;
+pub use run::{
+    Asked, Change, ChangeError, PortReader, PortSubscription, PortWriter, Run, SentCall, WriteError,
+};
+pub use run_error::RunError;
+pub use service::{
+    CallKey, ComponentReply, ProviderMessage, RemoteCaller, ReplyTo, RequestQueue, ServiceRequest,
+};
+pub use simulated::{Pace, Simulation};
+pub use stream::{Sink, Source};
+pub use system::{ComponentId, System};
+pub use topic::SystemTopic;

@@ -1,0 +1,292 @@
+//! Live: a thread for each component and its slaves, absolute deadlines on a monotonic clock.
+//!
+//! A component's thread sleeps until its period has passed or until something new is there; it never waits for
+//! another component. Events reach the observers through a bounded queue; they are told when the owner of the run
+//! lets time pass.
+
+mod bus_thread;
+mod schedule;
+mod worker;
+
+use std::sync::{Arc, mpsc};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use asmotion_component::WorkPlace;
+use asmotion_datum::Sample;
+use asmotion_port::Time;
+
+use self::bus_thread::BusThread;
+use self::worker::{Worker, WorkerCommand};
+use crate::connections::ConnectionTable;
+use crate::context::{EventQueue, LiveContext, ThreadWaker};
+use crate::descriptor::ComponentDescriptor;
+use crate::event::Observer;
+use crate::handle::RunHandle;
+use crate::health;
+use crate::injection::{InjectionPorts, InjectionTarget};
+use crate::run::{Act, Executor, Watch};
+use crate::stream::SourceThreads;
+use crate::system::System;
+use crate::unit::ComponentUnit;
+
+/// The longest the owner's thread sleeps without looking for events.
+const NAP: Duration = Duration::from_millis(20);
+
+/// A system running in real time.
+pub struct Live {
+    context: LiveContext,
+    events: Arc<EventQueue>,
+    observers: Vec<Box<dyn Observer>>,
+    descriptors: Vec<ComponentDescriptor>,
+    connections: ConnectionTable,
+    /// One for each component that is nobody's slave.
+    threads: Vec<Thread>,
+    injections: InjectionPorts,
+    /// Samples from outside whose time has not come, latest first.
+    planned: Vec<(Time, InjectionTarget, Arc<dyn Sample>)>,
+    grace: Duration,
+    /// Lets the adapters deliver; absent without adapters.
+    bus_thread: Option<BusThread>,
+    /// The threads that read sources; absent without sources.
+    sources: Option<SourceThreads>,
+}
+
+/// A thread, for a component and its slaves.
+struct Thread {
+    /// The component that is nobody's slave.
+    component: usize,
+    commands: mpsc::Sender<WorkerCommand>,
+    waker: Arc<ThreadWaker>,
+    handle: Option<JoinHandle<()>>,
+}
+
+impl System {
+    /// Starts the system in real time, a thread for each component: every component is configured, then those that
+    /// run on start-up start. What fails is left out, and seen in its state and by the observers.
+    pub fn live(self) -> Live {
+        Live::new(self)
+    }
+}
+
+impl Live {
+    fn new(mut system: System) -> Self {
+        let descriptors = system.enter_run();
+        let System {
+            mut units,
+            observers,
+            topics,
+            adapters,
+            notifier,
+            streams,
+            mut connections,
+            ..
+        } = system;
+        let injections = InjectionPorts::new(&mut units, &topics, &mut connections);
+        let events = Arc::new(EventQueue::new(!observers.is_empty()));
+        let wakers: Arc<[Arc<ThreadWaker>]> = units.iter().map(|_| Arc::default()).collect();
+        let context = LiveContext::new(Instant::now(), wakers, Arc::clone(&events));
+        for unit in &mut units {
+            let waker = context.waker(unit.index);
+            let finished = Arc::new(move || waker.trigger());
+            unit.body.work_place = WorkPlace::Thread(finished);
+        }
+        let mut live = Self {
+            threads: threads(units, &descriptors, &context),
+            context,
+            events,
+            observers,
+            descriptors,
+            connections,
+            injections,
+            planned: Vec::new(),
+            grace: Duration::from_secs(5),
+            bus_thread: None,
+            sources: None,
+        };
+        live.start_up();
+        if adapters.is_empty() {
+            let now = live.context.now();
+            health::publish_without_bus(&topics, &mut live.injections, now, &mut live.context);
+        } else {
+            let bus_thread = BusThread::new(adapters, notifier, live.context.clone());
+            live.bus_thread = Some(bus_thread);
+        }
+        if !streams.is_empty() {
+            live.sources = Some(SourceThreads::new(streams, &live.context));
+        }
+        live
+    }
+
+    /// Adds an observer; it sees everything from now on.
+    pub fn observe(&mut self, observer: impl Observer + 'static) {
+        self.events.observe();
+        self.observers.push(Box::new(observer));
+    }
+
+    /// How long to wait for a component whose cycle is under way; five seconds unless set.
+    pub fn set_grace(&mut self, grace: Duration) {
+        self.grace = grace;
+    }
+
+    fn inject_planned(&mut self) {
+        let now = self.context.now();
+        while let Some((_, target, sample)) = self.planned.pop_if(|(at, ..)| *at <= now) {
+            self.injections
+                .inject(target, &sample, now, &mut self.context);
+        }
+    }
+
+    /// Tells the observers what has happened. Returns whether it was what is watched for.
+    fn tell(&mut self, watch: &mut Option<Watch<'_>>) -> bool {
+        let mut seen = false;
+        let observers = &mut self.observers;
+        self.events.drain(|at, event| {
+            for observer in observers.iter_mut() {
+                observer.observe(at, event);
+            }
+            if let Some(watch) = watch {
+                seen |= watch(at, event);
+            }
+        });
+        seen
+    }
+}
+
+/// Starts the threads: each has a component that is nobody's slave, and its slaves, in order of addition.
+fn threads(
+    units: Vec<ComponentUnit>,
+    descriptors: &[ComponentDescriptor],
+    context: &LiveContext,
+) -> Vec<Thread> {
+    let mut groups: Vec<(usize, Vec<ComponentUnit>)> = Vec::new();
+    for unit in units {
+        let component = descriptors[unit.index].thread;
+        match groups.iter_mut().find(|(known, _)| *known == component) {
+            Some((_, group)) => group.push(unit),
+            None => groups.push((component, vec![unit])),
+        }
+    }
+    let groups = groups.into_iter();
+    groups
+        .map(|(component, group)| {
+            Thread::new(component, group, &descriptors[component].name, context)
+        })
+        .collect()
+}
+
+impl Thread {
+    fn new(component: usize, group: Vec<ComponentUnit>, name: &str, context: &LiveContext) -> Self {
+        let (commands, queue) = mpsc::channel();
+        let wakers: Vec<_> = group.iter().map(|unit| context.waker(unit.index)).collect();
+        let worker = Worker::new(group, &wakers, queue, context.clone());
+        let builder = std::thread::Builder::new().name(name.to_owned());
+        let handle = builder.spawn(move || worker.run()).ok();
+        if let Some(handle) = &handle {
+            for waker in &wakers {
+                waker.set_thread(handle.thread().clone());
+            }
+        }
+        Self {
+            component,
+            commands,
+            waker: context.waker(component),
+            handle,
+        }
+    }
+
+    fn send(&self, command: WorkerCommand) {
+        // A thread that is gone needs no telling.
+        let _ = self.commands.send(command);
+        self.waker.unpark();
+    }
+}
+
+impl Executor for Live {
+    fn clock(&self) -> Time {
+        self.context.now()
+    }
+
+    fn descriptors(&self) -> &[ComponentDescriptor] {
+        &self.descriptors
+    }
+
+    fn connections(&mut self) -> (&mut ConnectionTable, &[ComponentDescriptor]) {
+        (&mut self.connections, &self.descriptors)
+    }
+
+    fn injections(&self) -> &InjectionPorts {
+        &self.injections
+    }
+
+    fn handle(&self) -> Arc<dyn RunHandle> {
+        Arc::new(self.context.clone())
+    }
+
+    fn plan(&mut self, at: Time, target: InjectionTarget, sample: Arc<dyn Sample>) {
+        // Those of one instant keep their order.
+        let position = self.planned.partition_point(|(other, ..)| *other > at);
+        self.planned.insert(position, (at, target, sample));
+        self.inject_planned();
+    }
+
+    /// Lets time pass, tells the observers, gives out samples whose time has come.
+    fn advance(&mut self, until: Time, mut watch: Option<Watch<'_>>) -> bool {
+        if watch.is_some() {
+            self.events.observe();
+        }
+        loop {
+            self.inject_planned();
+            if self.context.take_escalation() {
+                self.stop_all();
+            }
+            let seen = self.tell(&mut watch);
+            let now = self.context.now();
+            if seen || now >= until {
+                return seen;
+            }
+            let next = self.planned.last().map_or(until, |(at, ..)| until.min(*at));
+            self.events.wait(next.since(now).min(NAP));
+        }
+    }
+
+    fn call(&mut self, component: usize) {
+        self.context.waker(component).call();
+    }
+
+    fn patience(&self) -> Duration {
+        self.grace
+    }
+
+    /// Whoever looks on does not wait for a long cycle.
+    fn glance(&self) -> Duration {
+        NAP
+    }
+
+    fn post(&mut self, component: usize, act: Act) {
+        let thread = self.descriptors[component].thread;
+        if let Some(thread) = (self.threads.iter()).find(|one| one.component == thread) {
+            thread.send(WorkerCommand::Act(component, act));
+        }
+    }
+}
+
+/// Stops everything and ends the threads; one that does not end is left behind.
+impl Drop for Live {
+    fn drop(&mut self) {
+        self.bus_thread = None;
+        self.sources = None;
+        let late = self.stop_all();
+        self.tell(&mut None);
+        self.context.end();
+        for thread in &self.threads {
+            thread.send(WorkerCommand::End);
+        }
+        let patience = if late.is_empty() { self.grace } else { NAP };
+        let until = self.context.now() + patience;
+        let ended = |thread: &Thread| thread.handle.as_ref().is_none_or(JoinHandle::is_finished);
+        while !self.threads.iter().all(ended) && self.context.now() < until {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! The bus thread: lets the adapters of a live system deliver.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use asmotion_port::Notifier;
+
+use crate::adapter::Adapter;
+use crate::context::LiveContext;
+
+/// The longest sleep between two deliveries.
+const NAP: Duration = Duration::from_millis(100);
+
+/// The thread, which has the adapters. Dropping this ends it: sets `ended`, notifies, joins.
+pub(crate) struct BusThread {
+    /// Set by the owner, read by the thread before each delivery.
+    ended: Arc<AtomicBool>,
+    notifier: Arc<Notifier>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl BusThread {
+    pub(crate) fn new(
+        mut adapters: Vec<Box<dyn Adapter>>,
+        notifier: Arc<Notifier>,
+        mut context: LiveContext,
+    ) -> Self {
+        for adapter in &mut adapters {
+            adapter.go_live(&context);
+        }
+        let ended = Arc::new(AtomicBool::new(false));
+        let (ending, notified) = (Arc::clone(&ended), Arc::clone(&notifier));
+        let work = move || {
+            while !ending.load(Ordering::Acquire) {
+                for adapter in &mut adapters {
+                    adapter.deliver(context.now(), &mut context);
+                }
+                notified.wait(NAP);
+            }
+        };
+        let thread = std::thread::Builder::new().name("bus".to_owned());
+        Self {
+            ended,
+            notifier,
+            thread: thread.spawn(work).ok(),
+        }
+    }
+}
+
+impl Drop for BusThread {
+    fn drop(&mut self) {
+        self.ended.store(true, Ordering::Release);
+        self.notifier.notify();
+        if let Some(thread) = self.thread.take() {
+            // It runs adapters alone, and those do not block.
+            let _ = thread.join();
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! A thread for a component and its slaves: commands, then the cycle that is due, then sleep.
+
+use std::sync::{Arc, mpsc};
+
+use asmotion_component::Drive;
+use asmotion_port::Time;
+
+use super::schedule;
+use crate::context::{LiveContext, ThreadWaker};
+use crate::effects::Effects;
+use crate::event::Event;
+use crate::run::Act;
+use crate::unit::ComponentUnit;
+
+/// What the run's owner wants.
+pub(crate) enum WorkerCommand {
+    /// Something to be done to the component at this place of the system.
+    Act(usize, Act),
+    End,
+}
+
+/// What a component needs next.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum NextStep {
+    Cycle,
+    /// Look again then, unless woken before.
+    SleepUntil(Time),
+    /// Nothing, until woken.
+    Sleep,
+}
+
+/// A thread's components.
+pub(crate) struct Worker {
+    members: Vec<WorkerMember>,
+    commands: mpsc::Receiver<WorkerCommand>,
+    context: LiveContext,
+}
+
+/// A component of a thread.
+struct WorkerMember {
+    unit: ComponentUnit,
+    waker: Arc<ThreadWaker>,
+    /// When the next periodic cycle is due, or the first of an event-driven component.
+    due: Time,
+}
+
+impl Worker {
+    pub(crate) fn new(
+        units: Vec<ComponentUnit>,
+        wakers: &[Arc<ThreadWaker>],
+        commands: mpsc::Receiver<WorkerCommand>,
+        context: LiveContext,
+    ) -> Self {
+        let member = |(unit, waker): (ComponentUnit, &Arc<ThreadWaker>)| WorkerMember {
+            unit,
+            waker: Arc::clone(waker),
+            due: Time::ZERO,
+        };
+        Self {
+            members: units.into_iter().zip(wakers).map(member).collect(),
+            commands,
+            context,
+        }
+    }
+
+    pub(crate) fn run(mut self) {
+        self.adopt_schedule();
+        while self.attend() {
+            let mut soonest = (NextStep::Sleep, 0);
+            for (index, member) in self.members.iter_mut().enumerate() {
+                soonest = soonest.min((member.next(&mut self.context), index));
+            }
+            match soonest {
+                (NextStep::Cycle, index) => self.cycle(index),
+                (NextStep::SleepUntil(at), _) => {
+                    std::thread::park_timeout(at.since(self.context.now()));
+                }
+                (NextStep::Sleep, _) => std::thread::park(),
+            }
+        }
+    }
+
+    /// Takes the scheduling class and the processors of the first component: the others are its slaves.
+    fn adopt_schedule(&mut self) {
+        let masters = |member: &&WorkerMember| member.unit.master.is_none();
+        let Some(WorkerMember { unit, .. }) = self.members.iter().find(masters) else {
+            return;
+        };
+        for denied in schedule::adopt(&unit.activity) {
+            let component = &*unit.name;
+            let denied = &denied;
+            let event = Event::Denied { component, denied };
+            self.context.emit(self.context.now(), &event);
+        }
+    }
+
+    /// Carries out what is asked. Says whether to go on.
+    fn attend(&mut self) -> bool {
+        loop {
+            match self.commands.try_recv() {
+                Err(mpsc::TryRecvError::Empty) => return true,
+                Err(mpsc::TryRecvError::Disconnected) | Ok(WorkerCommand::End) => return false,
+                Ok(WorkerCommand::Act(component, act)) => {
+                    let mut members = self.members.iter_mut();
+                    if let Some(member) = members.find(|one| one.unit.index == component) {
+                        member.attend(act, &mut self.context);
+                    }
+                }
+            }
+        }
+    }
+
+    /// One cycle of a component; then its slaves cycle, and theirs.
+    fn cycle(&mut self, index: usize) {
+        self.members[index].cycle(&mut self.context);
+        let master = Some(self.members[index].unit.index);
+        for slave in 0..self.members.len() {
+            let unit = &self.members[slave].unit;
+            if unit.master == master && unit.state().is_running() {
+                self.cycle(slave);
+            }
+        }
+    }
+}
+
+impl WorkerMember {
+    /// Has something done, and plans by what has become of the component.
+    fn attend(&mut self, act: Act, context: &mut LiveContext) {
+        let (drive, ran) = (self.unit.activity.drive, self.unit.state().is_running());
+        let now = context.now();
+        act(&mut self.unit, now, context);
+        if !ran && self.unit.state().is_running() {
+            self.begin(now);
+        } else if self.unit.activity.drive != drive {
+            // The next cycle is a new period after the last one.
+            let last = drive.period().map_or(now, |period| self.due - period);
+            self.adopt(last, context);
+        }
+    }
+
+    /// Plans the first cycle after a start; an event-driven component has one too (RTT triggers on start).
+    fn begin(&mut self, now: Time) {
+        self.due = now + self.unit.activity.delay;
+        let event_driven = self.unit.activity.drive == Drive::Event;
+        self.waker.set_event_driven(event_driven);
+        if event_driven {
+            self.waker.trigger();
+        }
+    }
+
+    /// Plans by a drive that is new since the last cycle.
+    fn adopt(&mut self, last: Time, context: &LiveContext) {
+        let drive = self.unit.activity.drive;
+        self.waker.set_event_driven(drive == Drive::Event);
+        if let Some(period) = drive.period() {
+            self.due = (last + period).max(context.now());
+        }
+    }
+
+    fn next(&mut self, context: &mut LiveContext) -> NextStep {
+        if !self.unit.state().is_running() {
+            return NextStep::Sleep;
+        }
+        if self.waker.take_call() {
+            return NextStep::Cycle;
+        }
+        let now = context.now();
+        match self.unit.activity.drive {
+            Drive::Slave => self.await_replies(now, context),
+            Drive::Period(_) | Drive::Event | Drive::Manual if now < self.due => {
+                NextStep::SleepUntil(self.due)
+            }
+            Drive::Period(_) => NextStep::Cycle,
+            Drive::Event if self.waker.take_trigger() => NextStep::Cycle,
+            Drive::Event | Drive::Manual => self.await_replies(now, context),
+        }
+    }
+
+    /// Nothing to do but to wait, for news or for the end of a call.
+    fn await_replies(&mut self, now: Time, context: &mut LiveContext) -> NextStep {
+        match self.unit.body.caller.deadline() {
+            None => NextStep::Sleep,
+            Some(deadline) if now < deadline => NextStep::SleepUntil(deadline),
+            Some(_) => {
+                // Ends the call, which is news to an event-driven component.
+                self.unit.settle(now, context);
+                NextStep::SleepUntil(now)
+            }
+        }
+    }
+
+    fn cycle(&mut self, context: &mut LiveContext) {
+        let begin = context.now();
+        let before = self.unit.activity.drive;
+        self.unit.cycle(begin, context);
+        let now = context.now();
+        self.unit.hold_to_deadline(now.since(begin), now, context);
+        if self.unit.activity.drive != before {
+            self.adopt(begin, context);
+        } else if let Drive::Period(period) = before
+            && begin >= self.due
+        {
+            let end = context.now();
+            self.due = (self.unit).after_period(self.due, period, (begin, end), context);
+        }
+        if self.unit.restart_after_fault(context.now(), context) {
+            self.begin(context.now());
+        }
+    }
+}

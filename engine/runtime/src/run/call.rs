@@ -1,0 +1,43 @@
+//! Operations called from outside of a system: sent, and collected when they are done.
+
+use std::sync::{Arc, mpsc};
+
+use asmotion_component::{CallError, Operation, SendStatus, unreadable};
+use asmotion_datum::Sample;
+use asmotion_port::Time;
+
+use crate::handle::RunHandle;
+
+/// A call from outside of the system that is under way (RTT `SendHandle`).
+pub struct SentCall<O: Operation> {
+    pub(super) answered: mpsc::Receiver<Result<Arc<dyn Sample>, CallError>>,
+    pub(super) deadline: Time,
+    pub(super) handle: Arc<dyn RunHandle>,
+    pub(super) of: std::marker::PhantomData<fn() -> O>,
+}
+
+impl<O: Operation> SentCall<O> {
+    /// What has become of the call, as of now.
+    pub fn collect_if_done(&mut self) -> SendStatus<O::Response> {
+        let late = self.handle.now() >= self.deadline;
+        match self.answered.try_recv() {
+            Ok(result) => read(result),
+            Err(mpsc::TryRecvError::Empty | mpsc::TryRecvError::Disconnected) if late => {
+                SendStatus::Failure(CallError::Timeout)
+            }
+            Err(mpsc::TryRecvError::Empty) => SendStatus::NotReady,
+            // Answered and collected, or thrown away by a provider that will not answer.
+            Err(mpsc::TryRecvError::Disconnected) => SendStatus::Unknown,
+        }
+    }
+}
+
+fn read<R: asmotion_datum::Message>(result: Result<Arc<dyn Sample>, CallError>) -> SendStatus<R> {
+    let read = result.and_then(|response| {
+        (response.read()).map_err(|error| CallError::Fault(unreadable("BAD_REPLY", &error)))
+    });
+    match read {
+        Ok(response) => SendStatus::Success(response),
+        Err(error) => SendStatus::Failure(error),
+    }
+}

@@ -1,0 +1,325 @@
+//! Changes of a running system, all of them or none: first each is found to be possible, then they are made, between
+//! two cycles of those whom they concern.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+use std::time::Duration;
+
+use asmotion_component::Wire;
+use asmotion_datum::Datum;
+use asmotion_port::Policy;
+
+use super::executor::{Act, Executor, busy, joining};
+use crate::build_error::BuildError;
+use crate::connections::RemovedConnection;
+use crate::end::{ComponentEnd, inputs, outputs, references, services};
+use crate::run_error::RunError;
+use crate::service::Wiring;
+use crate::system::fit;
+
+/// Something that changes while a system runs.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Change {
+    /// An output is connected to an input.
+    Connect {
+        /// The output.
+        from: String,
+        /// The input.
+        to: String,
+        /// How.
+        policy: Policy,
+    },
+    /// The connection of an output and an input ends.
+    Disconnect {
+        /// The output.
+        from: String,
+        /// The input.
+        to: String,
+    },
+    /// A reference has a service, or one more that is told.
+    Wire {
+        /// The reference.
+        reference: String,
+        /// The service.
+        service: String,
+        /// How.
+        wire: Wire,
+    },
+    /// A reference has a service no more; calls under way end as unavailable.
+    Unwire {
+        /// The reference.
+        reference: String,
+        /// The service.
+        service: String,
+    },
+    /// Properties of a component have other values.
+    Set {
+        /// The component.
+        component: String,
+        /// Names and values.
+        values: Vec<(String, Datum)>,
+    },
+    /// A component has another period; of zero, it is event-driven.
+    SetPeriod {
+        /// The component.
+        component: String,
+        /// The period.
+        period: Duration,
+    },
+}
+
+/// Why a running system cannot be changed as asked.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ChangeError {
+    /// It would not go together.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// A component refuses, or is busy.
+    #[error(transparent)]
+    Run(#[from] RunError),
+}
+
+impl fmt::Display for Change {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Connect { from, to, .. } => write!(f, "`{from}` is connected to `{to}`"),
+            Self::Disconnect { from, to } => write!(f, "`{from}` is parted from `{to}`"),
+            Self::Wire {
+                reference, service, ..
+            } => write!(f, "`{reference}` is wired to `{service}`"),
+            Self::Unwire { reference, service } => {
+                write!(f, "`{reference}` leaves `{service}`")
+            }
+            Self::Set { component, values } => {
+                let values = values.iter();
+                let values: Vec<_> = values
+                    .map(|(name, value)| format!("{name} = {value}"))
+                    .collect();
+                write!(f, "`{component}` has {}", values.join(", "))
+            }
+            Self::SetPeriod { component, period } if period.is_zero() => {
+                write!(f, "`{component}` is event-driven")
+            }
+            Self::SetPeriod { component, period } => {
+                write!(f, "`{component}` cycles every {period:?}")
+            }
+        }
+    }
+}
+
+/// What has been found to be possible so far, and nobody has felt yet.
+pub(super) struct ChangePlan<'r, E: Executor> {
+    run: &'r mut E,
+    /// Inputs get their new connections, so that nothing is written to nobody.
+    first: Vec<(usize, Act)>,
+    /// All else.
+    then: Vec<(usize, Act)>,
+    /// Inputs lose connections when nobody writes there any more.
+    last: Vec<(usize, Act)>,
+    /// How the joints become again what they were.
+    undo: Vec<UndoStep>,
+    /// The services of each reference that is concerned, by component and place: the name, and whether it only is told.
+    wirings: BTreeMap<(usize, usize), Vec<(String, bool)>>,
+}
+
+enum UndoStep {
+    Forget(ComponentEnd, ComponentEnd),
+    Restore(RemovedConnection),
+}
+
+impl<'r, E: Executor> ChangePlan<'r, E> {
+    pub(super) fn new(run: &'r mut E) -> Self {
+        Self {
+            run,
+            first: Vec::new(),
+            then: Vec::new(),
+            last: Vec::new(),
+            undo: Vec::new(),
+            wirings: BTreeMap::new(),
+        }
+    }
+
+    /// Makes all of these changes, or none.
+    pub(super) fn make(mut self, changes: &[Change]) -> Result<(), ChangeError> {
+        match changes.iter().try_for_each(|change| self.plan(change)) {
+            Ok(()) => self.carry_out(),
+            Err(error) => {
+                self.give_up();
+                return Err(error);
+            }
+        }
+        Ok(())
+    }
+
+    fn plan(&mut self, change: &Change) -> Result<(), ChangeError> {
+        match change {
+            Change::Connect { from, to, policy } => Ok(self.connect(from, to, policy)?),
+            Change::Disconnect { from, to } => Ok(self.disconnect(from, to)?),
+            Change::Wire {
+                reference,
+                service,
+                wire,
+            } => self.wire(reference, service, *wire),
+            Change::Unwire { reference, service } => self.unwire(reference, service),
+            Change::Set { component, values } => Ok(self.set(component, values)?),
+            Change::SetPeriod { component, period } => {
+                let (index, period) = (self.run.place_of(component)?, *period);
+                let act: Act = Box::new(move |unit, _, _| unit.set_period(period));
+                self.then.push((index, act));
+                Ok(())
+            }
+        }
+    }
+
+    /// An output to an input.
+    pub(super) fn connect(
+        &mut self,
+        from: &str,
+        to: &str,
+        policy: &Policy,
+    ) -> Result<(), BuildError> {
+        let (from, to) = (self.run.end(from, outputs)?, self.run.end(to, inputs)?);
+        let (connections, descriptors) = self.run.connections();
+        connections.refuse_twice(&from, &to)?;
+        let [writer, reader] = [&descriptors[from.unit], &descriptors[to.unit]];
+        let written = &writer.declaration.outputs[from.index].schema;
+        let taken = &reader.declaration.inputs[to.index].schema;
+        BuildError::compare(written, &from.name, taken, &to.name)?;
+        let threads = [writer.thread, reader.thread];
+        let opener = &reader.openers[to.index];
+        let made = connections.make((&from, &to), threads, policy, &**opener)?;
+        connections.remember(made.connection, from.clone(), to.clone());
+        let (input, reading_end) = (to.index, made.reading_end);
+        let act: Act = Box::new(move |unit, _, _| unit.body.inputs[input].join(reading_end));
+        self.first.push((to.unit, act));
+        let end = (from.index, made.connection);
+        let act = joining(end, made.sender, made.link, policy.init);
+        self.then.push((from.unit, act));
+        self.undo.push(UndoStep::Forget(from, to));
+        Ok(())
+    }
+
+    /// An output no more to an input.
+    pub(super) fn disconnect(&mut self, from: &str, to: &str) -> Result<(), BuildError> {
+        let (from, to) = (self.run.end(from, outputs)?, self.run.end(to, inputs)?);
+        let (connections, _) = self.run.connections();
+        let Some(removed) = connections.forget(&from, &to) else {
+            return Err(BuildError::NotJoined {
+                from: from.name,
+                to: to.name,
+            });
+        };
+        let connection = removed.connection();
+        let (output, input) = (from.index, to.index);
+        let act: Act = Box::new(move |unit, _, _| unit.body.outputs[output].disconnect(connection));
+        self.then.push((from.unit, act));
+        let act: Act = Box::new(move |unit, _, _| unit.body.inputs[input].disconnect(connection));
+        self.last.push((to.unit, act));
+        self.undo.push(UndoStep::Restore(removed));
+        Ok(())
+    }
+
+    fn wire(&mut self, reference: &str, service: &str, wire: Wire) -> Result<(), ChangeError> {
+        let from = self.run.end(reference, references)?;
+        let to = self.run.end(service, services)?;
+        let known = self.wirings(&from)?;
+        let in_the_way =
+            |(name, told): &&(String, bool)| *name == to.name || !(*told && wire.one_way);
+        if let Some((taken, _)) = known.iter().find(in_the_way) {
+            let (end, to) = (from.name, format!("`{taken}`"));
+            return Err(BuildError::Joined { end, to }.into());
+        }
+        known.push((to.name.clone(), wire.one_way));
+        let descriptors = self.run.descriptors();
+        let required = &descriptors[from.unit].declaration.references[from.index];
+        let provided = &descriptors[to.unit].declaration.services[to.index];
+        let wiring = Wiring {
+            operations: fit((required, &from), (provided, &to))?,
+            queue: Arc::clone(&descriptors[to.unit].queues[to.index]),
+            to: to.name,
+            provider: Some(to.unit),
+            wire,
+        };
+        let index = from.index;
+        let act: Act = Box::new(move |unit, _, _| unit.body.references[index].wirings.push(wiring));
+        self.then.push((from.unit, act));
+        Ok(())
+    }
+
+    fn unwire(&mut self, reference: &str, service: &str) -> Result<(), ChangeError> {
+        let from = self.run.end(reference, references)?;
+        let known = self.wirings(&from)?;
+        let Some(place) = known.iter().position(|(name, _)| name == service) else {
+            let (from, to) = (from.name, service.to_owned());
+            return Err(BuildError::NotJoined { from, to }.into());
+        };
+        known.remove(place);
+        let (index, service) = (from.index, service.to_owned());
+        let act: Act = Box::new(move |unit, now, effects| {
+            unit.unwire(index, &service, now, effects);
+        });
+        self.then.push((from.unit, act));
+        Ok(())
+    }
+
+    /// The services of a reference, with the changes planned so far.
+    fn wirings(&mut self, from: &ComponentEnd) -> Result<&mut Vec<(String, bool)>, RunError> {
+        use std::collections::btree_map::Entry::{Occupied, Vacant};
+        match self.wirings.entry((from.unit, from.index)) {
+            Occupied(known) => Ok(known.into_mut()),
+            Vacant(place) => {
+                let (index, patience) = (from.index, self.run.patience());
+                let asked = self.run.ask(from.unit, patience, move |unit, _, _| {
+                    let wirings = unit.body.references[index].wirings.iter();
+                    let wirings = wirings.map(|it| (it.to.clone(), it.wire.one_way));
+                    wirings.collect::<Vec<_>>()
+                });
+                let name = &self.run.descriptors()[from.unit].name;
+                Ok(place.insert(asked.ok_or_else(|| busy(name))?))
+            }
+        }
+    }
+
+    fn set(&mut self, component: &str, values: &[(String, Datum)]) -> Result<(), RunError> {
+        let (index, patience) = (self.run.place_of(component)?, self.run.patience());
+        let (values, tried) = (values.to_vec(), values.to_vec());
+        let lawful = self.run.ask(index, patience, move |unit, _, _| {
+            unit.body.check(&unit.name, &tried)
+        });
+        lawful.ok_or_else(|| busy(component))??;
+        let act: Act = Box::new(move |unit, now, effects| {
+            // they are lawful, and what is lawful does not change
+            let _ = unit.set_properties(&values, now, effects);
+        });
+        self.then.push((index, act));
+        Ok(())
+    }
+
+    /// Makes the changes, each component's at one border of its cycles.
+    pub(super) fn carry_out(self) {
+        for phase in [self.first, self.then, self.last] {
+            let mut each: BTreeMap<usize, Vec<Act>> = BTreeMap::new();
+            for (unit, act) in phase {
+                each.entry(unit).or_default().push(act);
+            }
+            for (unit, acts) in each {
+                let all: Act = Box::new(move |unit, now, effects| {
+                    acts.into_iter().for_each(|act| act(unit, now, effects));
+                });
+                self.run.post(unit, all);
+            }
+        }
+    }
+
+    /// Forgets what was planned: nobody has felt it.
+    fn give_up(self) {
+        let (connections, _) = self.run.connections();
+        for undo in self.undo.into_iter().rev() {
+            match undo {
+                UndoStep::Forget(from, to) => drop(connections.forget(&from, &to)),
+                UndoStep::Restore(removed) => connections.restore(removed),
+            }
+        }
+    }
+}

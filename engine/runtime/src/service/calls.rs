@@ -1,0 +1,430 @@
+//! The caller's side: calls are outstanding until an answer, a cancellation or the deadline ends them.
+
+use std::sync::Arc;
+
+use asmotion_bus::Trace;
+use asmotion_component::{CallError, CallId, OperationSlot};
+use asmotion_datum::Sample;
+use asmotion_port::Time;
+use crossbeam_queue::ArrayQueue;
+
+use super::message::{
+    CallAnswer, CallKey, ComponentReply, ProviderMessage, ReplyTo, ServiceRequest,
+};
+use super::reference::{RequiredReference, names, wire_of, wiring};
+use crate::cause::CycleCause;
+use crate::effects::{ComponentEffects, Effects};
+use crate::event::Event;
+
+/// How many calls of one component may be under way; more find the provider unavailable.
+const UNDER_WAY: usize = 128;
+
+/// The answers that wait for their caller. Providers on any thread put them in; the caller's thread takes them out.
+pub(crate) struct ReplyQueue {
+    queue: ArrayQueue<CallAnswer>,
+    /// The caller's place in the system.
+    component: usize,
+}
+
+impl ReplyQueue {
+    /// Leaves an answer. Should the box be full, the caller meets its deadline instead.
+    pub(crate) fn put(&self, answer: CallAnswer, effects: &mut dyn Effects) {
+        if self.queue.push(answer).is_ok() {
+            effects.trigger(self.component);
+        }
+    }
+}
+
+/// All calls of one component.
+pub(crate) struct OutgoingCalls {
+    reply_queue: Arc<ReplyQueue>,
+    outstanding: Vec<OutstandingCall>,
+    /// Ended, for the next cycle to see.
+    ended: Vec<EndedCall>,
+    /// Ended, and seen by the present cycle.
+    frozen: Vec<EndedCall>,
+    /// Number of the last call.
+    last: u64,
+    /// One-way calls that found nobody.
+    lost: u64,
+    /// What the present cycle follows from.
+    cause: Arc<CycleCause>,
+}
+
+struct OutstandingCall {
+    number: u64,
+    slot: OperationSlot,
+    attempt: u32,
+    /// When the attempt has waited long enough; or, when it has, when the next one is made.
+    deadline: Time,
+    /// Whether it rests between two attempts.
+    resting: bool,
+    /// Kept for another attempt.
+    argument: Arc<dyn Sample>,
+    /// What the cycle that made it followed from.
+    cause: Option<Trace>,
+}
+
+/// The end of a call.
+pub(crate) struct EndedCall {
+    pub number: u64,
+    slot: OperationSlot,
+    /// What the cycle that made it followed from.
+    pub cause: Option<Trace>,
+    pub result: Result<Arc<dyn Sample>, CallError>,
+}
+
+impl OutgoingCalls {
+    pub(crate) fn new(component: usize, cause: Arc<CycleCause>) -> Self {
+        Self {
+            reply_queue: Arc::new(ReplyQueue {
+                queue: ArrayQueue::new(UNDER_WAY),
+                component,
+            }),
+            outstanding: Vec::new(),
+            ended: Vec::new(),
+            frozen: Vec::new(),
+            last: 0,
+            lost: 0,
+            cause,
+        }
+    }
+
+    /// A number for a call that a cycle is about to make.
+    pub(crate) fn number(&mut self) -> CallId {
+        self.last += 1;
+        CallId(self.last)
+    }
+
+    /// Makes a call that a cycle has committed.
+    pub(crate) fn call(
+        &mut self,
+        references: &[RequiredReference],
+        slot: OperationSlot,
+        number: u64,
+        argument: Arc<dyn Sample>,
+        one_way: bool,
+        effects: &mut ComponentEffects<'_>,
+    ) {
+        let wire = wire_of(references, slot);
+        let one_way = one_way || wire.one_way;
+        let call = OutstandingCall {
+            number,
+            slot,
+            attempt: 1,
+            deadline: effects.now + wire.timeout,
+            resting: false,
+            argument,
+            cause: self.cause.present(),
+        };
+        if one_way {
+            return self.tell(references, &call, effects);
+        }
+        let full = self.outstanding.len() + self.ended.len() + self.frozen.len() >= UNDER_WAY;
+        if full {
+            return self.end(references, &call, Err(CallError::Unavailable), effects);
+        }
+        match self.post(references, &call, effects) {
+            Ok(()) => self.await_until(call, effects),
+            Err(error) => self.failed(references, call, error, effects),
+        }
+    }
+
+    /// Tells every service; what one does not hear is counted.
+    fn tell(
+        &mut self,
+        references: &[RequiredReference],
+        call: &OutstandingCall,
+        effects: &mut ComponentEffects<'_>,
+    ) {
+        let (port, _) = announce(references, call, effects);
+        let wirings = references.get(call.slot.port).map(|it| &*it.wirings);
+        let wirings = wirings.unwrap_or_default();
+        let mut lose = |to: &str, effects: &mut ComponentEffects<'_>| {
+            self.lost += 1;
+            effects.emit(&Event::Dropped {
+                component: effects.name,
+                port,
+                to,
+                total: self.lost,
+                reason: None,
+            });
+        };
+        if wirings.is_empty() {
+            lose("", effects);
+        }
+        for wiring in wirings {
+            let told = wiring
+                .operations
+                .get(call.slot.operation)
+                .map(|operation| wiring.ask(request(call, *operation, None, effects), effects));
+            if !matches!(told, Some(Ok(()))) {
+                lose(&wiring.to, effects);
+            }
+        }
+    }
+
+    /// One attempt.
+    fn post(
+        &self,
+        references: &[RequiredReference],
+        call: &OutstandingCall,
+        effects: &mut ComponentEffects<'_>,
+    ) -> Result<(), CallError> {
+        announce(references, call, effects);
+        let wiring = wiring(references, call.slot).ok_or(CallError::Unavailable)?;
+        let operation = wiring.operations.get(call.slot.operation);
+        let operation = *operation.ok_or(CallError::Unavailable)?;
+        let reply_to = ReplyTo::Component(ComponentReply(Arc::clone(&self.reply_queue)));
+        let request = request(call, operation, Some(reply_to), effects);
+        wiring.ask(request, effects)
+    }
+
+    /// Takes back a call; the provider is told. A call that has ended stays ended.
+    pub(crate) fn cancel(
+        &mut self,
+        references: &[RequiredReference],
+        call: CallId,
+        effects: &mut ComponentEffects<'_>,
+    ) {
+        let found = self.outstanding.iter().position(|one| one.number == call.0);
+        let Some(call) = found.map(|index| self.outstanding.remove(index)) else {
+            return;
+        };
+        tell_cancelled(references, &call, effects);
+        let cancelled = Err(CallError::Cancelled);
+        self.end(references, &call, cancelled, effects);
+    }
+
+    /// Ends the calls through a reference whose service goes away; the service gets cancellations.
+    pub(crate) fn disconnect(
+        &mut self,
+        references: &[RequiredReference],
+        reference: usize,
+        effects: &mut ComponentEffects<'_>,
+    ) {
+        let through = |call: &mut OutstandingCall| call.slot.port == reference;
+        let ended: Vec<_> = self.outstanding.extract_if(.., through).collect();
+        for call in ended {
+            tell_cancelled(references, &call, effects);
+            self.end(references, &call, Err(CallError::Unavailable), effects);
+        }
+    }
+
+    /// Ends what has been answered and what has waited too long. Says whether anything waits for the next cycle.
+    pub(crate) fn settle(
+        &mut self,
+        references: &[RequiredReference],
+        effects: &mut ComponentEffects<'_>,
+    ) -> bool {
+        for _ in 0..self.reply_queue.queue.len() {
+            let Some(answer) = self.reply_queue.queue.pop() else {
+                break;
+            };
+            // An answer to a call that has ended is too late.
+            let found = (self.outstanding.iter()).position(|one| one.number == answer.number);
+            if let Some(index) = found {
+                let call = self.outstanding.remove(index);
+                match answer.result {
+                    Err(CallError::Unavailable) if !call.resting => {
+                        self.failed(references, call, CallError::Unavailable, effects);
+                    }
+                    result => self.end(references, &call, result, effects),
+                }
+            }
+        }
+        let now = effects.now;
+        while let Some(index) = self.outstanding.iter().position(|one| one.deadline <= now) {
+            let call = self.outstanding.remove(index);
+            self.expire(references, call, effects);
+        }
+        !self.ended.is_empty()
+    }
+
+    /// An attempt has waited long enough, or rested.
+    fn expire(
+        &mut self,
+        references: &[RequiredReference],
+        call: OutstandingCall,
+        effects: &mut ComponentEffects<'_>,
+    ) {
+        if call.resting {
+            return self.try_again(references, call, effects);
+        }
+        if wire_of(references, call.slot).cancel_on_timeout {
+            tell_cancelled(references, &call, effects);
+        }
+        self.failed(references, call, CallError::Timeout, effects);
+    }
+
+    /// An attempt got no answer: another one, at once or after a rest, or the end. Who found nobody tries again only
+    /// after a rest: at once, nobody would be there again.
+    fn failed(
+        &mut self,
+        references: &[RequiredReference],
+        mut call: OutstandingCall,
+        error: CallError,
+        effects: &mut ComponentEffects<'_>,
+    ) {
+        let wire = wire_of(references, call.slot);
+        let rest = wire.rest_after(call.attempt);
+        let in_vain = error == CallError::Unavailable && rest.is_zero();
+        if call.attempt > wire.retries || in_vain {
+            return self.end(references, &call, Err(error), effects);
+        }
+        if rest.is_zero() {
+            return self.try_again(references, call, effects);
+        }
+        call.resting = true;
+        call.deadline = effects.now + rest;
+        self.await_until(call, effects);
+    }
+
+    fn try_again(
+        &mut self,
+        references: &[RequiredReference],
+        mut call: OutstandingCall,
+        effects: &mut ComponentEffects<'_>,
+    ) {
+        call.attempt += 1;
+        call.resting = false;
+        call.deadline = effects.now + wire_of(references, call.slot).timeout;
+        match self.post(references, &call, effects) {
+            Ok(()) => self.await_until(call, effects),
+            Err(error) => self.failed(references, call, error, effects),
+        }
+    }
+
+    fn await_until(&mut self, call: OutstandingCall, effects: &mut ComponentEffects<'_>) {
+        effects.effects.wake_at(effects.component, call.deadline);
+        self.outstanding.push(call);
+    }
+
+    fn end(
+        &mut self,
+        references: &[RequiredReference],
+        call: &OutstandingCall,
+        result: Result<Arc<dyn Sample>, CallError>,
+        effects: &mut ComponentEffects<'_>,
+    ) {
+        let (reference, operation) = names(references, call.slot);
+        effects.emit(&Event::Replied {
+            component: effects.name,
+            reference,
+            operation,
+            call: CallId(call.number),
+            result: result.as_deref(),
+        });
+        self.ended.push(EndedCall {
+            number: call.number,
+            slot: call.slot,
+            cause: call.cause,
+            result,
+        });
+        effects.effects.trigger(effects.component);
+    }
+
+    /// What has ended becomes visible to the cycle that begins.
+    pub(crate) fn freeze(&mut self) {
+        self.frozen.append(&mut self.ended);
+    }
+
+    /// Hands over the ended calls of an operation.
+    pub(crate) fn take(&mut self, slot: OperationSlot) -> Vec<EndedCall> {
+        if self.frozen.is_empty() {
+            return Vec::new();
+        }
+        self.frozen
+            .extract_if(.., |ended| ended.slot == slot)
+            .collect()
+    }
+
+    /// Hands over one ended call of an operation.
+    pub(crate) fn take_one(&mut self, slot: OperationSlot, call: CallId) -> Option<EndedCall> {
+        let found =
+            (self.frozen.iter()).position(|ended| ended.slot == slot && ended.number == call.0)?;
+        Some(self.frozen.remove(found))
+    }
+
+    /// Whether a call has not come to its end, or to where a cycle can see it.
+    pub(crate) fn is_under_way(&self, call: CallId) -> bool {
+        let outstanding = self.outstanding.iter().map(|one| one.number);
+        let ended = self.ended.iter().map(|one| one.number);
+        outstanding.chain(ended).any(|number| number == call.0)
+    }
+
+    /// Forgets all calls: the component ends running, and nobody waits for the answers.
+    pub(crate) fn abandon(
+        &mut self,
+        references: &[RequiredReference],
+        effects: &mut ComponentEffects<'_>,
+    ) {
+        for call in std::mem::take(&mut self.outstanding) {
+            tell_cancelled(references, &call, effects);
+        }
+        self.ended.clear();
+        self.frozen.clear();
+    }
+
+    /// The next deadline.
+    pub(crate) fn deadline(&self) -> Option<Time> {
+        self.outstanding.iter().map(|call| call.deadline).min()
+    }
+}
+
+/// Tells the observers of an attempt; says which reference and operation it is of.
+fn announce<'r>(
+    references: &'r [RequiredReference],
+    call: &OutstandingCall,
+    effects: &mut ComponentEffects<'_>,
+) -> (&'r str, &'r str) {
+    let (reference, operation) = names(references, call.slot);
+    effects.emit(&Event::Called {
+        component: effects.name,
+        reference,
+        operation,
+        call: CallId(call.number),
+        attempt: call.attempt,
+        argument: &*call.argument,
+    });
+    (reference, operation)
+}
+
+/// The request of an attempt; without a return address it is one-way.
+fn request(
+    call: &OutstandingCall,
+    operation: usize,
+    reply_to: Option<ReplyTo>,
+    effects: &ComponentEffects<'_>,
+) -> ServiceRequest {
+    ServiceRequest {
+        key: CallKey {
+            caller: effects.component,
+            number: call.number,
+        },
+        operation,
+        argument: Arc::clone(&call.argument),
+        caller: Arc::clone(effects.name),
+        deadline: reply_to.is_some().then_some(call.deadline),
+        trace: call.cause,
+        reply_to,
+    }
+}
+
+fn tell_cancelled(
+    references: &[RequiredReference],
+    call: &OutstandingCall,
+    effects: &mut ComponentEffects<'_>,
+) {
+    let Some(wiring) = wiring(references, call.slot) else {
+        return;
+    };
+    let key = CallKey {
+        caller: effects.component,
+        number: call.number,
+    };
+    // A provider that cannot be told is not at work on it either, or will see the deadline.
+    if wiring.queue.post(ProviderMessage::Cancel(key)).is_ok() {
+        wiring.trigger(effects);
+    }
+}

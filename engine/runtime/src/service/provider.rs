@@ -1,0 +1,243 @@
+//! The provider's side: requests wait for its cycle, and stay open until it answers.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use asmotion_component::declaration::ServiceDeclaration;
+use asmotion_component::{CallError, Handler, RequestId, ServiceFault, guarded};
+use asmotion_datum::Sample;
+use asmotion_port::{Notifier, Time};
+use crossbeam_queue::ArrayQueue;
+
+use super::message::{CallKey, ProviderMessage, ReplyTo, ServiceRequest};
+use crate::effects::{ComponentEffects, Effects};
+use crate::event::Event;
+
+/// How many requests may wait for a provider; more find it unavailable.
+const WAITING: usize = 128;
+
+/// The requests that wait for a provider. Callers on any thread put them in; the provider's thread takes them out.
+pub struct RequestQueue {
+    queue: ArrayQueue<ProviderMessage>,
+    /// Whether the provider runs. Set and cleared by the provider's thread at the border of a cycle (`Release`), read by
+    /// callers (`Acquire`). A request that slips in while it is cleared is refused when the provider empties the queue.
+    open: AtomicBool,
+    /// Notified of every message, if the provider is remote and an adapter takes the messages out.
+    notifier: Option<Arc<Notifier>>,
+    /// By position of the operation: what serves it in the caller's thread, if the provider declared that.
+    handlers: Vec<Option<Handler>>,
+}
+
+impl RequestQueue {
+    fn new(handlers: Vec<Option<Handler>>) -> Arc<Self> {
+        Arc::new(Self {
+            queue: ArrayQueue::new(WAITING),
+            open: AtomicBool::new(false),
+            notifier: None,
+            handlers,
+        })
+    }
+
+    /// The queue of a remote service: always open; the notifier wakes the adapter that empties it.
+    pub fn remote(notifier: Arc<Notifier>) -> Arc<Self> {
+        Arc::new(Self {
+            queue: ArrayQueue::new(WAITING),
+            open: AtomicBool::new(true),
+            notifier: Some(notifier),
+            handlers: Vec::new(),
+        })
+    }
+
+    /// Takes out the oldest message.
+    pub fn next(&self) -> Option<ProviderMessage> {
+        self.queue.pop()
+    }
+
+    /// Serves a request at once, if its operation is served in the caller's thread, whatever the provider is doing;
+    /// otherwise leaves it for the provider's next cycle. Returns whether it left it, so that the provider is to be
+    /// triggered.
+    ///
+    /// # Errors
+    /// [`CallError::Unavailable`]: the provider does not run, or has too many requests.
+    pub fn ask(
+        &self,
+        request: ServiceRequest,
+        effects: &mut dyn Effects,
+    ) -> Result<bool, CallError> {
+        let Some(Some(handler)) = self.handlers.get(request.operation) else {
+            return self.post(ProviderMessage::Request(request)).map(|()| true);
+        };
+        let result = guarded(|| Ok(handler(request.argument)))
+            .unwrap_or_else(|fault| Err(ServiceFault::new("PANIC", fault.to_string())));
+        if let Some(reply_to) = request.reply_to {
+            reply_to.send(
+                request.key.number,
+                result.map_err(CallError::Fault),
+                effects,
+            );
+        }
+        Ok(false)
+    }
+
+    /// Leaves a message for the provider's next cycle.
+    pub(crate) fn post(&self, post: ProviderMessage) -> Result<(), CallError> {
+        if !self.open.load(Ordering::Acquire) {
+            return Err(CallError::Unavailable);
+        }
+        self.queue.push(post).map_err(|_| CallError::Unavailable)?;
+        if let Some(notifier) = &self.notifier {
+            notifier.notify();
+        }
+        Ok(())
+    }
+}
+
+/// A service port at run time.
+pub(crate) struct ProvidedService {
+    pub declaration: ServiceDeclaration,
+    pub queue: Arc<RequestQueue>,
+    /// Frozen, not yet taken by the component.
+    waiting: Vec<(RequestId, ServiceRequest)>,
+    /// Taken, not yet answered.
+    open: Vec<OpenRequest>,
+    /// Taken, and no longer waited for; of this cycle.
+    cancelled: Vec<RequestId>,
+    next: u64,
+}
+
+/// A request that the component has taken.
+struct OpenRequest {
+    id: RequestId,
+    key: CallKey,
+    operation: usize,
+    caller: Arc<str>,
+    deadline: Option<Time>,
+    reply_to: ReplyTo,
+}
+
+impl ProvidedService {
+    pub(crate) fn new(declaration: ServiceDeclaration, handlers: Vec<Option<Handler>>) -> Self {
+        Self {
+            declaration,
+            queue: RequestQueue::new(handlers),
+            waiting: Vec::new(),
+            open: Vec::new(),
+            cancelled: Vec::new(),
+            next: 0,
+        }
+    }
+
+    /// Takes in the requests that came since the last cycle; drops those that are no longer waited for.
+    pub(crate) fn freeze(&mut self, now: Time) {
+        self.cancelled.clear();
+        for _ in 0..self.queue.queue.len() {
+            match self.queue.queue.pop() {
+                None => break,
+                Some(ProviderMessage::Cancel(key)) => self.cancel(key),
+                Some(ProviderMessage::Request(request)) => {
+                    self.next += 1;
+                    self.waiting.push((RequestId(self.next), request));
+                }
+            }
+        }
+        let alive = |deadline: Option<Time>| deadline.is_none_or(|deadline| now < deadline);
+        let awaited = |ask: &ServiceRequest| ask.reply_to.as_ref().is_none_or(ReplyTo::is_awaited);
+        (self.waiting).retain(|(_, ask)| alive(ask.deadline) && awaited(ask));
+        let cancelled = &mut self.cancelled;
+        self.open.retain(|open| {
+            let keep = alive(open.deadline) && open.reply_to.is_awaited();
+            if !keep {
+                cancelled.push(open.id);
+            }
+            keep
+        });
+    }
+
+    fn cancel(&mut self, key: CallKey) {
+        self.waiting.retain(|(_, ask)| ask.key != key);
+        while let Some(index) = self.open.iter().position(|open| open.key == key) {
+            self.cancelled.push(self.open.remove(index).id);
+        }
+    }
+
+    /// Hands over the waiting requests of an operation; those that expect an answer stay open.
+    pub(crate) fn take(&mut self, operation: usize) -> Vec<(RequestId, ServiceRequest)> {
+        if self.waiting.is_empty() {
+            return Vec::new();
+        }
+        let mut taken: Vec<_> = self
+            .waiting
+            .extract_if(.., |(_, ask)| ask.operation == operation)
+            .collect();
+        self.open.extend(taken.iter_mut().filter_map(|(id, ask)| {
+            Some(OpenRequest {
+                id: *id,
+                key: ask.key,
+                operation: ask.operation,
+                caller: Arc::clone(&ask.caller),
+                deadline: ask.deadline,
+                reply_to: ask.reply_to.take()?,
+            })
+        }));
+        taken
+    }
+
+    /// The taken requests that are no longer waited for, as of this cycle.
+    pub(crate) fn cancelled(&self) -> &[RequestId] {
+        &self.cancelled
+    }
+
+    /// Sends an answer; drops it if the caller no longer waits.
+    pub(crate) fn answer(
+        &mut self,
+        to: RequestId,
+        result: Result<Arc<dyn Sample>, ServiceFault>,
+        effects: &mut ComponentEffects<'_>,
+    ) {
+        let Some(index) = self.open.iter().position(|open| open.id == to) else {
+            return;
+        };
+        let open = self.open.remove(index);
+        self.send(open, result.map_err(CallError::Fault), effects);
+    }
+
+    fn send(
+        &self,
+        open: OpenRequest,
+        result: Result<Arc<dyn Sample>, CallError>,
+        effects: &mut ComponentEffects<'_>,
+    ) {
+        let operation = self.declaration.operations.get(open.operation);
+        effects.emit(&Event::Answered {
+            component: effects.name,
+            service: &self.declaration.name,
+            operation: operation.map_or("", |operation| &operation.name),
+            caller: &open.caller,
+            result: result.as_deref(),
+        });
+        let number = open.key.number;
+        open.reply_to.send(number, result, effects.effects);
+    }
+
+    /// The component begins to run.
+    pub(crate) fn open(&self) {
+        self.queue.open.store(true, Ordering::Release);
+    }
+
+    /// The component ends running: waiting callers get [`CallError::Unavailable`].
+    pub(crate) fn close(&mut self, effects: &mut ComponentEffects<'_>) {
+        self.queue.open.store(false, Ordering::Release);
+        self.refuse(effects);
+    }
+
+    /// Answers everything with [`CallError::Unavailable`].
+    pub(crate) fn refuse(&mut self, effects: &mut ComponentEffects<'_>) {
+        self.freeze(effects.now);
+        for operation in 0..self.declaration.operations.len() {
+            drop(self.take(operation));
+        }
+        for open in std::mem::take(&mut self.open) {
+            self.send(open, Err(CallError::Unavailable), effects);
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! A reference at run time: which services it is joined to, and how.
+
+use std::sync::Arc;
+
+use asmotion_component::declaration::ReferenceDeclaration;
+use asmotion_component::{CallError, OperationSlot, Wire};
+
+use super::message::ServiceRequest;
+use super::provider::RequestQueue;
+use crate::effects::ComponentEffects;
+
+/// A reference at run time.
+pub(crate) struct RequiredReference {
+    pub declaration: ReferenceDeclaration,
+    /// One service, or several that get one-way calls only.
+    pub wirings: Vec<Wiring>,
+}
+
+/// What a reference is joined to.
+pub(crate) struct Wiring {
+    pub queue: Arc<RequestQueue>,
+    /// The service: `TrajectoryPlanner.planning`.
+    pub to: String,
+    /// The provider's place in the system, if it is there.
+    pub provider: Option<usize>,
+    /// The service's position of each of the reference's operations.
+    pub operations: Vec<usize>,
+    pub wire: Wire,
+}
+
+impl Wiring {
+    /// Leaves a request with the provider.
+    pub(super) fn ask(
+        &self,
+        request: ServiceRequest,
+        effects: &mut ComponentEffects<'_>,
+    ) -> Result<(), CallError> {
+        if self.queue.ask(request, effects.effects)? {
+            self.trigger(effects);
+        }
+        Ok(())
+    }
+
+    /// Something is in the provider's queue. A remote provider's queue has a notifier instead.
+    pub(super) fn trigger(&self, effects: &mut ComponentEffects<'_>) {
+        if let Some(provider) = self.provider {
+            effects.effects.trigger(provider);
+        }
+    }
+}
+
+/// The wiring whose service answers.
+pub(super) fn wiring(references: &[RequiredReference], slot: OperationSlot) -> Option<&Wiring> {
+    references.get(slot.port)?.wirings.first()
+}
+
+pub(super) fn wire_of(references: &[RequiredReference], slot: OperationSlot) -> Wire {
+    wiring(references, slot).map_or_else(Wire::default, |wiring| wiring.wire)
+}
+
+pub(super) fn names(references: &[RequiredReference], slot: OperationSlot) -> (&str, &str) {
+    let Some(reference) = references.get(slot.port) else {
+        return ("", "");
+    };
+    let operation = reference.declaration.operations.get(slot.operation);
+    (
+        &reference.declaration.name,
+        operation.map_or("", |operation| &operation.name),
+    )
+}

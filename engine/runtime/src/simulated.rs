@@ -1,0 +1,246 @@
+//! Simulated time: one thread, a virtual clock, a queue ordered by (time, declaration order).
+//!
+//! The same system runs the same way each time: nothing here asks what time it really is, but the pacer, which only
+//! sleeps. What a cycle commits is delivered at once; a component it triggers runs at the same instant, after it.
+
+mod handle;
+mod pacer;
+mod queue;
+mod timeline;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use asmotion_datum::Sample;
+use asmotion_port::Time;
+
+pub use self::pacer::Pace;
+use self::pacer::Pacer;
+use self::queue::{Due, DueWork};
+use self::timeline::Timeline;
+use crate::adapter::Adapter;
+use crate::connections::ConnectionTable;
+use crate::descriptor::ComponentDescriptor;
+use crate::event::Observer;
+use crate::handle::RunHandle;
+use crate::health;
+use crate::injection::{InjectionPorts, InjectionTarget};
+use crate::run::{Act, Executor, Watch};
+use crate::system::System;
+use crate::unit::ComponentUnit;
+
+/// A system in simulated time.
+pub struct Simulation {
+    units: Vec<ComponentUnit>,
+    descriptors: Vec<ComponentDescriptor>,
+    connections: ConnectionTable,
+    timeline: Timeline,
+    injections: InjectionPorts,
+    adapters: Vec<Box<dyn Adapter>>,
+    pacer: Option<Pacer>,
+}
+
+impl System {
+    /// Starts the system in simulated time: every component is configured, then those that run on start-up start,
+    /// all at time zero. What fails is left out, and seen in its state and by the observers.
+    pub fn simulate(self) -> Simulation {
+        Simulation::new(self)
+    }
+}
+
+impl Simulation {
+    fn new(mut system: System) -> Self {
+        let descriptors = system.enter_run();
+        let System {
+            mut units,
+            observers,
+            topics,
+            adapters,
+            mut connections,
+            ..
+        } = system;
+        let injections = InjectionPorts::new(&mut units, &topics, &mut connections);
+        let mut simulation = Self {
+            timeline: Timeline::new(&units, observers),
+            units,
+            descriptors,
+            connections,
+            injections,
+            adapters,
+            pacer: None,
+        };
+        simulation.start_up();
+        if simulation.adapters.is_empty() {
+            let now = simulation.timeline.now;
+            let mut effects = simulation.timeline.effects(None);
+            health::publish_without_bus(&topics, &mut simulation.injections, now, &mut effects);
+        }
+        simulation
+    }
+
+    /// Makes virtual time keep pace with real time from now on.
+    pub fn set_pace(&mut self, pace: Pace) {
+        self.pacer = match pace {
+            Pace::Unlimited => None,
+            Pace::Factor(factor) => Some(Pacer::new(self.timeline.now, factor)),
+        };
+    }
+
+    /// Adds an observer; it sees everything from now on.
+    pub fn observe(&mut self, observer: impl Observer + 'static) {
+        self.timeline.observers.push(Box::new(observer));
+    }
+
+    /// Does what is due next: a cycle, a deadline, a sample from outside. `None` if nothing is due ever.
+    pub fn step(&mut self) -> Option<Time> {
+        self.take_from_outside();
+        let due = self.timeline.queue.pop()?;
+        self.act(due, None);
+        Some(self.timeline.now)
+    }
+
+    /// When something is due next.
+    pub fn next_due(&self) -> Option<Time> {
+        self.timeline.queue.next()
+    }
+
+    /// Lets the adapters deliver, and triggers the components that threads outside have written to.
+    fn take_from_outside(&mut self) {
+        let now = self.timeline.now;
+        let mut effects = self.timeline.effects(None);
+        effects.take_outside_triggers();
+        for adapter in &mut self.adapters {
+            adapter.deliver(now, &mut effects);
+        }
+    }
+
+    fn set_time(&mut self, at: Time) {
+        if at <= self.timeline.now {
+            return;
+        }
+        if let Some(pacer) = &self.pacer {
+            pacer.wait(at);
+        }
+        self.timeline.set_now(at);
+        for driven in &mut self.timeline.each {
+            driven.cycles = 0;
+        }
+    }
+
+    /// Does one thing. Says whether the event waited for has happened.
+    fn act(&mut self, due: Due, watch: Option<Watch<'_>>) -> bool {
+        self.set_time(due.at);
+        let mut effects = self.timeline.effects(watch);
+        match due.what {
+            DueWork::Sample { target, sample } => {
+                self.injections
+                    .inject(target, &sample, due.at, &mut effects);
+            }
+            DueWork::Deadline { component } => {
+                self.units[component].settle(due.at, &mut effects);
+            }
+            DueWork::Trigger {
+                component,
+                generation,
+            } => {
+                let driven = &mut effects.timeline.each[component];
+                if driven.generation == generation {
+                    driven.triggered = false;
+                    effects.cycle(&mut self.units, component);
+                }
+            }
+            DueWork::Period {
+                component,
+                generation,
+            } => {
+                if effects.timeline.each[component].generation == generation {
+                    effects.cycle(&mut self.units, component);
+                    effects.repeat(&self.units[component], due.at, generation);
+                }
+            }
+        }
+        let seen = effects.seen;
+        if std::mem::take(&mut self.timeline.escalated) {
+            self.stop_all();
+        }
+        seen
+    }
+}
+
+impl Executor for Simulation {
+    fn clock(&self) -> Time {
+        self.timeline.now
+    }
+
+    fn descriptors(&self) -> &[ComponentDescriptor] {
+        &self.descriptors
+    }
+
+    fn connections(&mut self) -> (&mut ConnectionTable, &[ComponentDescriptor]) {
+        (&mut self.connections, &self.descriptors)
+    }
+
+    fn injections(&self) -> &InjectionPorts {
+        &self.injections
+    }
+
+    fn handle(&self) -> Arc<dyn RunHandle> {
+        self.timeline.run_handle()
+    }
+
+    fn plan(&mut self, at: Time, target: InjectionTarget, sample: Arc<dyn Sample>) {
+        let at = at.max(self.timeline.now);
+        self.timeline
+            .queue
+            .push(at, DueWork::Sample { target, sample });
+    }
+
+    /// Runs what is due up to a time, and says whether the event waited for has happened.
+    fn advance(&mut self, until: Time, mut watch: Option<Watch<'_>>) -> bool {
+        loop {
+            self.take_from_outside();
+            let Some(due) = self.timeline.queue.pop_until(until) else {
+                break;
+            };
+            let watch = watch.as_mut().map(|watch| &mut **watch as Watch<'_>);
+            if self.act(due, watch) {
+                return true;
+            }
+        }
+        self.set_time(until);
+        false
+    }
+
+    fn call(&mut self, component: usize) {
+        let now = self.timeline.now;
+        self.timeline.trigger(component, now);
+    }
+
+    /// No cycle is ever under way.
+    fn patience(&self) -> Duration {
+        Duration::MAX
+    }
+
+    fn glance(&self) -> Duration {
+        Duration::MAX
+    }
+
+    fn post(&mut self, component: usize, act: Act) {
+        let now = self.timeline.now;
+        let mut effects = self.timeline.effects(None);
+        let unit = &mut self.units[component];
+        let ran = unit.state().is_running();
+        act(unit, now, &mut effects);
+        match !ran && unit.state().is_running() {
+            true => self.timeline.begin(unit),
+            false => self.timeline.follow(unit),
+        }
+    }
+}
+
+/// Readers and writers outside learn that the system is gone.
+impl Drop for Simulation {
+    fn drop(&mut self) {
+        self.timeline.end();
+    }
+}

@@ -1,0 +1,76 @@
+//! What threads outside share with a simulation: they write when they like, the simulation learns of it before its next
+//! step.
+
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
+
+use asmotion_port::Time;
+
+use crate::handle::RunHandle;
+
+/// Shared with readers, writers and callers on other threads.
+pub(super) struct SimulatedHandle {
+    /// Stored by the simulation, read by others.
+    now: AtomicI64,
+    /// Place of the last sample among all samples.
+    order: AtomicU64,
+    /// Set after a flag of `triggered`, taken by the simulation before it looks at them. `Release` and `AcqRel`: a
+    /// simulation that takes it sees that flag and the sample put in before. A flag set while it looks sets this again.
+    any: AtomicBool,
+    /// For each component, whether something new is there. Set by others, taken by the simulation.
+    triggered: Box<[AtomicBool]>,
+    /// Set when the simulation is dropped.
+    ended: AtomicBool,
+}
+
+impl SimulatedHandle {
+    pub(super) fn new(components: usize) -> Self {
+        Self {
+            now: AtomicI64::new(0),
+            order: AtomicU64::new(0),
+            any: AtomicBool::new(false),
+            triggered: (0..components).map(|_| AtomicBool::new(false)).collect(),
+            ended: AtomicBool::new(false),
+        }
+    }
+
+    pub(super) fn set_now(&self, now: Time) {
+        self.now.store(now.nanos(), Ordering::Relaxed);
+    }
+
+    pub(super) fn end(&self) {
+        self.ended.store(true, Ordering::Release);
+    }
+
+    /// Hands over the components that are to be triggered.
+    pub(super) fn take_triggered(&self, mut give: impl FnMut(usize)) {
+        if !self.any.load(Ordering::Relaxed) || !self.any.swap(false, Ordering::AcqRel) {
+            return;
+        }
+        for (component, triggered) in self.triggered.iter().enumerate() {
+            if triggered.swap(false, Ordering::AcqRel) {
+                give(component);
+            }
+        }
+    }
+}
+
+impl RunHandle for SimulatedHandle {
+    fn now(&self) -> Time {
+        Time::from_nanos(self.now.load(Ordering::Relaxed))
+    }
+
+    fn next_order(&self) -> u64 {
+        self.order.fetch_add(1, Ordering::Relaxed) + 1
+    }
+
+    fn trigger(&self, component: usize) {
+        if let Some(triggered) = self.triggered.get(component) {
+            triggered.store(true, Ordering::Release);
+            self.any.store(true, Ordering::Release);
+        }
+    }
+
+    fn is_running(&self) -> bool {
+        !self.ended.load(Ordering::Acquire)
+    }
+}

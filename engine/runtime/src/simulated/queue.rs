@@ -1,0 +1,97 @@
+//! What is due, in order: by time; at one instant samples and deadlines before cycles, and these in declaration order.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::collections::binary_heap::PeekMut;
+use std::sync::Arc;
+
+use asmotion_datum::Sample;
+use asmotion_port::Time;
+
+use crate::injection::InjectionTarget;
+
+/// Something due at a time.
+pub(super) struct Due {
+    pub at: Time,
+    /// Breaks ties: the order in which things were planned.
+    serial: u64,
+    pub what: DueWork,
+}
+
+/// What is to be done.
+pub(super) enum DueWork {
+    /// A sample from outside.
+    Sample {
+        target: InjectionTarget,
+        sample: Arc<dyn Sample>,
+    },
+    /// The end of a call, unless it has been answered.
+    Deadline { component: usize },
+    /// A cycle, because something new is there.
+    Trigger { component: usize, generation: u64 },
+    /// A cycle, because a period has passed.
+    Period { component: usize, generation: u64 },
+}
+
+impl Due {
+    fn rank(&self) -> (Time, u8, usize, u64) {
+        let (class, component) = match self.what {
+            DueWork::Sample { .. } => (0, 0),
+            DueWork::Deadline { component } => (1, component),
+            DueWork::Trigger { component, .. } | DueWork::Period { component, .. } => {
+                (2, component)
+            }
+        };
+        (self.at, class, component, self.serial)
+    }
+}
+
+impl PartialEq for Due {
+    fn eq(&self, other: &Self) -> bool {
+        self.rank() == other.rank()
+    }
+}
+
+impl Eq for Due {}
+
+impl PartialOrd for Due {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Due {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.rank().cmp(&other.rank())
+    }
+}
+
+/// What is due, earliest first.
+#[derive(Default)]
+pub(super) struct DueQueue {
+    heap: BinaryHeap<Reverse<Due>>,
+    planned: u64,
+}
+
+impl DueQueue {
+    pub(super) fn push(&mut self, at: Time, what: DueWork) {
+        self.planned += 1;
+        let serial = self.planned;
+        self.heap.push(Reverse(Due { at, serial, what }));
+    }
+
+    pub(super) fn pop(&mut self) -> Option<Due> {
+        self.heap.pop().map(|Reverse(due)| due)
+    }
+
+    /// What is due next, if it is due by then.
+    pub(super) fn pop_until(&mut self, until: Time) -> Option<Due> {
+        let due = self.heap.peek_mut()?;
+        (due.0.at <= until).then(|| PeekMut::pop(due).0)
+    }
+
+    /// When something is due next.
+    pub(super) fn next(&self) -> Option<Time> {
+        self.heap.peek().map(|Reverse(due)| due.at)
+    }
+}

@@ -1,0 +1,260 @@
+//! The timeline of a simulation: the clock, the queue of what is due, the observers.
+
+use std::sync::Arc;
+
+use asmotion_component::{Drive, Fault};
+use asmotion_port::Time;
+
+use super::handle::SimulatedHandle;
+use super::queue::{DueQueue, DueWork};
+use crate::effects::Effects;
+use crate::event::{Event, Observer};
+use crate::handle::RunHandle;
+use crate::run::Watch;
+use crate::unit::ComponentUnit;
+
+/// Cycles of one component at one instant before that counts as a loop: more than any inbox holds events, of which a
+/// coordinator takes one a cycle.
+const CYCLES_AN_INSTANT: u32 = 1000;
+
+/// Everything around the units.
+pub(super) struct Timeline {
+    pub now: Time,
+    pub queue: DueQueue,
+    pub observers: Vec<Box<dyn Observer>>,
+    pub each: Vec<UnitSchedule>,
+    /// All are to stop.
+    pub escalated: bool,
+    /// Shared with threads outside.
+    handle: Arc<SimulatedHandle>,
+}
+
+/// What the executor keeps of each unit.
+pub(super) struct UnitSchedule {
+    drive: Drive,
+    /// A cycle is already in the queue because of a trigger.
+    pub triggered: bool,
+    /// Grows when the schedule is set anew; older entries of the queue then mean nothing.
+    pub generation: u64,
+    /// Cycles at the present instant.
+    pub cycles: u32,
+}
+
+/// The effects of one step on the timeline.
+pub(super) struct SimulatedEffects<'a, 'w> {
+    pub timeline: &'a mut Timeline,
+    watch: Option<Watch<'w>>,
+    /// The event waited for has happened.
+    pub seen: bool,
+}
+
+impl Effects for SimulatedEffects<'_, '_> {
+    fn emit(&mut self, at: Time, event: &Event<'_>) {
+        for observer in &mut self.timeline.observers {
+            observer.observe(at, event);
+        }
+        if let Some(watch) = &mut self.watch {
+            self.seen |= watch(at, event);
+        }
+    }
+
+    fn trigger(&mut self, component: usize) {
+        let Some(driven) = self.timeline.each.get_mut(component) else {
+            return;
+        };
+        if driven.drive == Drive::Event {
+            let now = self.timeline.now;
+            self.timeline.trigger(component, now);
+        }
+    }
+
+    fn wake_at(&mut self, component: usize, at: Time) {
+        self.timeline
+            .queue
+            .push(at, DueWork::Deadline { component });
+    }
+
+    fn escalate(&mut self, _: usize) {
+        self.timeline.escalated = true;
+    }
+
+    fn next_order(&mut self) -> u64 {
+        self.timeline.handle.next_order()
+    }
+}
+
+impl Timeline {
+    pub(super) fn new(units: &[ComponentUnit], observers: Vec<Box<dyn Observer>>) -> Self {
+        let each = |unit: &ComponentUnit| UnitSchedule {
+            drive: unit.activity.drive,
+            triggered: false,
+            generation: 0,
+            cycles: 0,
+        };
+        Self {
+            now: Time::ZERO,
+            queue: DueQueue::default(),
+            observers,
+            each: units.iter().map(each).collect(),
+            escalated: false,
+            handle: Arc::new(SimulatedHandle::new(units.len())),
+        }
+    }
+
+    pub(super) fn set_now(&mut self, now: Time) {
+        self.now = now;
+        self.handle.set_now(now);
+    }
+
+    /// The system, for threads outside.
+    pub(super) fn run_handle(&self) -> Arc<dyn RunHandle> {
+        Arc::clone(&self.handle) as Arc<dyn RunHandle>
+    }
+
+    /// The system runs no more.
+    pub(super) fn end(&self) {
+        self.handle.end();
+    }
+
+    /// The effects of one step on the timeline.
+    pub(super) fn effects<'w>(&mut self, watch: Option<Watch<'w>>) -> SimulatedEffects<'_, 'w> {
+        SimulatedEffects {
+            timeline: self,
+            watch,
+            seen: false,
+        }
+    }
+}
+
+impl UnitSchedule {
+    /// Sets the schedule anew.
+    fn renew(&mut self, drive: Drive) -> u64 {
+        self.drive = drive;
+        self.triggered = false;
+        self.generation += 1;
+        self.generation
+    }
+}
+
+impl SimulatedEffects<'_, '_> {
+    /// Triggers the components that threads outside have written to.
+    pub(super) fn take_outside_triggers(&mut self) {
+        let handle = Arc::clone(&self.timeline.handle);
+        handle.take_triggered(|component| self.trigger(component));
+    }
+
+    /// One cycle of a unit, unless it has had too many at this instant.
+    pub(super) fn cycle(&mut self, units: &mut [ComponentUnit], component: usize) {
+        let now = self.timeline.now;
+        let driven = &mut self.timeline.each[component];
+        driven.cycles += 1;
+        if driven.cycles > CYCLES_AN_INSTANT {
+            let fault = self.timeline.endless(units);
+            units[component].fail(fault, now, self);
+            return;
+        }
+        let ran = units[component].state().is_running();
+        let unit = &mut units[component];
+        unit.cycle(now, self);
+        if ran {
+            unit.hold_to_deadline(unit.body.lasts, now, self);
+        }
+        match units[component].restart_after_fault(now, self) {
+            true => self.timeline.begin(&units[component]),
+            false => self.timeline.follow(&units[component]),
+        }
+        if ran {
+            self.slaves(units, component);
+        }
+    }
+
+    /// The slaves of a unit that has cycled do so, too, at the same instant.
+    fn slaves(&mut self, units: &mut [ComponentUnit], master: usize) {
+        for slave in 0..units.len() {
+            if units[slave].master == Some(master) && units[slave].state().is_running() {
+                self.cycle(units, slave);
+            }
+        }
+    }
+
+    /// Plans the next periodic cycle: at an absolute time, so that nothing drifts.
+    pub(super) fn repeat(&mut self, unit: &ComponentUnit, last: Time, generation: u64) {
+        let unchanged = self.timeline.each[unit.index].generation == generation;
+        if let Drive::Period(period) = unit.activity.drive
+            && unchanged
+            && unit.state().is_running()
+        {
+            let component = unit.index;
+            (self.timeline.queue).push(
+                last + period,
+                DueWork::Period {
+                    component,
+                    generation,
+                },
+            );
+        }
+    }
+}
+
+impl Timeline {
+    /// Plans the first cycle after a start; an event-driven component has one too (RTT triggers on start).
+    pub(super) fn begin(&mut self, unit: &ComponentUnit) {
+        let component = unit.index;
+        let driven = &mut self.each[component];
+        let generation = driven.renew(unit.activity.drive);
+        let first = self.now + unit.activity.delay;
+        match unit.activity.drive {
+            Drive::Manual | Drive::Slave => {}
+            Drive::Event => self.trigger(component, first),
+            Drive::Period(_) => {
+                let what = DueWork::Period {
+                    component,
+                    generation,
+                };
+                self.queue.push(first, what);
+            }
+        }
+    }
+
+    /// Plans a cycle, unless one is planned already.
+    pub(super) fn trigger(&mut self, component: usize, at: Time) {
+        let driven = &mut self.each[component];
+        if driven.triggered {
+            return;
+        }
+        driven.triggered = true;
+        let generation = driven.generation;
+        let what = DueWork::Trigger {
+            component,
+            generation,
+        };
+        self.queue.push(at, what);
+    }
+
+    /// Notices that a unit's drive has changed, and plans anew from its last cycle: now.
+    pub(super) fn follow(&mut self, unit: &ComponentUnit) {
+        let driven = &mut self.each[unit.index];
+        if driven.drive == unit.activity.drive {
+            return;
+        }
+        let generation = driven.renew(unit.activity.drive);
+        if let Drive::Period(period) = unit.activity.drive {
+            let what = DueWork::Period {
+                component: unit.index,
+                generation,
+            };
+            self.queue.push(self.now + period, what);
+        }
+    }
+
+    /// The fault of those that trigger each other without end.
+    fn endless(&self, units: &[ComponentUnit]) -> Fault {
+        let busy = |unit: &&ComponentUnit| self.each[unit.index].cycles > CYCLES_AN_INSTANT / 2;
+        Fault::Loop {
+            at: self.now,
+            components: (units.iter().filter(busy))
+                .map(|unit| unit.name.to_string())
+                .collect(),
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! Streams: single ports joined to another middleware (RTT `createStream`).
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use asmotion_datum::{DatumError, Sample};
+use asmotion_port::{AnySender, Delivery, Time};
+
+use crate::context::LiveContext;
+use crate::injection::InjectionPort;
+
+/// Where the samples of an output go.
+pub trait Sink: Send + 'static {
+    /// Its name, for people: `mqueue:/jointStatus`.
+    fn name(&self) -> String;
+
+    /// Sends a sample, or drops it. Never waits: it is called in the writer's cycle.
+    ///
+    /// # Errors
+    /// The sample cannot be sent at all.
+    fn send(&mut self, sample: Arc<dyn Sample>) -> Result<Delivery, DatumError>;
+}
+
+/// Where the samples of an input come from.
+pub trait Source: Send + 'static {
+    /// Its name, for people: `mqueue:/commands`.
+    fn name(&self) -> String;
+
+    /// The next sample, waited for so long at most. `None` if none came; an error for one that cannot be read.
+    fn next(&mut self, at_most: Duration) -> Option<Result<Arc<dyn Sample>, DatumError>>;
+}
+
+/// A sink as the reading end of a connection.
+pub(crate) struct SinkSender(pub Box<dyn Sink>);
+
+impl AnySender for SinkSender {
+    fn accepts(&self, _: &Arc<dyn Sample>) -> Result<(), DatumError> {
+        Ok(())
+    }
+
+    fn send_sample(
+        &mut self,
+        sample: Arc<dyn Sample>,
+        _: Time,
+        _: u64,
+    ) -> Result<Delivery, DatumError> {
+        self.0.send(sample)
+    }
+}
+
+/// A source and the port it leads to.
+pub(crate) struct SourceStream {
+    pub source: Box<dyn Source>,
+    pub port: InjectionPort,
+}
+
+/// The longest wait for a sample, so that an end is noticed.
+const NAP: Duration = Duration::from_millis(100);
+
+/// The threads that read sources, one each. Dropping this ends them: each looks at `ended` after every nap.
+pub(crate) struct SourceThreads {
+    ended: Arc<AtomicBool>,
+    threads: Vec<JoinHandle<()>>,
+}
+
+impl SourceThreads {
+    pub(crate) fn new(streams: Vec<SourceStream>, context: &LiveContext) -> Self {
+        let ended = Arc::new(AtomicBool::new(false));
+        let thread = |stream: SourceStream| {
+            let (ended, context) = (Arc::clone(&ended), context.clone());
+            let thread = std::thread::Builder::new().name(stream.source.name());
+            thread
+                .spawn(move || stream.inject_all(&ended, context))
+                .ok()
+        };
+        Self {
+            threads: streams.into_iter().filter_map(thread).collect(),
+            ended,
+        }
+    }
+}
+
+impl Drop for SourceThreads {
+    fn drop(&mut self) {
+        self.ended.store(true, Ordering::Release);
+        for thread in self.threads.drain(..) {
+            // a source that has panicked has ended its thread before
+            let _ = thread.join();
+        }
+    }
+}
+
+impl SourceStream {
+    fn inject_all(mut self, ended: &AtomicBool, mut context: LiveContext) {
+        while !ended.load(Ordering::Acquire) {
+            let sample = self.source.next(NAP);
+            let now = context.now();
+            match sample {
+                Some(Ok(sample)) => self.port.inject(&sample, now, &mut context),
+                Some(Err(reason)) => self.port.count_dropped(1, Some(&reason), now, &mut context),
+                None => {}
+            }
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! The builder of a system: components, properties, connections, topics, wires. It reads no file.
+
+mod attach;
+mod join;
+
+use std::sync::Arc;
+
+use asmotion_component::{
+    Activity, Component, Declaration, Interface, PropertyError, PropertyProblem, State,
+};
+use asmotion_datum::Datum;
+use asmotion_port::Notifier;
+
+use crate::adapter::Adapter;
+use crate::body::ComponentBody;
+use crate::build_error::BuildError;
+use crate::connections::ConnectionTable;
+use crate::descriptor::ComponentDescriptor;
+use crate::event::Observer;
+use crate::stream::SourceStream;
+use crate::topic::SystemTopic;
+use crate::unit::ComponentUnit;
+
+pub(crate) use join::fit;
+
+/// A system in the making.
+///
+/// ```
+/// use asmotion_component::{Activity, Component, Cycle, Fault, Out, Span};
+/// use asmotion_runtime::{BuildError, Run, System};
+///
+/// asmotion_datum::message! {
+///     /// A count.
+///     pub struct Count = "example/Count" {
+///         /// ticks
+///         pub ticks: u32,
+///     }
+/// }
+///
+/// struct Ticker { ticks: Out<Count> }
+///
+/// impl Component for Ticker {
+///     fn update(&mut self, cycle: &mut Cycle<'_>) -> Result<(), Fault> {
+///         cycle.write(self.ticks, Count { ticks: 1 });
+///         Ok(())
+///     }
+/// }
+///
+/// let mut system = System::new();
+/// system.add("Ticker", Activity::periodic(10.ms()), |interface| {
+///     Box::new(Ticker { ticks: interface.output("ticks", "one a cycle") })
+/// })?;
+/// system.publish("Ticker.ticks", "ticks")?;
+/// let mut run = system.simulate();
+/// run.run_for(1.s());
+/// assert_eq!(run.cycles("Ticker"), 101);
+/// # Ok::<(), BuildError>(())
+/// ```
+///
+/// (The first cycle is at zero, so a second has 101 cycles of 10 ms.)
+#[derive(Default)]
+pub struct System {
+    pub(crate) units: Vec<ComponentUnit>,
+    pub(crate) observers: Vec<Box<dyn Observer>>,
+    pub(crate) topics: Vec<SystemTopic>,
+    /// Whether an adapter joins publishers and subscribers, not the system itself.
+    topics_outside: bool,
+    pub(crate) adapters: Vec<Box<dyn Adapter>>,
+    /// Wakes the thread that calls the adapters.
+    pub(crate) notifier: Arc<Notifier>,
+    pub(crate) connections: ConnectionTable,
+    /// Inputs that sources lead to.
+    pub(crate) streams: Vec<SourceStream>,
+}
+
+/// A component of a system under construction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ComponentId(pub(crate) usize);
+
+impl ComponentId {
+    /// The component's position in the system: the order of additions, from 0.
+    pub fn position(self) -> usize {
+        self.0
+    }
+}
+
+impl System {
+    /// A system without components.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The same as [`System::new`], for those who look for a builder.
+    pub fn builder() -> Self {
+        Self::default()
+    }
+
+    /// Adds a component: its name, what drives it, its constructor. The order of additions is the order of
+    /// everything else: of configuring, of cycles due at one instant.
+    pub fn add(
+        &mut self,
+        name: &str,
+        activity: Activity,
+        construct: impl FnOnce(&mut Interface) -> Box<dyn Component>,
+    ) -> Result<ComponentId, BuildError> {
+        if name.is_empty() || self.id(name).is_some() {
+            return Err(BuildError::Name {
+                name: name.to_owned(),
+            });
+        }
+        let mut interface = Interface::new();
+        let component = construct(&mut interface);
+        if let Some(problem) = interface.problems().first() {
+            return Err(BuildError::Declaration {
+                component: name.to_owned(),
+                source: problem.clone(),
+            });
+        }
+        let index = self.units.len();
+        let body = ComponentBody::new(interface, index);
+        let unit = ComponentUnit::new(Arc::from(name), index, activity, component, body);
+        self.units.push(unit);
+        Ok(ComponentId(index))
+    }
+
+    /// A component by name.
+    pub fn id(&self, name: &str) -> Option<ComponentId> {
+        let found = self.units.iter().position(|unit| *unit.name == *name);
+        found.map(ComponentId)
+    }
+
+    /// What a component declares.
+    pub fn declaration(&self, component: ComponentId) -> Option<&Declaration> {
+        let unit = self.units.get(component.0);
+        unit.map(|unit| &unit.body.declaration)
+    }
+
+    /// Sets a property; the value is checked against its type, range and choices.
+    pub fn set_property(
+        &mut self,
+        component: ComponentId,
+        property: &str,
+        value: &Datum,
+    ) -> Result<(), PropertyError> {
+        let Some(unit) = self.units.get_mut(component.0) else {
+            return Err(PropertyError {
+                component: format!("component {}", component.0),
+                property: property.to_owned(),
+                problem: Box::new(PropertyProblem::Unknown { nearest: None }),
+            });
+        };
+        // Put in place when the component is configured.
+        let values = [(property.to_owned(), value.clone())];
+        unit.body.prepare(&unit.name, &values)
+    }
+
+    /// Adds an observer; it sees everything from the first configuring on.
+    pub fn observe(&mut self, observer: impl Observer + 'static) {
+        self.observers.push(Box::new(observer));
+    }
+
+    /// The state of a component: [`State::Init`], until the system runs.
+    pub fn state(&self, component: ComponentId) -> Option<State> {
+        self.units.get(component.0).map(ComponentUnit::state)
+    }
+
+    /// The system begins to run: an executor has it. Returns what other threads see of the components.
+    pub(crate) fn enter_run(&mut self) -> Vec<ComponentDescriptor> {
+        self.units.iter_mut().for_each(ComponentUnit::enter_run);
+        let threads: Vec<_> = (0..self.units.len())
+            .map(|unit| self.thread(unit))
+            .collect();
+        let units = self.units.iter().zip(threads);
+        units
+            .map(|(unit, thread)| unit.descriptor(thread))
+            .collect()
+    }
+}

@@ -1,0 +1,287 @@
+//! Joining: port to port, port to topic, reference to service.
+
+use std::sync::Arc;
+
+use asmotion_component::declaration::{
+    Declaration, OperationDeclaration, ReferenceDeclaration, ServiceDeclaration,
+};
+use asmotion_component::{BusHealth, Drive, HEALTH_TOPIC, Wire, suggestion_among};
+use asmotion_datum::{DatumError, Message, Problem, Schema};
+use asmotion_port::{ConnectionId, OutputLink, Policy};
+
+use super::{ComponentId, System};
+use crate::build_error::BuildError;
+use crate::end::{self, ComponentEnd, EndTable, inputs, outputs, references, services};
+use crate::injection::InjectionPort;
+use crate::service::{RequiredReference, Wiring};
+use crate::stream::{Sink, SinkSender, Source, SourceStream};
+use crate::topic::SystemTopic;
+
+impl System {
+    /// Connects an output to an input: `connect("TrajectoryFollower.twist", "RoverDriver.twist", Policy::data())`.
+    pub fn connect(&mut self, from: &str, to: &str, policy: Policy) -> Result<(), BuildError> {
+        let from = self.end(from, outputs)?;
+        let to = self.end(to, inputs)?;
+        self.connections.refuse_twice(&from, &to)?;
+        let connection = self.join(&from, &to, &policy)?;
+        self.connections.remember(connection, from, to);
+        Ok(())
+    }
+
+    /// Lets a component cycle in the thread of another one, right after it (RTT `SlaveActivity`). Its own period means
+    /// nothing then.
+    pub fn slave(&mut self, slave: &str, master: &str) -> Result<(), BuildError> {
+        let [slave_index, master_index] = [self.component(slave)?.0, self.component(master)?.0];
+        if self.thread(master_index) == slave_index {
+            return Err(BuildError::OwnMaster {
+                slave: slave.to_owned(),
+                master: master.to_owned(),
+            });
+        }
+        let unit = &mut self.units[slave_index];
+        unit.activity.drive = Drive::Slave;
+        unit.master = Some(master_index);
+        Ok(())
+    }
+
+    /// The component whose thread a component cycles in: its master's master, or itself.
+    pub(super) fn thread(&self, unit: usize) -> usize {
+        let mut unit = unit;
+        while let Some(master) = self.units[unit].master {
+            unit = master;
+        }
+        unit
+    }
+
+    /// Lets an output publish to a topic. An output has one topic; a topic may have several publishers.
+    pub fn publish(&mut self, from: &str, topic: &str) -> Result<(), BuildError> {
+        let from = self.end(from, outputs)?;
+        if topic == HEALTH_TOPIC {
+            return Err(BuildError::OwnTopic {
+                from: from.name,
+                topic: HEALTH_TOPIC,
+            });
+        }
+        if let Some(taken) = &self.units[from.unit].body.topics[from.index] {
+            return Err(BuildError::Joined {
+                end: from.name,
+                to: format!("topic `{taken}`"),
+            });
+        }
+        let index = self.topic(topic);
+        for (to, policy) in self.topics[index].subscribers.clone() {
+            self.join_topic(&from, &to, &policy)?;
+        }
+        self.units[from.unit].body.topics[from.index] = Some(topic.to_owned());
+        self.topics[index].publishers.push(from);
+        Ok(())
+    }
+
+    /// Lets an input read a topic, from each of its publishers with this policy.
+    pub fn subscribe(&mut self, topic: &str, to: &str, policy: Policy) -> Result<(), BuildError> {
+        let to = self.end(to, inputs)?;
+        let index = self.topic(topic);
+        let known = &self.topics[index].subscribers;
+        if known.iter().any(|(known, _)| *known == to) {
+            return Err(BuildError::Joined {
+                end: to.name,
+                to: format!("topic `{topic}`"),
+            });
+        }
+        if topic == HEALTH_TOPIC {
+            self.compare_types(BusHealth::schema(), HEALTH_TOPIC, &to)?;
+        }
+        for from in self.topics[index].publishers.clone() {
+            self.join_topic(&from, &to, &policy)?;
+        }
+        self.topics[index].subscribers.push((to, policy));
+        Ok(())
+    }
+
+    /// Lets the samples of an output go to a sink, too; live, in its component's cycle.
+    pub fn stream_out(&mut self, from: &str, sink: Box<dyn Sink>) -> Result<(), BuildError> {
+        let from = self.end(from, outputs)?;
+        let link = OutputLink::to_outside(sink.name());
+        self.units[from.unit].body.outputs[from.index].join(Box::new(SinkSender(sink)), link);
+        Ok(())
+    }
+
+    /// Lets the samples of a source into an input; live, by a thread of its own. In simulated time nothing comes.
+    pub fn stream_in(
+        &mut self,
+        source: Box<dyn Source>,
+        to: &str,
+        policy: &Policy,
+    ) -> Result<(), BuildError> {
+        let to = self.end(to, inputs)?;
+        let unit = &mut self.units[to.unit];
+        let port = InjectionPort::open(unit, to.index, policy, self.connections.number())
+            .ok_or_else(|| BuildError::NoZero {
+                to: to.name,
+                source: DatumError::new(Problem::Mismatch("it is no record".to_owned())),
+            })?;
+        self.streams.push(SourceStream { source, port });
+        Ok(())
+    }
+
+    /// Wires a reference to a service: `wire("ASMCoordinator.planner", "TrajectoryPlanner.planning", wire)`. A reference
+    /// has one service, or several that are told and do not answer ([`Wire::one_way`]).
+    pub fn wire(&mut self, from: &str, to: &str, wire: Wire) -> Result<(), BuildError> {
+        let from = self.end(from, references)?;
+        let to = self.end(to, services)?;
+        let reference = self.open_reference(&from, &to.name, wire)?;
+        let service = &self.units[to.unit].body.services[to.index];
+        let wiring = Wiring {
+            operations: fit((&reference.declaration, &from), (&service.declaration, &to))?,
+            queue: Arc::clone(&service.queue),
+            to: to.name.clone(),
+            provider: Some(to.unit),
+            wire,
+        };
+        let reference = &mut self.units[from.unit].body.references[from.index];
+        reference.wirings.push(wiring);
+        Ok(())
+    }
+
+    /// A reference that may have this service, too.
+    pub(super) fn open_reference(
+        &self,
+        from: &ComponentEnd,
+        to: &str,
+        wire: Wire,
+    ) -> Result<&RequiredReference, BuildError> {
+        let reference = &self.units[from.unit].body.references[from.index];
+        let stands_in_the_way =
+            |wiring: &&Wiring| wiring.to == to || !(wire.one_way && wiring.wire.one_way);
+        match reference.wirings.iter().find(stands_in_the_way) {
+            None => Ok(reference),
+            Some(wiring) => Err(BuildError::Joined {
+                end: from.name.clone(),
+                to: format!("`{}`", wiring.to),
+            }),
+        }
+    }
+
+    /// The place of a topic, made if need be.
+    fn topic(&mut self, name: &str) -> usize {
+        let found = self.topics.iter().position(|topic| topic.name == name);
+        found.unwrap_or_else(|| {
+            self.topics.push(SystemTopic {
+                name: name.to_owned(),
+                publishers: Vec::new(),
+                subscribers: Vec::new(),
+            });
+            self.topics.len() - 1
+        })
+    }
+
+    /// Joins a publisher to a subscriber, unless an adapter does.
+    fn join_topic(
+        &mut self,
+        from: &ComponentEnd,
+        to: &ComponentEnd,
+        policy: &Policy,
+    ) -> Result<(), BuildError> {
+        match self.topics_outside {
+            true => self.compare(from, to),
+            false => self.join(from, to, policy).map(drop),
+        }
+    }
+
+    fn compare(&self, from: &ComponentEnd, to: &ComponentEnd) -> Result<(), BuildError> {
+        let output = self.units[from.unit].body.outputs[from.index].schema();
+        self.compare_types(output, &from.name, to)
+    }
+
+    fn compare_types(
+        &self,
+        written: &Schema,
+        from: &str,
+        to: &ComponentEnd,
+    ) -> Result<(), BuildError> {
+        let input = self.units[to.unit].body.inputs[to.index].schema();
+        BuildError::compare(written, from, input, &to.name)
+    }
+
+    fn join(
+        &mut self,
+        from: &ComponentEnd,
+        to: &ComponentEnd,
+        policy: &Policy,
+    ) -> Result<ConnectionId, BuildError> {
+        self.compare(from, to)?;
+        let threads = [from.unit, to.unit].map(|unit| self.thread(unit));
+        let input = &mut self.units[to.unit].body.inputs[to.index];
+        let made = (self.connections).make((from, to), threads, policy, &*input.opener())?;
+        input.join(made.reading_end);
+        self.units[from.unit].body.outputs[from.index].join(made.sender, made.link);
+        Ok(made.connection)
+    }
+
+    pub(super) fn end(
+        &self,
+        path: &str,
+        table: fn(&Declaration) -> EndTable<'_>,
+    ) -> Result<ComponentEnd, BuildError> {
+        let units = self.units.iter();
+        end::find(
+            units.map(|unit| (&*unit.name, &unit.body.declaration)),
+            path,
+            table,
+        )
+    }
+
+    fn component(&self, name: &str) -> Result<ComponentId, BuildError> {
+        self.id(name).ok_or_else(|| BuildError::Unknown {
+            what: "component",
+            name: name.to_owned(),
+            nearest: suggestion_among(name, self.units.iter().map(|unit| &*unit.name)),
+        })
+    }
+}
+
+/// The service's position of each operation that a reference calls.
+pub(crate) fn fit(
+    (reference, from): (&ReferenceDeclaration, &ComponentEnd),
+    (service, to): (&ServiceDeclaration, &ComponentEnd),
+) -> Result<Vec<usize>, BuildError> {
+    if reference.interface != service.interface {
+        return Err(BuildError::Interfaces {
+            required: reference.interface.clone(),
+            provided: service.interface.clone(),
+            from: from.name.clone(),
+            to: to.name.clone(),
+        });
+    }
+    let called = reference.operations.iter();
+    called
+        .map(|called| find_operation(called, &service.operations, from, to))
+        .collect()
+}
+
+/// The service's position of an operation that a reference calls.
+fn find_operation(
+    called: &OperationDeclaration,
+    served: &[OperationDeclaration],
+    from: &ComponentEnd,
+    to: &ComponentEnd,
+) -> Result<usize, BuildError> {
+    let found = (served.iter().enumerate()).find(|(_, served)| served.name == called.name);
+    let Some((index, operation)) = found else {
+        return Err(BuildError::Operation {
+            from: from.name.clone(),
+            operation: called.name.clone(),
+            to: to.name.clone(),
+        });
+    };
+    called
+        .request
+        .compare(&operation.request)
+        .and_then(|()| called.response.compare(&operation.response))
+        .map_err(|difference| BuildError::Types {
+            from: from.name.clone(),
+            to: to.name.clone(),
+            difference: Box::new(difference),
+        })?;
+    Ok(index)
+}

@@ -1,0 +1,401 @@
+//! A unit: a component with its runtime state, taken through its life and its cycles. Executors drive units.
+
+mod timing;
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use asmotion_component::{
+    Activity, Component, Cycle, Drive, Fault, LifeCycleError, OnException, PropertyError, Setup,
+    State, Transition, guarded,
+};
+use asmotion_datum::Datum;
+use asmotion_port::Time;
+
+use crate::body::{ComponentBody, CycleBody};
+use crate::descriptor::{ComponentDescriptor, ComponentStatus};
+use crate::effects::{ComponentEffects, Effects};
+use crate::event::Event;
+
+/// A component that an executor drives.
+pub(crate) struct ComponentUnit {
+    pub name: Arc<str>,
+    /// Its place in the system.
+    pub index: usize,
+    pub activity: Activity,
+    /// In whose thread, and after whom, it cycles.
+    pub master: Option<usize>,
+    pub body: ComponentBody,
+    component: Box<dyn Component>,
+    state: State,
+    /// It has failed in the last cycle.
+    fell: bool,
+    /// How often it has been brought back.
+    resets: u32,
+    status: Arc<ComponentStatus>,
+}
+
+impl ComponentUnit {
+    pub(crate) fn new(
+        name: Arc<str>,
+        index: usize,
+        activity: Activity,
+        component: Box<dyn Component>,
+        body: ComponentBody,
+    ) -> Self {
+        Self {
+            name,
+            index,
+            activity,
+            master: None,
+            body,
+            component,
+            state: State::Init,
+            fell: false,
+            resets: 0,
+            status: Arc::new(ComponentStatus::new(State::Init)),
+        }
+    }
+
+    /// Its system begins to run: an executor has it.
+    pub(crate) fn enter_run(&mut self) {
+        self.state = State::PreOperational;
+        self.status.enter(self.state);
+        self.set_drive(self.activity.drive);
+    }
+
+    /// What other threads see of it.
+    pub(crate) fn descriptor(&self, thread: usize) -> ComponentDescriptor {
+        let services = self.body.services.iter();
+        ComponentDescriptor {
+            name: Arc::clone(&self.name),
+            declaration: self.body.declaration.clone(),
+            thread,
+            openers: (self.body.inputs.iter())
+                .map(|input| input.opener())
+                .collect(),
+            queues: services.map(|service| Arc::clone(&service.queue)).collect(),
+            configure_on_startup: self.activity.configure_on_startup,
+            run_on_startup: self.activity.run_on_startup,
+            may_interrupt: self.activity.may_interrupt,
+            status: Arc::clone(&self.status),
+        }
+    }
+
+    pub(crate) fn state(&self) -> State {
+        self.state
+    }
+
+    /// One cycle: freeze, compute, commit all or nothing. A unit that is not running only takes in its properties.
+    pub(crate) fn cycle(&mut self, now: Time, effects: &mut dyn Effects) {
+        let mut own = component_effects(&self.name, self.index, now, effects);
+        self.body.apply(&mut own);
+        if !self.state.is_running() {
+            return;
+        }
+        self.body.freeze(&mut own);
+        let number = self.status.cycles.fetch_add(1, Ordering::Relaxed) + 1;
+        own.emit(&Event::Cycle {
+            component: &self.name,
+            number,
+        });
+        match self.compute(now, number) {
+            Ok(error) => self.commit(error, now, effects),
+            Err(fault) => self.fail(fault, now, effects),
+        }
+    }
+
+    /// Runs the component's own code. `Ok` may carry an error that the component has reported.
+    fn compute(&mut self, now: Time, number: u64) -> Result<Option<Fault>, Fault> {
+        let Self {
+            component,
+            body,
+            status,
+            state,
+            ..
+        } = self;
+        guarded(|| {
+            let mut host = CycleBody { body, status };
+            let mut cycle = Cycle::new(&mut host, now, number);
+            if *state == State::RunTimeError {
+                component.recover(&mut cycle)?;
+            } else {
+                component.update(&mut cycle)?;
+            }
+            cycle.finish()
+        })
+    }
+
+    fn commit(&mut self, error: Option<Fault>, now: Time, effects: &mut dyn Effects) {
+        let mut drive = self.activity.drive;
+        let committed = self.body.commit(
+            &mut component_effects(&self.name, self.index, now, effects),
+            |period| drive = drive.with_period(period),
+        );
+        self.set_drive(drive);
+        match error.or(committed.err()) {
+            Some(fault) => {
+                self.note(fault, now, effects);
+                self.enter(State::RunTimeError, now, effects);
+            }
+            None => self.enter(State::Running, now, effects),
+        }
+    }
+
+    /// An exception (RTT `exception`): nothing of the cycle leaves, the component is stopped and cleaned up.
+    pub(crate) fn fail(&mut self, fault: Fault, now: Time, effects: &mut dyn Effects) {
+        if self.state == State::FatalError {
+            return;
+        }
+        self.body.discard();
+        self.note(fault, now, effects);
+        let before = self.state;
+        self.fell |= before.is_running();
+        self.enter(State::Exception, now, effects);
+        let component = &mut self.component;
+        let tidied = guarded(|| {
+            if before.is_running() {
+                component.stop();
+            }
+            if before.is_configured() {
+                component.cleanup();
+            }
+            component.exception();
+            Ok(())
+        });
+        self.close(now, effects);
+        if let Err(fault) = tidied {
+            self.note(fault, now, effects);
+            self.enter(State::FatalError, now, effects);
+        }
+    }
+
+    /// After a cycle: a component that has failed is brought back, if its activity says so. Says whether it runs again.
+    pub(crate) fn restart_after_fault(&mut self, now: Time, effects: &mut dyn Effects) -> bool {
+        if !std::mem::take(&mut self.fell) {
+            return false;
+        }
+        match self.activity.on_exception {
+            OnException::Stop => false,
+            OnException::Escalate => {
+                effects.escalate(self.index);
+                false
+            }
+            OnException::Reset
+                if (self.activity.max_resets).is_some_and(|max| self.resets >= max) =>
+            {
+                false
+            }
+            OnException::Reset => {
+                self.resets += 1;
+                let way = [
+                    Transition::ResetException,
+                    Transition::Configure,
+                    Transition::Start,
+                ];
+                // What fails on the way is in its state and told to the observers.
+                way.iter()
+                    .all(|step| self.transition(*step, now, effects).is_ok())
+            }
+        }
+    }
+
+    /// Takes the component through a transition, where RTT's guards allow it.
+    pub(crate) fn transition(
+        &mut self,
+        transition: Transition,
+        now: Time,
+        effects: &mut dyn Effects,
+    ) -> Result<(), LifeCycleError> {
+        let Some(target) = transition.target(self.state) else {
+            return Err(LifeCycleError::Refused {
+                component: self.name.to_string(),
+                transition,
+                state: self.state,
+            });
+        };
+        self.status.aim(target);
+        match self.hook(transition, now, effects) {
+            Ok(()) => {
+                self.arrive(transition, target, now, effects);
+                Ok(())
+            }
+            Err(fault) => {
+                self.refuse(transition, &fault, now, effects);
+                Err(LifeCycleError::Failed {
+                    component: self.name.to_string(),
+                    transition,
+                    fault,
+                })
+            }
+        }
+    }
+
+    /// Runs the component's hook of a transition.
+    fn hook(
+        &mut self,
+        transition: Transition,
+        now: Time,
+        effects: &mut dyn Effects,
+    ) -> Result<(), Fault> {
+        let Self {
+            component,
+            body,
+            name,
+            ..
+        } = self;
+        body.apply(&mut component_effects(name, self.index, now, effects));
+        guarded(|| match transition {
+            Transition::Configure => {
+                let mut setup = Setup::new(body, name);
+                component.configure(&mut setup)?;
+                setup.finish()
+            }
+            Transition::Start => component.start(),
+            Transition::Stop => {
+                component.stop();
+                Ok(())
+            }
+            Transition::Cleanup => {
+                component.cleanup();
+                Ok(())
+            }
+            Transition::Recover | Transition::ResetException => Ok(()),
+        })
+    }
+
+    fn arrive(
+        &mut self,
+        transition: Transition,
+        target: State,
+        now: Time,
+        effects: &mut dyn Effects,
+    ) {
+        match transition {
+            Transition::Start => {
+                self.status.interrupt.store(false, Ordering::Relaxed);
+                self.body.open();
+            }
+            Transition::Stop => self.close(now, effects),
+            Transition::Configure
+            | Transition::Cleanup
+            | Transition::Recover
+            | Transition::ResetException => {}
+        }
+        self.enter(target, now, effects);
+    }
+
+    /// A hook failed: a panic is an exception; otherwise the component stays where RTT leaves it.
+    fn refuse(
+        &mut self,
+        transition: Transition,
+        fault: &Fault,
+        now: Time,
+        effects: &mut dyn Effects,
+    ) {
+        if matches!(fault, Fault::Panicked(_)) {
+            return self.fail(fault.clone(), now, effects);
+        }
+        self.note(fault.clone(), now, effects);
+        let to = match transition {
+            Transition::Configure => State::PreOperational,
+            Transition::Start
+            | Transition::Stop
+            | Transition::Cleanup
+            | Transition::Recover
+            | Transition::ResetException => self.state,
+        };
+        self.enter(to, now, effects);
+    }
+
+    /// Ends what waits for the component: it does not run any more.
+    fn close(&mut self, now: Time, effects: &mut dyn Effects) {
+        (self.body).close(&mut component_effects(&self.name, self.index, now, effects));
+    }
+
+    fn enter(&mut self, to: State, now: Time, effects: &mut dyn Effects) {
+        let from = std::mem::replace(&mut self.state, to);
+        self.status.enter(to);
+        if from != to {
+            let component = &self.name;
+            effects.emit(
+                now,
+                &Event::LifeCycle {
+                    component,
+                    from,
+                    to,
+                },
+            );
+        }
+    }
+
+    /// Keeps a fault and tells the observers, once.
+    pub(crate) fn note(&mut self, fault: Fault, now: Time, effects: &mut dyn Effects) {
+        effects.emit(
+            now,
+            &Event::Fault {
+                component: &self.name,
+                fault: &fault,
+            },
+        );
+        *self.status.fault() = Some(fault);
+    }
+
+    /// Changes the period of a component that has one or is event-driven; zero means event-driven.
+    pub(crate) fn set_period(&mut self, period: Duration) {
+        self.set_drive(self.activity.drive.with_period(period));
+    }
+
+    fn set_drive(&mut self, drive: Drive) {
+        self.activity.drive = drive;
+        self.status.set_period(drive.period().unwrap_or_default());
+    }
+
+    /// Parts a reference from a service.
+    pub(crate) fn unwire(
+        &mut self,
+        reference: usize,
+        service: &str,
+        now: Time,
+        effects: &mut dyn Effects,
+    ) {
+        let mut effects = component_effects(&self.name, self.index, now, effects);
+        self.body.unwire(reference, service, &mut effects);
+    }
+
+    /// Ends calls that have waited too long. Says whether anything waits for the next cycle.
+    pub(crate) fn settle(&mut self, now: Time, effects: &mut dyn Effects) -> bool {
+        let mut effects = component_effects(&self.name, self.index, now, effects);
+        let body = &mut self.body;
+        body.caller.settle(&body.references, &mut effects)
+    }
+
+    /// Sets properties, all or none: at the next cycle's beginning, or at once if the component does not run.
+    pub(crate) fn set_properties(
+        &mut self,
+        values: &[(String, Datum)],
+        now: Time,
+        effects: &mut dyn Effects,
+    ) -> Result<(), PropertyError> {
+        self.body.prepare(&self.name, values)?;
+        if !self.state.is_running() {
+            (self.body).apply(&mut component_effects(&self.name, self.index, now, effects));
+        }
+        Ok(())
+    }
+}
+
+fn component_effects<'a>(
+    name: &'a Arc<str>,
+    component: usize,
+    now: Time,
+    effects: &'a mut dyn Effects,
+) -> ComponentEffects<'a> {
+    ComponentEffects {
+        now,
+        component,
+        name,
+        effects,
+    }
+}

@@ -1,0 +1,259 @@
+//! C18: a running system changes as a whole, or not at all.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests")]
+
+mod common;
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use asmotion_component::{Activity, CallError, Component, Interface, Policy, Span, Wire};
+use asmotion_datum::Datum;
+use asmotion_runtime::{Change, Log, Run, System};
+use common::{Double, Number, behaviour, counter, doubler, number};
+
+/// What a reader has seen, in order.
+type Seen = Arc<Mutex<Vec<i64>>>;
+
+fn reader(seen: &Seen) -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
+    let seen = Arc::clone(seen);
+    behaviour(move |interface| {
+        let input = interface.input::<Number>("n", "numbers");
+        interface
+            .setting("gain", 1.0, "of what is read")
+            .range(0.0..=10.0)
+            .declare();
+        move |cycle| {
+            let all = cycle.all(input).iter().map(|sample| sample.n);
+            seen.lock().unwrap().extend(all);
+            Ok(())
+        }
+    })
+}
+
+/// Two counters, of which `Steady` is read by `Witness` and `Other` by `Guest`.
+fn system(witness: &Seen, guest: &Seen) -> System {
+    let mut system = System::new();
+    for name in ["Steady", "Other"] {
+        let activity = Activity::periodic(1.ms());
+        system.add(name, activity, counter()).unwrap();
+    }
+    let activity = Activity::periodic(5.ms());
+    system.add("Witness", activity, reader(witness)).unwrap();
+    system
+        .add("Guest", Activity::event(), reader(guest))
+        .unwrap();
+    let policy = Policy::buffer(1000);
+    system
+        .connect("Steady.n", "Witness.n", policy.clone())
+        .unwrap();
+    system.connect("Other.n", "Guest.n", policy).unwrap();
+    system
+}
+
+fn connect(from: &str, to: &str) -> Change {
+    Change::Connect {
+        from: from.to_owned(),
+        to: to.to_owned(),
+        policy: Policy::buffer(1000),
+    }
+}
+
+fn disconnect(from: &str, to: &str) -> Change {
+    Change::Disconnect {
+        from: from.to_owned(),
+        to: to.to_owned(),
+    }
+}
+
+fn gain(value: f64) -> Change {
+    Change::Set {
+        component: "Guest".to_owned(),
+        values: vec![("gain".to_owned(), Datum::Float(value))],
+    }
+}
+
+/// From `Other` to `Steady`, with another gain and another period.
+fn good() -> [Change; 4] {
+    [
+        disconnect("Other.n", "Guest.n"),
+        connect("Steady.n", "Guest.n"),
+        gain(2.0),
+        Change::SetPeriod {
+            component: "Other".to_owned(),
+            period: 10.ms(),
+        },
+    ]
+}
+
+/// Each is possible up to its last change.
+fn bad() -> [(Vec<Change>, &'static str); 4] {
+    let all_but = |last: Change| {
+        let mut changes = good().to_vec();
+        changes.push(last);
+        changes
+    };
+    [
+        (
+            all_but(gain(11.0)),
+            "property `gain` of `Guest` cannot be 11.0: it is 0.0 to 10.0",
+        ),
+        (
+            all_but(connect("Steady.n", "Gest.n")),
+            "there is no component `Gest`; did you mean `Guest`?",
+        ),
+        (
+            all_but(connect("Steady.n", "Guest.n")),
+            "`Steady.n` is joined already: to `Guest.n`",
+        ),
+        (
+            all_but(disconnect("Other.n", "Guest.n")),
+            "`Other.n` is not connected to `Guest.n`",
+        ),
+    ]
+}
+
+/// The system runs, is refused what is bad, and changes; nothing is missing of what is not concerned.
+fn changes(run: &mut impl Run, [witness, guest]: [&Seen; 2]) {
+    run.run_for(50.ms());
+    for (changes, reason) in bad() {
+        assert_eq!(run.change(&changes).unwrap_err().to_string(), reason);
+    }
+    run.run_for(50.ms());
+    let before = guest.lock().unwrap().len();
+    assert!(before > 20, "the old connection is as it was: {before}");
+    run.change(&good()).unwrap();
+    run.run_for(100.ms());
+    assert_eq!(
+        run.properties("Guest").unwrap(),
+        [("gain".to_owned(), Datum::Float(2.0))]
+    );
+    run.stop();
+    let witness = witness.lock().unwrap();
+    assert!(witness.len() > 100, "{}", witness.len());
+    assert!(witness.iter().zip(1..).all(|(n, expected)| *n == expected));
+    let guest = guest.lock().unwrap();
+    let jumps = guest.windows(2).filter(|pair| pair[1] != pair[0] + 1);
+    assert!(jumps.count() <= 1, "from one count to the other: {guest:?}");
+    assert!(guest.len() > before + 20, "{guest:?}");
+}
+
+#[test]
+fn c18_a_simulated_system_changes_as_a_whole_or_not_at_all() {
+    let (witness, guest) = (Seen::default(), Seen::default());
+    let mut run = system(&witness, &guest).simulate();
+    changes(&mut run, [&witness, &guest]);
+    // 100 periods of 1 ms, then 10 of 10 ms
+    assert_eq!(run.cycles("Other"), 111);
+}
+
+#[test]
+fn c18_a_live_system_changes_as_a_whole_or_not_at_all() {
+    let (witness, guest) = (Seen::default(), Seen::default());
+    let mut run = system(&witness, &guest).live();
+    changes(&mut run, [&witness, &guest]);
+    assert!(run.cycles("Other") < 150, "{}", run.cycles("Other"));
+}
+
+/// Asks to double its count in every cycle; tells what comes of it.
+fn asker() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
+    behaviour(|interface| {
+        let double = interface.require::<Double>("sums", "who doubles");
+        let mut n = 0;
+        move |cycle| {
+            for reply in cycle.replies(double) {
+                let text = match reply.result {
+                    Ok(Number { n }) => n.to_string(),
+                    Err(CallError::Unavailable) => "nobody".to_owned(),
+                    Err(error) => error.to_string(),
+                };
+                cycle.report("reply", Datum::text(text));
+            }
+            n += 1;
+            cycle.call(double, number(n));
+            Ok(())
+        }
+    })
+}
+
+/// Serves as `doubler` does, and never answers.
+fn idler() -> impl FnOnce(&mut Interface) -> Box<dyn Component> {
+    behaviour(|interface| {
+        let double = interface.serve::<Double>("sums", "does not double");
+        move |cycle| {
+            cycle.requests(double);
+            Ok(())
+        }
+    })
+}
+
+#[test]
+fn c18_a_reference_leaves_a_service_for_another() {
+    let log = Log::new();
+    let mut system = System::new();
+    system.observe(log.clone());
+    let activity = Activity::periodic(10.ms());
+    system.add("Asker", activity, asker()).unwrap();
+    system.add("Idler", Activity::event(), idler()).unwrap();
+    system.add("Doubler", Activity::event(), doubler()).unwrap();
+    let wire = Wire::default();
+    system.wire("Asker.sums", "Idler.sums", wire).unwrap();
+    let mut run = system.simulate();
+    run.run_for(15.ms());
+    let [reference, from, to] = ["Asker.sums", "Idler.sums", "Doubler.sums"].map(str::to_owned);
+    let unwire = Change::Unwire {
+        reference: reference.clone(),
+        service: from,
+    };
+    let wire = Change::Wire {
+        reference,
+        service: to,
+        wire,
+    };
+    let refused = run.change(std::slice::from_ref(&wire)).unwrap_err();
+    assert_eq!(
+        refused.to_string(),
+        "`Asker.sums` is joined already: to `Idler.sums`"
+    );
+    run.change(&[unwire, wire]).unwrap();
+    run.run_for(20.ms());
+    assert_eq!(
+        log.lines_with("reply: "),
+        [
+            "0.02 s Asker: reply: \"nobody\"",
+            "0.02 s Asker: reply: \"nobody\"",
+            "0.03 s Asker: reply: \"6\"",
+        ]
+    );
+}
+
+/// O12: gains that belong together are never seen apart, however often and whenever they are set.
+#[test]
+fn o12_two_gains_are_never_seen_half_applied() {
+    let torn = Arc::new(AtomicBool::new(false));
+    let seen = Arc::clone(&torn);
+    let mut system = System::new();
+    let pid = behaviour(move |interface| {
+        let kp = interface.property("kp", 0.0, "for the error");
+        let ki = interface.property("ki", 0.0, "for its sum");
+        move |cycle| {
+            let before = cycle.property(kp);
+            std::thread::sleep(Duration::from_micros(100));
+            if cycle.property(ki) != before {
+                seen.store(true, Ordering::Relaxed);
+            }
+            Ok(())
+        }
+    });
+    system.add("Pid", Activity::periodic(1.ms()), pid).unwrap();
+    let mut run = system.live();
+    for gain in 1..=200 {
+        let value = Datum::Float(f64::from(gain));
+        let values = ["kp", "ki"].map(|name| (name.to_owned(), value.clone()));
+        run.set_properties("Pid", &values).unwrap();
+    }
+    run.run_for(20.ms());
+    assert!(run.cycles("Pid") > 5);
+    assert!(!torn.load(Ordering::Relaxed));
+    assert_eq!(run.properties("Pid").unwrap()[0].1, Datum::Float(200.0));
+}
