@@ -1,7 +1,7 @@
 //! Loading of files from the disk for the language and the composites.
 
+use asmotion_diagnostics::LoadError;
 use asmotion_lang::Loader;
-use asmotion_lang::diagnostics::LoadError;
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};

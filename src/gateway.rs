@@ -2,7 +2,7 @@
 
 use std::net::SocketAddr;
 
-use asmotion_lang::diagnostics::similar;
+use asmotion_diagnostics::similar;
 
 use crate::mission::{Gateways, Told};
 

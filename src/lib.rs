@@ -7,6 +7,7 @@ mod books;
 mod brief;
 mod broker;
 mod build;
+pub mod codes;
 mod command;
 mod describe;
 mod diff;

@@ -19,8 +19,8 @@ use asmotion_assembly::plan::Terminal;
 use asmotion_assembly::{Assembled, Opened, Plan, Standard};
 use asmotion_component::Time;
 use asmotion_datum::Datum;
+use asmotion_diagnostics::similar;
 use asmotion_lang::Loader;
-use asmotion_lang::diagnostics::similar;
 use asmotion_remote::Contact;
 use asmotion_runtime::{Event, Observer, Pace, Run};
 

@@ -1,10 +1,32 @@
 //! Run-time faults as diagnostics: both writers, the values at hand, the step and the agent.
 
-mod outside;
+pub(crate) mod outside;
 mod values;
 
 use crate::Specification;
-use asmotion_diagnostics::{Diagnostic, Report};
+use crate::codes::r001::Clash;
+use crate::codes::r002::WritesForeignValue;
+use crate::codes::r003::UndefinedGuard;
+use crate::codes::r004::LibraryFault;
+use crate::codes::r005::InfiniteRange;
+use crate::codes::r006::RangeIsNoCollection;
+use crate::codes::r007::RunsNoRule;
+use crate::codes::r008::WrongRuleArity;
+use crate::codes::r009::AgentWithoutProgram;
+use crate::codes::r010::CallsTooDeep;
+use crate::codes::r011::EndlessLoop;
+use crate::codes::r012::CollectionTooLarge;
+use crate::codes::r013::NoInputValue;
+use crate::codes::r014::InvariantViolated;
+use crate::codes::r015::NoMainToRun;
+use crate::codes::r016::UnboundedValue;
+use crate::codes::r017::UnboundVariable;
+use crate::codes::r020::PickedNoCandidate;
+use crate::codes::r021::TooManyCalls;
+use crate::codes::r022::ReadsForeignValue;
+use crate::codes::r023::WritesNowhere;
+use crate::codes::w030::BeginsOutside;
+use asmotion_diagnostics::{Diagnostic, Finding, Report};
 use asmotion_machine::{Fault, FaultKind, InitialMisfit, Machine, Witness};
 use asmotion_value::Value;
 
@@ -50,17 +72,12 @@ impl Specification {
         let warn = |found: InitialMisfit| {
             let location =
                 asmotion_simulate::applied(machine, found.misfit.function, &found.arguments);
-            let fact = self.no_element(&found.misfit, "in the initial state", &show);
-            let finding = Diagnostic::warning("W030", fact).label(
-                self.span(found.origin),
-                format!("the initial value of `{location}`"),
-            );
-            self.outside(
-                finding,
-                &found.misfit,
-                &show,
-                "let it begin with an element",
-            )
+            BeginsOutside {
+                location,
+                foreign: self.foreign(&found.misfit, &show),
+                at: self.place_of(self.span(found.origin), &found.misfit),
+            }
+            .diagnostic()
         };
         machine.initial_misfits().into_iter().map(warn).collect()
     }
@@ -77,102 +94,107 @@ impl Specification {
             step => format!("in step {step}"),
         };
         let mut finding = match &fault.kind {
-            FaultKind::Clash { slot, first, first_origin, second } => {
-                let location = location(*slot);
-                Diagnostic::error("R001", format!("inconsistent update of `{location}` {when}"))
-                    .label(at, format!("this writes {}", show(second)))
-                    .label(self.span(*first_origin), format!("and in the same step this writes {}", show(first)))
-                    .note("a step applies all updates at once, so a location gets one value; the state is kept")
-                    .help("put one of them in the `else` of the other, or both in `seq … endseq` if the later one wins")
+            FaultKind::Clash {
+                slot,
+                first,
+                first_origin,
+                second,
+            } => Clash {
+                location: location(*slot),
+                when,
+                at,
+                value: show(second),
+                first_at: self.span(*first_origin),
+                first: show(first),
             }
-            FaultKind::Outside { slot, misfit } => {
-                let place = format!("`{}` takes values of `{}`", location(*slot), self.codomain(misfit));
-                let finding = Diagnostic::error("R002", self.no_element(misfit, &when, show)).label(at, place);
-                self.outside(finding, misfit, show, "guard the update")
+            .diagnostic(),
+            FaultKind::Outside { slot, misfit } => WritesForeignValue {
+                location: location(*slot),
+                codomain: self.codomain(misfit),
+                foreign: self.foreign(misfit, show),
+                when,
+                at: self.place_of(at, misfit),
             }
-            FaultKind::OutsideInput { slot, misfit, source } => {
-                let place = format!("`{}` takes values of `{}`", location(*slot), self.codomain(misfit));
-                let finding = Diagnostic::error("R022", self.no_element(misfit, &when, show)).label(at, place);
-                self.outside(finding, misfit, show, "let the environment give an element")
-                    .note(format!("the value came from {source}"))
+            .diagnostic(),
+            FaultKind::OutsideInput {
+                slot,
+                misfit,
+                source,
+            } => ReadsForeignValue {
+                location: location(*slot),
+                codomain: self.codomain(misfit),
+                foreign: self.foreign(misfit, show),
+                given_by: source.to_string(),
+                when,
+                at: self.place_of(at, misfit),
             }
-            FaultKind::OutsideArgument { slot, misfit } => {
-                let place = format!("there is no location `{}` to write", location(*slot));
-                let finding = Diagnostic::error("R023", self.no_element(misfit, &when, show)).label(at, place);
-                self.outside(finding, misfit, show, "guard the update")
+            .diagnostic(),
+            FaultKind::OutsideArgument { slot, misfit } => WritesNowhere {
+                location: location(*slot),
+                foreign: self.foreign(misfit, show),
+                when,
+                at: self.place_of(at, misfit),
             }
-            FaultKind::UndefinedGuard => Diagnostic::error("R003", format!("a guard is undef {when}"))
-                .label(at, "neither true nor false")
-                .note("`undef` spreads: a comparison with an undef side is undef, `=` and `!=` are not")
-                .help("initialise the locations it reads, or test them with `isDef(…)` first"),
-            FaultKind::Library(reason) => {
-                Diagnostic::error("R004", format!("{reason}, {when}")).label(at, "evaluated here").help(reason.help())
+            .diagnostic(),
+            FaultKind::UndefinedGuard => UndefinedGuard { when, at }.diagnostic(),
+            FaultKind::Library(reason) => LibraryFault {
+                reason: reason.to_string(),
+                help: reason.help(),
+                when,
+                at,
             }
-            FaultKind::Infinite => Diagnostic::error("R005", format!("a variable ranges over a domain without end, {when}"))
-                .label(at, "its elements cannot be listed")
-                .help("range over a subset, as in `domain Small subsetof Integer` with `domain Small = {0 : 9}`"),
+            .diagnostic(),
+            FaultKind::Infinite => InfiniteRange { when, at }.diagnostic(),
             FaultKind::NotACollection(value) => {
-                Diagnostic::error("R006", format!("a variable ranges over {}, {when}", show(value)))
-                    .label(at, "a set, sequence or bag is wanted")
-                    .help("initialise the location it reads")
+                let value = show(value);
+                RangeIsNoCollection { value, when, at }.diagnostic()
             }
-            FaultKind::NotARule(value) => Diagnostic::error("R007", format!("{} is run as a rule, {when}", show(value)))
-                .label(at, "a rule is wanted")
-                .help("give the location a rule, as in `<<r_x>>`"),
-            FaultKind::RuleArity { wanted, actual } => {
-                let plural = if *wanted == 1 { "" } else { "s" };
-                Diagnostic::error("R008", format!("the rule takes {wanted} argument{plural}, not {actual}, {when}"))
-                    .label(at, "run here")
-                    .help("give one argument for each parameter")
+            FaultKind::NotARule(value) => {
+                let value = show(value);
+                RunsNoRule { value, when, at }.diagnostic()
             }
-            FaultKind::NoProgram(agent) => Diagnostic::error("R009", format!("the agent {} has no program, {when}", show(agent)))
-                .label(at, "run here")
-                .help("add `agent Domain: r_rule[]` for its domain to the default init"),
-            FaultKind::TooDeep(limit) => Diagnostic::error("R010", format!("calls nest deeper than {limit}, {when}"))
-                .label(at, "called once more")
-                .help("check that the recursion ends for every argument"),
-            FaultKind::ManyCalls(limit) => Diagnostic::error("R021", format!("functions and rules were called {limit} times {when}"))
-                .label(at, "called once more")
-                .help("a recursion that calls itself twice doubles with every level: keep what it computes in a location"),
-            FaultKind::Endless(limit) => Diagnostic::error("R011", format!("the loops ran {limit} times {when}"))
-                .label(at, "this loop did not end")
-                .help("check that its body makes the guard false"),
-            FaultKind::TooLarge(count) => Diagnostic::error("R012", format!("a collection of {count} elements would be built, {when}"))
-                .label(at, "built here")
-                .help("range over a smaller domain"),
-            FaultKind::Unbound => Diagnostic::error("R017", format!("a variable is not bound, {when}"))
-                .label(at, "read here, outside the rule or term that binds it")
-                .help("bind it here with `let`, `forall` or `choose`"),
-            FaultKind::Unbounded => Diagnostic::error("R016", format!("a value grows without end, {when}"))
-                .label(at, "it nests too deeply, or holds too much")
-                .note("values of `Any` nest 500 deep at most, and hold 1,048,576 elements")
-                .help("keep the parts in locations of their own, or give the location a narrower domain"),
-            FaultKind::Input { slot, reason } => {
-                Diagnostic::error("R013", format!("no value for `{}` {when}: {reason}", location(*slot)))
-                    .label(at, "read here")
-                    .help("let the environment answer it, or give it a default")
+            &FaultKind::RuleArity { wanted, actual } => WrongRuleArity {
+                wanted,
+                actual,
+                when,
+                at,
             }
+            .diagnostic(),
+            FaultKind::NoProgram(agent) => {
+                let agent = show(agent);
+                AgentWithoutProgram { agent, when, at }.diagnostic()
+            }
+            &FaultKind::TooDeep(limit) => CallsTooDeep { limit, when, at }.diagnostic(),
+            &FaultKind::ManyCalls(limit) => TooManyCalls { limit, when, at }.diagnostic(),
+            &FaultKind::Endless(limit) => EndlessLoop { limit, when, at }.diagnostic(),
+            &FaultKind::TooLarge(count) => CollectionTooLarge { count, when, at }.diagnostic(),
+            FaultKind::Unbound => UnboundVariable { when, at }.diagnostic(),
+            FaultKind::Unbounded => UnboundedValue { when, at }.diagnostic(),
+            FaultKind::Input { slot, reason } => NoInputValue {
+                location: location(*slot),
+                reason: reason.to_string(),
+                when,
+                at,
+            }
+            .diagnostic(),
             FaultKind::Invariant { index, value } => {
                 let invariant = &self.program.invariants[*index];
-                let what = if value.is_undef() { "is undef" } else { "does not hold" };
-                let help = match (value.is_undef(), invariant.assumes, fault.step) {
-                    (true, ..) => "initialise the locations it reads, or test them with `isDef(…)` first",
-                    (false, true, _) => "it is an assumption on the inputs of the step, and these break it",
-                    (false, false, 0) => "let the initial values satisfy it",
-                    (false, false, _) => "find the rule that broke it among the updates of the step",
-                };
-                Diagnostic::error("R014", format!("the invariant `{}` {what} {when}", invariant.name))
-                    .label(at, "this condition")
-                    .help(help)
+                InvariantViolated {
+                    name: invariant.name.to_string(),
+                    is_undef: value.is_undef(),
+                    assumes: invariant.assumes,
+                    step: fault.step,
+                    when,
+                    at,
+                }
+                .diagnostic()
             }
             FaultKind::NoCandidate(picked) => {
                 let values: Vec<String> = picked.iter().map(show).collect();
-                Diagnostic::error("R020", format!("{} was picked, and is no candidate, {when}", values.join(", ")))
-                    .label(at, "chosen here")
-                    .help("pick a value in the range for which the guard holds")
+                let values = values.join(", ");
+                PickedNoCandidate { values, when, at }.diagnostic()
             }
-            FaultKind::NoMain => Diagnostic::error("R015", "there is no main rule to run")
-                .help("add `main rule r_Main = …`"),
+            FaultKind::NoMain => NoMainToRun.diagnostic(),
         };
         if !fault.agent.is_undef() {
             finding = finding.note(format!("the agent {} was running", show(&fault.agent)));

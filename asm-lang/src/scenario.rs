@@ -1,8 +1,10 @@
 //! A scenario from its path to its verdict.
 
+use crate::codes::v023::UnreadableScenario;
+use crate::codes::v024::UnknownSpecification;
 use crate::coverage::Coverage;
 use crate::{Failure, Specification, open_in};
-use asmotion_diagnostics::{Diagnostic, Loader, Report, Sources, Span};
+use asmotion_diagnostics::{Diagnostic, Finding, Loader, Report, Sources, Span};
 use asmotion_machine::{Fault, Machine};
 use asmotion_simulate::scenario::{self, Failed, Options, Outcome, Plan};
 use asmotion_syntax::ast::{Name, Scenario};
@@ -109,7 +111,7 @@ fn read(
             Ok(asmotion_syntax::parse_scenario(file, &text))
         }
         Err(error) => {
-            let finding = Diagnostic::error("V023", error).help("check the path of the scenario");
+            let finding = UnreadableScenario { error }.diagnostic();
             Err([finding].into_iter().collect())
         }
     }
@@ -120,9 +122,8 @@ fn find(from: &str, load: &Name, loader: &dyn Loader) -> Option<String> {
 }
 
 fn not_found(load: &Name) -> Diagnostic {
-    Diagnostic::error("V024", format!("there is no specification `{}`", load.text))
-        .label(load.span, "loaded here")
-        .help("write its path, from the folder of the scenario")
+    let (path, at) = (load.text.clone(), load.span);
+    UnknownSpecification { path, at }.diagnostic()
 }
 
 /// The scenario against its specification, which is lowered with its terms.

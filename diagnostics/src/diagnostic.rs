@@ -27,8 +27,8 @@ pub struct Label {
 pub struct Diagnostic {
     /// How bad it is.
     pub severity: Severity,
-    /// The stable code, as in `A014`.
-    pub code: &'static str,
+    /// The stable code.
+    pub code: &'static Code,
     /// The fact in the user's words; lower case, no full stop.
     pub message: String,
     /// The place of the finding, and what is to be seen there.
@@ -44,24 +44,10 @@ pub struct Diagnostic {
 }
 
 impl Diagnostic {
-    /// An error with a code and the fact.
-    pub fn error(code: &'static str, message: impl ToString) -> Self {
-        Self::of(Severity::Error, code, message)
-    }
-
-    /// A warning with a code and the fact.
-    pub fn warning(code: &'static str, message: impl ToString) -> Self {
-        Self::of(Severity::Warning, code, message)
-    }
-
     /// A message with its code, and no place yet.
     pub fn new(code: &'static Code, message: impl ToString) -> Self {
-        Self::of(code.severity, code.name, message)
-    }
-
-    fn of(severity: Severity, code: &'static str, message: impl ToString) -> Self {
         Self {
-            severity,
+            severity: code.severity,
             code,
             message: message.to_string(),
             primary: None,
@@ -70,6 +56,11 @@ impl Diagnostic {
             helps: Vec::new(),
             fix: None,
         }
+    }
+
+    /// Whether it has one of these codes.
+    pub fn is_any(&self, codes: &[&Code]) -> bool {
+        codes.contains(&self.code)
     }
 
     /// Adds a place: the first one is the primary place, the others are secondary.

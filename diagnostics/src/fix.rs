@@ -133,15 +133,24 @@ fn rewritten(text: &str, edits: &[&Edit]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::code::Code;
+    use crate::diagnostic::Severity;
 
     const FILE: FileId = FileId(0);
+
+    const CODE: &Code = &Code {
+        name: "W000",
+        severity: Severity::Warning,
+        title: "Something to fix",
+        text: "",
+    };
 
     fn at(start: usize, end: usize) -> Span {
         Span::new(FILE, start, end)
     }
 
     fn finding(fix: Fix) -> Diagnostic {
-        Diagnostic::warning("W000", "a finding").with_fix(fix)
+        Diagnostic::new(CODE, "a finding").with_fix(fix)
     }
 
     #[test]

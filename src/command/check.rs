@@ -10,7 +10,7 @@ use super::tool::Tool;
 use crate::exit::Exit;
 use crate::files::Disk;
 use crate::terminal::{Terminal, count};
-use asmotion_lang::diagnostics::Applicability;
+use asmotion_diagnostics::Applicability;
 use asmotion_lang::{Diagnostic, Options, Report, Sources};
 use clap::{Args, ValueEnum};
 use findings::findings;

@@ -4,7 +4,7 @@ use crate::diff;
 use crate::exit::Exit;
 use crate::files::{self, Disk};
 use crate::terminal::Terminal;
-use asmotion_lang::diagnostics::LoadError;
+use asmotion_diagnostics::LoadError;
 use asmotion_lang::{Loader, Report, Sources, syntax};
 use clap::Args;
 use std::io::Read;

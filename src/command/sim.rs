@@ -4,11 +4,14 @@ mod folder;
 mod single;
 
 use super::tool::Tool;
+use crate::codes::s000::UnreadableScript;
 use crate::exit::Exit;
 use crate::files::Disk;
 use crate::terminal::Terminal;
+use asmotion_diagnostics::Finding;
+use asmotion_lang::hir::NO_SUCH_INIT;
 use asmotion_lang::simulate::{Causes, Clock, Random, Recording, Script, Simulation};
-use asmotion_lang::{Diagnostic, Failure, Fault, Loader, Options, Report, Specification};
+use asmotion_lang::{Failure, Fault, Loader, Options, Report, Specification};
 use clap::Args;
 use std::path::Path;
 
@@ -104,9 +107,6 @@ impl Ticking {
 /// Number of steps if the inputs have no end.
 const STEPS: u64 = 20;
 
-/// Code of an unknown initial state.
-const NO_SUCH_STATE: &str = "A027";
-
 /// Reasons why a run cannot start.
 enum Unbegun {
     /// The inputs cannot be read.
@@ -161,12 +161,8 @@ impl Sim {
 
     /// Exit code for a specification with errors; an unknown initial state is a usage error.
     fn refused(&self, failure: &Failure) -> Exit {
-        let mut codes = failure
-            .report
-            .diagnostics
-            .iter()
-            .map(|finding| finding.code);
-        match self.init.is_some() && codes.any(|code| code == NO_SUCH_STATE) {
+        let mut findings = failure.report.diagnostics.iter();
+        match self.init.is_some() && findings.any(|finding| finding.is_any(&[NO_SUCH_INIT])) {
             true => Exit::Usage,
             false => Exit::refused(&self.spec),
         }
@@ -187,8 +183,8 @@ fn script(path: &str, specification: &mut Specification) -> Result<Script, Unbeg
 fn read(path: &str, option: &str) -> Result<std::sync::Arc<str>, Unbegun> {
     Disk.read(path).map_err(|error| {
         let mut report = Report::new();
-        let help = format!("check the path given with `{option}`");
-        report.push(Diagnostic::error("S000", error).help(help));
+        let named = format!("the path given with `{option}`");
+        report.push(UnreadableScript { error, named }.diagnostic());
         Unbegun::Inputs(report)
     })
 }

@@ -1,6 +1,6 @@
 //! Errors of starting a mission.
 
-use asmotion_lang::diagnostics::similar;
+use asmotion_diagnostics::similar;
 use asmotion_lang::simulate::Unawaited;
 use asmotion_lang::{Report, Sources};
 use std::fmt;

@@ -108,7 +108,7 @@ fn are_what_the_table_says() {
             Ok(value) => value.show(&session.machine.naming()).to_string(),
             Err(fault) => {
                 let finding = session.specification.explain_in(&fault, &session.machine);
-                finding.code.to_owned()
+                finding.code.to_string()
             }
         };
         if found != row.expected {

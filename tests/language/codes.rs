@@ -2,7 +2,8 @@
 //! not, and some snapshot shows the finding as a reader sees it.
 
 use super::messages::said;
-use asmotion_lang::codes::{CODES, Code};
+use asmotion::codes::all;
+use asmotion_diagnostics::Code;
 use asmotion_lang::scenario::Settings;
 use asmotion_lang::simulate::Script;
 use asmotion_lang::simulate::scenario::Options;
@@ -16,29 +17,41 @@ const WITHOUT_EXAMPLE: &[&str] = &[
     "A012", "A013", "L063", "S000", "V010", "V017", "V018", "V019", "V022", "V023", "V030", "V031",
 ];
 
+/// A file that nothing lists is not compiled, and what is listed twice has two meanings.
 #[test]
-fn have_a_page_each() {
-    let pages: BTreeSet<&str> = CODES.iter().map(|code| code.name).collect();
-    let found = constructed(&["asm-lang", "src"]);
-    let found: BTreeSet<&str> = found.iter().map(String::as_str).collect();
-    assert_eq!(
-        found.symmetric_difference(&pages).collect::<Vec<_>>(),
-        Vec::<&&str>::new(),
-        "with a page and not made, or the other way round"
-    );
-    let files = std::fs::read_dir(root().join("asm-lang/codes")).unwrap();
-    assert_eq!(files.count(), CODES.len());
-    for code in CODES {
-        let heading = format!("# {}: {}\n\n", code.name, code.meaning());
-        assert!(code.page.starts_with(&heading), "{}", code.name);
-        assert!(code.meaning().len() < 80, "{}", code.name);
+fn have_a_file_each() {
+    let mut files = Vec::new();
+    for folder in ["asm-lang", "engine", "src"] {
+        each_file(&root().join(folder), &mut |path| {
+            let folder = path.parent().and_then(Path::file_name);
+            if folder.is_some_and(|folder| folder == "codes")
+                && path.extension() == Some("rs".as_ref())
+            {
+                files.push(path.file_stem().unwrap().to_str().unwrap().to_uppercase());
+            }
+        });
     }
+    files.sort();
+    let mut names: Vec<_> = all().map(|code| code.name.to_owned()).collect();
+    names.sort();
+    assert_eq!(files, names);
 }
 
 #[test]
+fn have_a_title_that_fits_a_line() {
+    for code in all() {
+        let is_title = code.title.len() < 80 && !code.title.ends_with('.');
+        assert!(
+            is_title && !code.text.trim().is_empty(),
+            "{code}: {}",
+            code.title
+        );
+    }
+}
+#[test]
 fn have_examples_that_are_true() {
     let mut wrong = String::new();
-    for code in CODES {
+    for code in asmotion_lang::codes::all().chain(asmotion::codes::CODES.iter().copied()) {
         let examples = (example(code, "wrong"), example(code, "mended"));
         let (Some(before), Some(after)) = examples else {
             let excused = WITHOUT_EXAMPLE.contains(&code.name);
@@ -111,7 +124,7 @@ fn of_scenario(specification: &str, scenario: &str) -> (BTreeSet<String>, String
 
 fn shown(report: &Report, sources: &Sources) -> (BTreeSet<String>, String) {
     let findings = &report.diagnostics;
-    let codes = findings.iter().map(|finding| finding.code.to_owned());
+    let codes = findings.iter().map(|finding| finding.code.to_string());
     (codes.collect(), render_all(report, sources, Style::Plain))
 }
 
@@ -180,42 +193,13 @@ fn are_seen_in_a_snapshot_each() {
             }
         });
     }
-    let unseen: Vec<String> = constructed(&["asm-lang", "engine", "src"])
-        .into_iter()
-        .filter(|code| !shown.contains(code.as_str()))
-        .collect();
-    assert_eq!(unseen, Vec::<String>::new());
+    let names = all().map(|code| code.name);
+    let unseen: Vec<&str> = names.filter(|name| !shown.contains(name)).collect();
+    assert_eq!(unseen, Vec::<&str>::new());
 }
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).to_owned()
-}
-
-/// The codes that stand as texts of their own in the sources of these folders, tests left out.
-fn constructed(folders: &[&str]) -> BTreeSet<String> {
-    let mut codes = BTreeSet::new();
-    for folder in folders {
-        each_file(&root().join(folder), &mut |path| {
-            let is_source = path.extension().is_some_and(|end| end == "rs");
-            if is_source
-                && !path
-                    .iter()
-                    .any(|part| part == "tests" || part == "codes.rs")
-            {
-                let text = std::fs::read_to_string(path).unwrap();
-                let text = text.split("#[cfg(test)]").next().unwrap();
-                let words = text.split('"').filter(|word| is_code(word));
-                codes.extend(words.map(str::to_owned));
-            }
-        });
-    }
-    codes
-}
-
-fn is_code(word: &str) -> bool {
-    word.len() == 4
-        && word.starts_with(['A', 'C', 'L', 'R', 'S', 'V', 'W'])
-        && word[1..].bytes().all(|digit| digit.is_ascii_digit())
 }
 
 fn each_file(folder: &Path, see: &mut dyn FnMut(&Path)) {

@@ -70,7 +70,7 @@ impl<'a> Example<'a> {
         let recording = Recording::read(&format!("@step 1\n{}", lines.concat()));
         let mut inputs = recording.steps()[0].inputs(&machine).unwrap();
         if let Err(fault) = machine.step(&mut inputs, &mut First, 0).map(|_| ()) {
-            return vec![specification.explain(&fault).code.to_owned()];
+            return vec![specification.explain(&fault).code.to_string()];
         }
         let mut trace = Trace::begin(&machine, "");
         trace.step(&machine);

@@ -20,7 +20,7 @@ fn codes(text: &str) -> Vec<&'static str> {
     report
         .diagnostics
         .iter()
-        .map(|finding| finding.code)
+        .map(|finding| finding.code.name)
         .collect()
 }
 

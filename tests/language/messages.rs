@@ -122,7 +122,7 @@ fn line(finding: &Diagnostic, sources: &Sources) -> (usize, &'static str) {
     let at = finding.primary.as_ref().map_or(1, |label| {
         sources.position(label.span.file, label.span.start).0
     });
-    (at, finding.code)
+    (at, finding.code.name)
 }
 
 /// The codes that a text asks for, with their lines in their files.

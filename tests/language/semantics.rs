@@ -24,7 +24,7 @@ fn does_what_its_comments_say() {
         let done = match machine {
             Ok(machine) => steps(&specification, machine, &text),
             Err(fault) => {
-                BTreeMap::from([(0, vec![specification.explain(&fault).code.to_owned()])])
+                BTreeMap::from([(0, vec![specification.explain(&fault).code.to_string()])])
             }
         };
         let expected = expected(&text);
@@ -90,7 +90,7 @@ fn steps(
         let result = machine.step(&mut inputs, &mut step.choices(), step.now_ns);
         if let Err(fault) = result.map(|_| ()) {
             let code = specification.explain_in(&fault, &machine).code;
-            done.insert(number, vec![code.to_owned()]);
+            done.insert(number, vec![code.to_string()]);
             break;
         }
         let mut trace = Trace::begin(&machine, "");

@@ -316,7 +316,12 @@ impl Bench {
     /// The codes of what the checker finds.
     pub(super) fn findings(&self) -> Vec<&'static str> {
         let opened = open(&self.files());
-        opened.report.diagnostics.iter().map(|it| it.code).collect()
+        opened
+            .report
+            .diagnostics
+            .iter()
+            .map(|it| it.code.name)
+            .collect()
     }
 
     /// Everything in virtual time, with a log.

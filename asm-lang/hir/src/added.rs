@@ -5,8 +5,8 @@
 //! any state can go on with it.
 
 use crate::analyse::kind_name;
+use crate::codes::a016::WritesFixed;
 use crate::declare::Declared;
-use crate::error::HirError;
 use crate::model::{Body, Expression, FunctionId, Meaning, Model, RuleTerm, Term, TermKind};
 use crate::resolver::Resolver;
 use crate::scope::Scope;
@@ -225,7 +225,7 @@ impl Resolver<'_> {
     }
 
     fn not_settable(&mut self, name: &ast::Name, kind: &'static str, declared: Span) {
-        self.error(HirError::WritesFixed {
+        self.error(WritesFixed {
             function: name.text.clone(),
             kind,
             at: name.span,

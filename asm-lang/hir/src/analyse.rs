@@ -1,8 +1,22 @@
 //! From trees to a model: declarations, then definitions, rules, properties and the initial state.
 
 use crate::added::{Added, seen_from_outside};
+use crate::codes::a001::UnknownFunction;
+use crate::codes::a003::UnknownRule;
+use crate::codes::a004::UnknownDomain;
+use crate::codes::a005::UnknownConstant;
+use crate::codes::a008::WrongArity;
+use crate::codes::a009::DuplicateDeclaration;
+use crate::codes::a020::DefinesUndeclared;
+use crate::codes::a021::DefinesWrongKind;
+use crate::codes::a023::MainParameters;
+use crate::codes::a027::NoSuchInit;
+use crate::codes::w002::FileNameDiffers;
+use crate::codes::w004::EmptyDomain;
+use crate::codes::w005::NoMainRule;
+use crate::codes::w024::DefinesItself;
+use crate::codes::w029::NothingChosen;
 use crate::declare::{Declared, declare};
-use crate::error::HirError;
 use crate::load::Loaded;
 use crate::model::{
     Body, DomainKind, FunctionId, FunctionKind, Invariant, Logic, Meaning, Model, Program,
@@ -11,7 +25,7 @@ use crate::model::{
 use crate::options::Options;
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
-use asmotion_diagnostics::{Report, Sources, Span, similar};
+use asmotion_diagnostics::{Code, Finding, Report, Sources, Span, similar};
 use asmotion_syntax::ast;
 use asmotion_value::RuleId;
 use std::collections::BTreeSet;
@@ -114,7 +128,7 @@ impl Analysis<'_> {
                     _ => None,
                 };
                 if let Meaning::Constant(_) = self.declared.functions[id.0 as usize].meaning {
-                    let error = HirError::DefinesItself {
+                    let error = DefinesItself {
                         name: definition.name.text.clone(),
                         at: definition.name.span,
                     };
@@ -130,7 +144,7 @@ impl Analysis<'_> {
     /// Reports what is given a second time.
     fn once(&mut self, name: &ast::Name, known: Option<Span>) {
         if let Some(first) = known {
-            let error = HirError::Duplicate {
+            let error = DuplicateDeclaration {
                 name: name.text.clone(),
                 at: name.span,
                 first,
@@ -143,7 +157,7 @@ impl Analysis<'_> {
         let name = &definition.name;
         let Some(&id) = self.declared.scopes[unit].domains.get(&name.text) else {
             let similar = self.declared.scopes[unit].similar_domain(&name.text);
-            let error = HirError::UnknownDomain {
+            let error = UnknownDomain {
                 name: name.text.clone(),
                 at: name.span,
                 similar,
@@ -152,7 +166,7 @@ impl Analysis<'_> {
         };
         let declared = self.declared.domains[id.0 as usize].span;
         let DomainKind::Concrete { base } = self.declared.domains[id.0 as usize].kind else {
-            let error = HirError::DefinesWrongKind {
+            let error = DefinesWrongKind {
                 name: name.text.clone(),
                 kind: "not a subset of another domain",
                 why: "only a `subsetof` domain is defined by its elements",
@@ -187,7 +201,7 @@ impl Analysis<'_> {
         let reserved = matches!(function.meaning, Meaning::Machine);
         let is_library = function.library;
         if let Some((why, help)) = purpose.forbids(kind, reserved) {
-            let error = HirError::DefinesWrongKind {
+            let error = DefinesWrongKind {
                 name: name.text.clone(),
                 kind: kind_name(kind),
                 why,
@@ -245,7 +259,7 @@ impl Analysis<'_> {
         let Some(&first) = candidates.first() else {
             let similar = similar(&name.text, self.declared.scopes[unit].functions.keys())
                 .map(|found| (found.clone(), self.first_span(unit, found)));
-            let error = HirError::DefinesUndeclared {
+            let error = DefinesUndeclared {
                 name: name.text.clone(),
                 at: name.span,
                 similar,
@@ -254,7 +268,7 @@ impl Analysis<'_> {
             return None;
         };
         let wanted = &self.declared.functions[first.0 as usize];
-        let error = HirError::Arity {
+        let error = WrongArity {
             name: name.text.clone(),
             wanted: wanted.parameters.len(),
             actual: parameters.len(),
@@ -386,7 +400,7 @@ impl Analysis<'_> {
                     "write `default init` for the one to start from".to_owned(),
                 ),
             };
-            let error = HirError::NoSuchInit { wanted, at, help };
+            let error = NoSuchInit { wanted, at, help };
             self.declared.report.push(error.diagnostic());
         }
         found
@@ -396,7 +410,7 @@ impl Analysis<'_> {
         let name = &agent.domain;
         let Some(&domain) = self.declared.scopes[unit].domains.get(&name.text) else {
             let similar = self.declared.scopes[unit].similar_domain(&name.text);
-            let error = HirError::UnknownDomain {
+            let error = UnknownDomain {
                 name: name.text.clone(),
                 at: name.span,
                 similar,
@@ -431,9 +445,7 @@ impl Analysis<'_> {
     fn lint_schedule(&mut self, tree: &ast::File) {
         if let (true, Some(main), false) = (tree.asyncr, &tree.main, self.declared.chooses) {
             let at = main.name.span;
-            self.declared
-                .report
-                .push(HirError::NothingChosen { at }.diagnostic());
+            self.declared.report.push(NothingChosen { at }.diagnostic());
         }
     }
 
@@ -445,7 +457,7 @@ impl Analysis<'_> {
                 .unwrap_or_default()
                 .to_string_lossy();
             if *stem != *name.text && !stem.is_empty() && !main.path.starts_with('<') {
-                let error = HirError::FileName {
+                let error = FileNameDiffers {
                     name: name.text.clone(),
                     stem: stem.into_owned(),
                     at: name.span,
@@ -455,7 +467,7 @@ impl Analysis<'_> {
         }
         let Some(rule) = &tree.main else {
             if let (Some(name), false) = (&tree.name, tree.module) {
-                let error = HirError::NoMain {
+                let error = NoMainRule {
                     name: name.text.clone(),
                     at: name.span,
                 };
@@ -466,7 +478,7 @@ impl Analysis<'_> {
         if !rule.parameters.is_empty() {
             self.declared
                 .report
-                .push(HirError::MainParameters { at: rule.name.span }.diagnostic());
+                .push(MainParameters { at: rule.name.span }.diagnostic());
         }
         self.rule_at(rule.name.span)
     }
@@ -487,7 +499,7 @@ impl Analysis<'_> {
                 _ => true,
             };
             if needs_definition && domain.definition.is_none() && !domain.dynamic {
-                let error = HirError::EmptyDomain {
+                let error = EmptyDomain {
                     domain: domain.name.clone(),
                     at: domain.span,
                 };
@@ -587,8 +599,14 @@ fn meant<'a>(name: &str, known: impl Iterator<Item = &'a Arc<str>> + Clone) -> S
     }
 }
 
-/// Codes of names that nobody declares.
-const UNKNOWN: &[&str] = &["A001", "A003", "A004", "A005", "A020"];
+/// Findings about a name that is declared nowhere.
+const UNKNOWN: &[&Code] = &[
+    UnknownFunction::CODE,
+    UnknownRule::CODE,
+    UnknownDomain::CODE,
+    UnknownConstant::CODE,
+    DefinesUndeclared::CODE,
+];
 
 /// Without what only follows from a text that could not be read: a name in it may be declared there.
 fn without_unread(mut report: Report, loaded: &Loaded, sources: &Sources) -> Report {
@@ -600,7 +618,7 @@ fn without_unread(mut report: Report, loaded: &Loaded, sources: &Sources) -> Rep
     report.diagnostics.retain(|finding| {
         let at = finding.primary.as_ref().map(|label| label.span);
         let name = at.map_or("", |at| sources.snippet(at));
-        !(UNKNOWN.contains(&finding.code) && words.contains(name))
+        !(finding.is_any(UNKNOWN) && words.contains(name))
     });
     report
 }

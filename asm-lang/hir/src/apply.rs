@@ -1,6 +1,13 @@
 //! Names applied to arguments: which of several functions or rules is meant.
 
-use crate::error::{HirError, Respelt};
+use crate::codes::a001::UnknownFunction;
+use crate::codes::a003::UnknownRule;
+use crate::codes::a006::NoOverload;
+use crate::codes::a006::Respelt;
+use crate::codes::a008::WrongArity;
+use crate::codes::a036::NotImported;
+use crate::codes::w001::NotBinds;
+use crate::codes::w028::ArgumentTooWide;
 use crate::model::{DomainKind, FunctionId, Meaning, Term, TermKind};
 use crate::resolver::Resolver;
 use crate::types::{Bindings, Type, TypeId};
@@ -61,7 +68,7 @@ impl Resolver<'_> {
             && left.span.start == at.start
             && whole.start == at.start
         {
-            self.error(HirError::NotBinds {
+            self.error(NotBinds {
                 operator: operator.symbol(),
                 at: *at,
                 operand: whole,
@@ -87,7 +94,7 @@ impl Resolver<'_> {
                 });
                 (found, span)
             });
-            self.error(HirError::UnknownFunction {
+            self.error(UnknownFunction {
                 name: name.text.clone(),
                 at: name.span,
                 similar,
@@ -103,7 +110,7 @@ impl Resolver<'_> {
             return false;
         };
         if self.declared.missed.insert((self.unit, library.name)) {
-            self.error(HirError::NotImported {
+            self.error(NotImported {
                 name: shown,
                 library: library.name,
                 at,
@@ -191,7 +198,7 @@ impl Resolver<'_> {
         for (wanted, actual, at) in pairs {
             if self.is_wider(actual, wanted) {
                 let (wanted, actual) = (self.show(wanted), self.show(actual));
-                self.error(HirError::TooWide {
+                self.error(ArgumentTooWide {
                     name: name.clone(),
                     wanted,
                     actual,
@@ -288,7 +295,7 @@ impl Resolver<'_> {
             .collect();
         let hint = overload_hint(&roots);
         let number = self.respelt(arguments, &roots);
-        self.error(HirError::NoOverload {
+        self.error(NoOverload {
             name: Arc::from(name),
             at: span,
             actual,
@@ -353,7 +360,7 @@ impl Resolver<'_> {
                 declared.map_or_else(Span::default, |id| self.declared.rules[id.0 as usize].span);
             (found, span)
         });
-        self.error(HirError::UnknownRule {
+        self.error(UnknownRule {
             name: name.text.clone(),
             at: name.span,
             similar,
@@ -413,7 +420,7 @@ impl Resolver<'_> {
                 }
             }
         } else {
-            self.error(HirError::Arity {
+            self.error(WrongArity {
                 name: name.text.clone(),
                 wanted: parameters.len(),
                 actual: arguments.len(),

@@ -1,6 +1,7 @@
 //! Terms that give collections, and what variables range over.
 
-use crate::error::HirError;
+use crate::codes::a007::TypeMismatch;
+use crate::codes::a018::NotACollection;
 use crate::model::{Binder, Term, TermKind};
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
@@ -20,7 +21,7 @@ impl Resolver<'_> {
                 _ => {
                     let actual = self.show(range.ty);
                     let name = binder.name.text.clone();
-                    self.error(HirError::NotACollection {
+                    self.error(NotACollection {
                         name,
                         actual,
                         at: range.span,
@@ -102,7 +103,7 @@ impl Resolver<'_> {
         let counts = self.declared.types.get(root).is_whole();
         if !counts && !matches!(self.declared.types.get(root), Type::Real | Type::Invalid) {
             let actual = self.show(first.ty);
-            let error = HirError::Mismatch {
+            let error = TypeMismatch {
                 what: "an interval".to_owned(),
                 wanted: "a number".to_owned(),
                 actual,

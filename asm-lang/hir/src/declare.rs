@@ -1,6 +1,9 @@
 //! Signatures: domains, functions and rule heads get their ids, every file its scope.
 
-use crate::error::HirError;
+use crate::codes::a004::UnknownDomain;
+use crate::codes::a009::DuplicateDeclaration;
+use crate::codes::a033::DomainCycle;
+use crate::codes::w026::LocalInSignature;
 use crate::load::Unit;
 use crate::model::{
     AtomInfo, Domain, DomainId, DomainKind, Function, FunctionId, FunctionKind, Meaning, Rule,
@@ -8,7 +11,7 @@ use crate::model::{
 };
 use crate::scope::Scope;
 use crate::types::{Type, TypeId, Types};
-use asmotion_diagnostics::{Report, Span};
+use asmotion_diagnostics::{Finding, Report, Span};
 use asmotion_syntax::ast;
 use asmotion_value::{Atom, RuleId};
 use std::collections::{BTreeMap, BTreeSet};
@@ -85,7 +88,7 @@ impl Declared {
                 // The library's type variables have names that a model may well want for itself.
                 if same || first.kind != DomainKind::Any {
                     if !same {
-                        let error = HirError::Duplicate {
+                        let error = DuplicateDeclaration {
                             name: name.text.clone(),
                             at: name.span,
                             first: first.span,
@@ -126,8 +129,7 @@ impl Declared {
             if self.contains(base, id) {
                 let domain = &self.domains[id.0 as usize];
                 let (domain, at) = (domain.name.clone(), domain.span);
-                self.report
-                    .push(HirError::DomainCycle { domain, at }.diagnostic());
+                self.report.push(DomainCycle { domain, at }.diagnostic());
                 let base = self.types.id(Type::Invalid);
                 self.domains[id.0 as usize].kind = DomainKind::Concrete { base };
             }
@@ -163,7 +165,7 @@ impl Declared {
                     let first = self.atoms[twice.0 as usize].span;
                     let name = literal.text.clone();
                     self.report.push(
-                        HirError::Duplicate {
+                        DuplicateDeclaration {
                             name,
                             at: literal.span,
                             first,
@@ -201,8 +203,7 @@ impl Declared {
         for function in &unit.tree.functions {
             if function.kind == FunctionKind::Local {
                 let (name, at) = (function.name.text.clone(), function.name.span);
-                self.report
-                    .push(HirError::LocalInSignature { name, at }.diagnostic());
+                self.report.push(LocalInSignature { name, at }.diagnostic());
             }
             let codomain = self.resolve_type(index, &function.codomain);
             let parameters = match &function.domain {
@@ -215,7 +216,7 @@ impl Declared {
                 let library = self.functions[first.0 as usize].library;
                 if !library || unit.library {
                     let first = self.functions[first.0 as usize].span;
-                    let error = HirError::Duplicate {
+                    let error = DuplicateDeclaration {
                         name: name.text.clone(),
                         at: name.span,
                         first,
@@ -428,7 +429,7 @@ impl Declared {
                         known.retain(|&id| id != twice);
                     }
                 } else {
-                    let error = HirError::Duplicate {
+                    let error = DuplicateDeclaration {
                         name: name.text.clone(),
                         at: name.span,
                         first,
@@ -506,7 +507,7 @@ impl Declared {
             (None, None) => {
                 let similar = self.scopes[unit].similar_domain(name);
                 self.report.push(
-                    HirError::UnknownDomain {
+                    UnknownDomain {
                         name: name.clone(),
                         at,
                         similar,

@@ -1,11 +1,12 @@
 //! Imports: which names of another file a file sees.
 
+use crate::codes::a015::NotExported;
+use crate::codes::w003::ImportsNothing;
 use crate::declare::Declared;
-use crate::error::HirError;
 use crate::load::Unit;
 use crate::model::Rule;
 use crate::scope::Scope;
-use asmotion_diagnostics::Span;
+use asmotion_diagnostics::{Finding, Span};
 use asmotion_syntax::ast;
 use asmotion_value::{Atom, RuleId};
 use std::collections::BTreeSet;
@@ -47,7 +48,7 @@ impl Declared {
             if matches!(exports, Exports::Nothing) && units[from].tree.module {
                 let module = import.path.text.clone();
                 self.report.push(
-                    HirError::ImportsNothing {
+                    ImportsNothing {
                         module,
                         at: import.path.span,
                     }
@@ -109,7 +110,7 @@ impl Declared {
                         || declares_rule(&units[from].tree, &name.text));
                 if !known || !exports.has(&name.text) {
                     let module = import.path.text.clone();
-                    let error = HirError::NotExported {
+                    let error = NotExported {
                         module,
                         name: name.text.clone(),
                         at: name.span,

@@ -6,9 +6,9 @@
 mod added;
 mod analyse;
 mod apply;
+mod codes;
 mod collection;
 mod declare;
-mod error;
 mod import;
 mod load;
 mod model;
@@ -21,6 +21,7 @@ mod types;
 
 pub use added::{Added, AddedRule, AddedTerm, Assignment};
 pub use analyse::{analyse, analyse_with};
+pub use codes::{CODES, NO_SUCH_INIT};
 pub use load::{Loaded, Unit, load};
 pub use model::*;
 pub use options::Options;

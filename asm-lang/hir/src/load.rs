@@ -1,7 +1,10 @@
 //! A file and all that it imports, imported files first.
 
-use crate::error::HirError;
-use asmotion_diagnostics::{FileId, Loader, Report, Sources, Span};
+use crate::codes::a010::ImportNotFound;
+use crate::codes::a011::ImportCycle;
+use crate::codes::a012::ImportsTooDeep;
+use crate::codes::a013::UnreadableFile;
+use asmotion_diagnostics::{FileId, Finding, Loader, Report, Sources, Span};
 use asmotion_syntax::ast;
 use std::sync::Arc;
 
@@ -52,7 +55,7 @@ pub fn load(path: &str, loader: &dyn Loader, sources: &mut Sources) -> Loaded {
         Err(error) => loading
             .loaded
             .report
-            .push(HirError::Unreadable { error, at: None }.diagnostic()),
+            .push(UnreadableFile { error, at: None }.diagnostic()),
     }
     loading.loaded
 }
@@ -112,7 +115,7 @@ impl Loading<'_> {
             if let Some(library) = asmotion_stdlib::library_spelt_like(last) {
                 return Some(self.library(library));
             }
-            let error = HirError::ImportNotFound {
+            let error = ImportNotFound {
                 path: import.path.text.to_string(),
                 at,
             };
@@ -126,7 +129,7 @@ impl Loading<'_> {
                 .collect();
             self.loaded
                 .report
-                .push(HirError::ImportCycle { path, at, chain }.diagnostic());
+                .push(ImportCycle { path, at, chain }.diagnostic());
             return None;
         }
         if let Some(unit) = self.known(&path) {
@@ -134,7 +137,7 @@ impl Loading<'_> {
         }
         if self.open.len() >= MAX_IMPORT_DEPTH {
             self.loaded.report.push(
-                HirError::ImportsTooDeep {
+                ImportsTooDeep {
                     at,
                     limit: MAX_IMPORT_DEPTH,
                 }
@@ -146,7 +149,7 @@ impl Loading<'_> {
             Ok(text) => Some(self.unit(&path, text, false)),
             Err(error) => {
                 self.loaded.report.push(
-                    HirError::Unreadable {
+                    UnreadableFile {
                         error,
                         at: Some(at),
                     }

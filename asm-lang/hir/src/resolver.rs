@@ -1,10 +1,13 @@
 //! What resolving a body needs: its variables, the types, a place for findings.
 
+use crate::codes::a002::UnknownVariable;
+use crate::codes::a007::TypeMismatch;
+use crate::codes::w021::OutOfScope;
+use crate::codes::w025::IntegerForNatural;
 use crate::declare::Declared;
-use crate::error::HirError;
 use crate::model::{Body, FunctionKind, Term, TermKind, VarId, Variable};
 use crate::types::{Type, TypeId};
-use asmotion_diagnostics::{Span, similar};
+use asmotion_diagnostics::{Finding, Span, similar};
 use asmotion_syntax::ast;
 use asmotion_value::Value;
 use std::sync::Arc;
@@ -118,7 +121,7 @@ impl<'a> Resolver<'a> {
         self.declared.types.show(ty, &self.declared.domains)
     }
 
-    pub fn error(&mut self, error: HirError) {
+    pub fn error(&mut self, error: impl Finding) {
         self.declared.report.push(error.diagnostic());
     }
 
@@ -141,10 +144,10 @@ impl<'a> Resolver<'a> {
         if let (Some(number), true) = (&number, self.is_natural(term, wanted)) {
             let number = number.clone();
             let at = term.span;
-            return self.error(HirError::IntegerForNatural { number, at });
+            return self.error(IntegerForNatural { number, at });
         }
         let (wanted, actual) = (self.show(wanted), self.show(term.ty));
-        self.error(HirError::Mismatch {
+        self.error(TypeMismatch {
             what: what.to_owned(),
             wanted,
             actual,
@@ -193,7 +196,7 @@ impl<'a> Resolver<'a> {
             .find(|known| known.name == name.text)
             .map(|known| (known.span, known.ty));
         if let Some((bound, ty)) = bound {
-            self.error(HirError::OutOfScope {
+            self.error(OutOfScope {
                 name: name.text.clone(),
                 at: name.span,
                 bound,
@@ -209,7 +212,7 @@ impl<'a> Resolver<'a> {
             self.visible.iter().map(|id| &self.variable(*id).name),
         )
         .cloned();
-        self.error(HirError::UnknownVariable {
+        self.error(UnknownVariable {
             name: name.text.clone(),
             at: name.span,
             similar,

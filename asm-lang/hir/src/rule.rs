@@ -1,14 +1,25 @@
 //! Rules resolved.
 
 use crate::analyse::kind_name;
-use crate::error::HirError;
+use crate::codes::a007::TypeMismatch;
+use crate::codes::a014::WritesMonitored;
+use crate::codes::a016::WritesFixed;
+use crate::codes::a024::RuleWithoutResult;
+use crate::codes::a025::WrongCallForm;
+use crate::codes::a026::CannotExtend;
+use crate::codes::a028::NotARule;
+use crate::codes::a034::WritesReserved;
+use crate::codes::w020::WritesVariable;
+use crate::codes::w022::ResultUndeclared;
+use crate::codes::w023::ReturnsToMonitored;
+use crate::codes::w027::ExtendsStatic;
 use crate::model::{
     DomainKind, FunctionId, FunctionKind, Local, Meaning, RuleKind, RuleTerm, Target, Term,
     TermKind,
 };
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
-use asmotion_diagnostics::Span;
+use asmotion_diagnostics::{Diagnostic, Finding, Span};
 use asmotion_syntax::ast;
 use asmotion_value::RuleId;
 
@@ -129,7 +140,7 @@ impl Resolver<'_> {
         };
         if !self.compatible(wanted, result) {
             let (wanted, actual) = (self.show(wanted), self.show(result));
-            let error = HirError::Mismatch {
+            let error = TypeMismatch {
                 what,
                 wanted,
                 actual,
@@ -148,10 +159,10 @@ impl Resolver<'_> {
         let (declared, turbo, result) = (rule.span, rule.turbo, rule.result);
         if result.is_none() {
             let (name, at) = (name.text.clone(), name.span);
-            self.error(match turbo {
-                true => HirError::ResultUndeclared { name, at, declared },
-                false => HirError::NoResult { name, at, declared },
-            });
+            match turbo {
+                true => self.error(ResultUndeclared { name, at, declared }),
+                false => self.error(RuleWithoutResult { name, at, declared }),
+            }
             return turbo.then(|| self.ty(Type::Undef));
         }
         result
@@ -171,7 +182,7 @@ impl Resolver<'_> {
                 };
                 let (ty, bound) = (self.variable(id).ty, self.variable(id).span);
                 if !self.stands_for_location(id) {
-                    self.error(HirError::WritesVariable {
+                    self.error(WritesVariable {
                         name: name.text.clone(),
                         at: name.span,
                         bound,
@@ -211,7 +222,7 @@ impl Resolver<'_> {
                     .and_then(|ids| ids.first())
                     .map_or(name.span, |id| self.declared.functions[id.0 as usize].span);
                 let function = name.text.clone();
-                self.error(HirError::WritesFixed {
+                self.error(WritesFixed {
                     function,
                     kind: "static",
                     at: name.span,
@@ -227,7 +238,7 @@ impl Resolver<'_> {
         if self.is_result(id) {
             ty = self.result.unwrap_or(ty);
         } else if matches!(function.meaning, Meaning::Machine) && kind == FunctionKind::Controlled {
-            self.error(HirError::WritesReserved {
+            self.error(WritesReserved {
                 function: name.text.clone(),
                 at: name.span,
             });
@@ -235,8 +246,8 @@ impl Resolver<'_> {
         } else if !self.may_write(kind)
             && let Some(error) = forbidden(name, kind, declared, writer)
         {
-            let fatal = !matches!(error, HirError::ReturnsToMonitored { .. });
-            self.error(error);
+            let fatal = !error.is_any(&[ReturnsToMonitored::CODE]);
+            self.declared.report.push(error);
             if fatal {
                 return None;
             }
@@ -272,7 +283,7 @@ impl Resolver<'_> {
                 ),
             };
             let declared = declared.span;
-            self.error(HirError::CallForm {
+            self.error(WrongCallForm {
                 name: name.text.clone(),
                 is,
                 want,
@@ -289,7 +300,7 @@ impl Resolver<'_> {
         let rule = self.ty(Type::Rule);
         if !self.compatible(rule, term.ty) {
             let actual = self.show(term.ty);
-            self.error(HirError::NotARule {
+            self.error(NotARule {
                 actual,
                 at: term.span,
             });
@@ -332,7 +343,7 @@ impl Resolver<'_> {
         let Some(id) = id else {
             if *self.declared.types.get(ty) != Type::Invalid {
                 let kind = "a basic domain";
-                let error = HirError::CannotExtend {
+                let error = CannotExtend {
                     domain: domain.text.clone(),
                     kind,
                     at: domain.span,
@@ -351,7 +362,7 @@ impl Resolver<'_> {
                 DomainKind::Abstract => "abstract",
             };
             let declared = self.declared.domains[id.0 as usize].span;
-            self.error(HirError::CannotExtend {
+            self.error(CannotExtend {
                 domain: domain.text.clone(),
                 kind,
                 at: domain.span,
@@ -361,7 +372,7 @@ impl Resolver<'_> {
         let extended = &self.declared.domains[id.0 as usize];
         if extensible && !extended.dynamic {
             let declared = extended.span;
-            self.error(HirError::ExtendsStatic {
+            self.error(ExtendsStatic {
                 domain: domain.text.clone(),
                 at: domain.span,
                 declared,
@@ -421,7 +432,7 @@ fn forbidden(
     kind: FunctionKind,
     declared: Span,
     writer: Writer,
-) -> Option<HirError> {
+) -> Option<Diagnostic> {
     let function = name.text.clone();
     let at = name.span;
     match kind {
@@ -430,22 +441,27 @@ fn forbidden(
         | FunctionKind::Shared
         | FunctionKind::Local => None,
         FunctionKind::Monitored => Some(match writer {
-            Writer::Update => HirError::WritesMonitored {
+            Writer::Update => WritesMonitored {
                 function,
                 at,
                 declared,
-            },
-            Writer::Return => HirError::ReturnsToMonitored {
+            }
+            .diagnostic(),
+            Writer::Return => ReturnsToMonitored {
                 function,
                 at,
                 declared,
-            },
+            }
+            .diagnostic(),
         }),
-        FunctionKind::Static | FunctionKind::Derived => Some(HirError::WritesFixed {
-            function,
-            kind: kind_name(kind),
-            at,
-            declared,
-        }),
+        FunctionKind::Static | FunctionKind::Derived => Some(
+            WritesFixed {
+                function,
+                kind: kind_name(kind),
+                at,
+                declared,
+            }
+            .diagnostic(),
+        ),
     }
 }

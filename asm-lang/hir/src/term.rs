@@ -1,6 +1,7 @@
 //! Terms resolved and typed.
 
-use crate::error::HirError;
+use crate::codes::a005::UnknownConstant;
+use crate::codes::a019::DisagreeingDomains;
 use crate::model::{Term, TermKind, VarId};
 use crate::resolver::Resolver;
 use crate::types::{Type, TypeId};
@@ -189,7 +190,7 @@ impl Resolver<'_> {
         if let Some(element) = self.element(name) {
             return element;
         }
-        self.error(HirError::UnknownConstant {
+        self.error(UnknownConstant {
             name: name.text.clone(),
             at: name.span,
             similar,
@@ -299,7 +300,7 @@ impl Resolver<'_> {
                 .types
                 .join(ty, term.ty, &self.declared.domains)
             else {
-                let error = HirError::Disagree {
+                let error = DisagreeingDomains {
                     what,
                     first: self.show(ty),
                     second: self.show(term.ty),

@@ -6,6 +6,7 @@
 //! name, so that a machine only knows calls by value. This is what a back end compiles.
 
 mod code;
+mod codes;
 mod cover;
 mod interval;
 mod lower;
@@ -13,6 +14,7 @@ mod program;
 mod visit;
 
 pub use code::*;
+pub use codes::CODES;
 pub use cover::{Counted, Counter, Part};
 pub use interval::Interval;
 pub use lower::{

@@ -14,6 +14,7 @@ mod rule;
 mod term;
 
 use crate::code::{Body, Rule, RuleNode, Term};
+use crate::codes::a035::CircularDomain;
 use crate::program::{
     BodyId, Elements, FunctionId, Initial, Invariant, Origin, Program, RoutineId, RuleValue,
     Symbols,
@@ -22,7 +23,7 @@ pub use facts::{visit as visit_terms, walk as visit_rules};
 
 pub use message::{MessageUse, Role, message_uses};
 
-use asmotion_diagnostics::{Diagnostic, Report, Span};
+use asmotion_diagnostics::{Finding, Report, Span};
 use asmotion_hir::{Meaning, Model};
 use asmotion_value::RuleId;
 use facts::Facts;
@@ -224,15 +225,12 @@ impl<'a> Lowering<'a> {
                 .definition
                 .as_ref()
                 .map_or(domain.span, |definition| definition.root.span);
-            self.report.push(
-                Diagnostic::error(
-                    "A035",
-                    format!("the elements of `{}` depend on themselves", domain.name),
-                )
-                .label(at, "this needs the elements of the domain itself")
-                .label(domain.span, "declared here")
-                .help("define it by its elements, or by those of another domain"),
-            );
+            let finding = CircularDomain {
+                domain: domain.name.clone(),
+                at,
+                declared: domain.span,
+            };
+            self.report.push(finding.diagnostic());
         }
         // the reference knows no initial state: a location has its value when it is met
         let lazy = |initial: &Initial| matches!(initial, Initial::Function(_));

@@ -16,15 +16,20 @@
 //! cancel = { fault = "CALL_UNAVAILABLE" }   # in the next one
 //! ```
 
+use crate::codes::s001::InvalidScript;
+use crate::codes::s002::UnknownSection;
+use crate::codes::s003::UnknownInput;
+use crate::codes::s004::WrongInputValue;
+use crate::codes::s005::NotAnAnswer;
+use crate::codes::s006::UnknownPartner;
 use crate::literal::Literals;
 use crate::partner::Answer;
-use asmotion_diagnostics::{Diagnostic, FileId, Report, Span};
+use asmotion_diagnostics::{FileId, Finding, Report, Span, similar};
 use asmotion_ir::{FunctionId, FunctionKind, Program, Shape};
 use asmotion_machine::{CallFault, Environment};
 use asmotion_value::{Atom, Value};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -129,9 +134,11 @@ impl Reading<'_> {
             Err(error) => {
                 let at = self.span(error.span().unwrap_or(0..0));
                 self.report.push(
-                    Diagnostic::error("S001", error.message())
-                        .label(at, "not TOML")
-                        .help("a script has a `[default]` table and `[[step]]` tables"),
+                    InvalidScript {
+                        message: error.message().to_owned(),
+                        at,
+                    }
+                    .diagnostic(),
                 );
                 return script;
             }
@@ -170,7 +177,11 @@ impl Reading<'_> {
             .find(|(_, atom)| ***atom == **name.get_ref())
         else {
             let at = self.span(name.span());
-            self.report.push(no_partner(name.get_ref(), at, atoms));
+            let name = name.get_ref();
+            let similar = similar(name, atoms).cloned();
+            let name = name.to_string();
+            self.report
+                .push(UnknownPartner { name, at, similar }.diagnostic());
             return Vec::new();
         };
         let DeValue::Table(operations) = operations.get_ref() else {
@@ -220,20 +231,12 @@ impl Reading<'_> {
 
     fn not_an_answer(&mut self, at: std::ops::Range<usize>) {
         let at = self.span(at);
-        self.report.push(
-            Diagnostic::error("S005", "this is not what a partner answers")
-                .label(at, "expected a reply that fits the operation, or a fault")
-                .help("write `{ reply = …, after = 2 }` or `{ fault = \"CALL_TIMEOUT\" }`, also `CALL_UNAVAILABLE`, `CALL_FAILED`, `CALL_CANCELLED`; `after` counts steps from 1"),
-        );
+        self.report.push(NotAnAnswer { at }.diagnostic());
     }
 
     fn not_a_section(&mut self, at: std::ops::Range<usize>) {
         let at = self.span(at);
-        self.report.push(
-            Diagnostic::error("S002", "this is neither `[default]` nor a `[[step]]`")
-                .label(at, "unknown here")
-                .help("write inputs under `[default]`, or under one `[[step]]` for each step"),
-        );
+        self.report.push(UnknownSection { at }.diagnostic());
     }
 
     fn inputs(&mut self, table: &DeTable<'_>) -> Inputs {
@@ -292,37 +295,22 @@ impl Reading<'_> {
         let names = functions
             .filter(|(_, function)| is_input(function.kind) && function.own)
             .map(|(index, _)| &self.program.symbols.functions[index]);
-        let finding = Diagnostic::error(
-            "S003",
-            format!("`{name}` is no input of this specification"),
-        )
-        .label(
-            at,
-            "not a monitored or shared function with so many arguments",
-        );
+        let similar = similar(name, names).cloned();
+        let name = name.to_owned();
         self.report
-            .push(match asmotion_diagnostics::similar(name, names) {
-                Some(known) => finding.help(format!("did you mean `{known}`?")),
-                None => {
-                    finding.help("only monitored and shared functions take values from outside")
-                }
-            });
+            .push(UnknownInput { name, at, similar }.diagnostic());
     }
 
     fn misfit(&mut self, what: &str, text: &str, shape: &Shape, at: Span) {
-        let wanted = self.describe(shape);
         let names = self.literals().names(shape).unwrap_or_default();
-        let help = match (asmotion_diagnostics::similar(text, names), names) {
-            (Some(name), _) => format!("did you mean `{name}`?"),
-            (None, []) => FORMS.to_owned(),
-            (None, names) => {
-                let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-                format!("its elements are {}", names.join(", "))
-            }
+        let finding = WrongInputValue {
+            what: what.to_owned(),
+            wanted: self.describe(shape),
+            at,
+            similar: similar(text, names).cloned(),
+            elements: names.to_vec(),
         };
-        let finding = Diagnostic::error("S004", format!("{what} is not {wanted}"));
-        self.report
-            .push(finding.label(at, format!("expected {wanted}")).help(help));
+        self.report.push(finding.diagnostic());
     }
 
     fn describe(&self, shape: &Shape) -> String {
@@ -394,8 +382,6 @@ impl Reading<'_> {
     }
 }
 
-/// How values are written in a script.
-const FORMS: &str = "booleans and numbers stand for themselves, literals and texts in quotes, sequences, sets and tuples as arrays";
 fn fault_named(name: &str) -> Option<CallFault> {
     match name {
         "CALL_TIMEOUT" => Some(CallFault::Timeout),
@@ -403,15 +389,6 @@ fn fault_named(name: &str) -> Option<CallFault> {
         "CALL_FAILED" => Some(CallFault::Failed),
         "CALL_CANCELLED" => Some(CallFault::Cancelled),
         _ => None,
-    }
-}
-
-fn no_partner(name: &str, at: Span, atoms: &[Arc<str>]) -> Diagnostic {
-    let finding = Diagnostic::error("S006", format!("the specification has no agent `{name}`"))
-        .label(at, "no element of this name");
-    match asmotion_diagnostics::similar(name, atoms) {
-        Some(known) => finding.help(format!("did you mean `{known}`?")),
-        None => finding.help("declare it, as in `static planner: Planner`"),
     }
 }
 

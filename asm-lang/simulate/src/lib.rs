@@ -2,6 +2,7 @@
 
 mod awaited;
 mod clock;
+mod codes;
 mod environment;
 mod literal;
 mod partner;
@@ -14,6 +15,7 @@ mod trace;
 
 pub use awaited::{Awaited, Unawaited};
 pub use clock::Clock;
+pub use codes::CODES;
 pub use environment::Script;
 pub use random::{Random, Seeded};
 pub use recording::{Choices, Inputs, Recorded, Recording, Ticks};

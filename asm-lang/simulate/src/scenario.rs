@@ -17,7 +17,6 @@
 //! * `invariant`s are checked in the first state and after every step, as those of the specification.
 
 mod choices;
-mod error;
 mod inputs;
 mod plan;
 mod run;
@@ -26,4 +25,5 @@ mod verdict;
 pub use inputs::Held;
 pub use plan::Plan;
 pub use run::{Options, run};
+pub(crate) use verdict::Seen;
 pub use verdict::{Failed, Failure, Outcome, Verdict};

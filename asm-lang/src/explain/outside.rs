@@ -4,49 +4,66 @@ use crate::Specification;
 use asmotion_diagnostics::{Diagnostic, Span};
 use asmotion_machine::Misfit;
 use asmotion_value::Value;
+use std::fmt;
+
+/// A value that is no element of the domain it is wanted in.
+#[derive(Debug)]
+pub(crate) struct Foreign {
+    element: String,
+    domain: String,
+    declared: Span,
+    /// The elements of the domain, where they are defined.
+    defined: Option<Span>,
+    /// The value of which the element is a part.
+    whole: Option<String>,
+}
+
+impl fmt::Display for Foreign {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(to, "{} is no element of `{}`", self.element, self.domain)
+    }
+}
+
+impl Foreign {
+    /// Adds the domain, the whole value where only a part is at fault, and the way out.
+    pub(crate) fn explain(&self, diagnostic: Diagnostic, way_out: &str) -> Diagnostic {
+        let diagnostic = match self.defined {
+            Some(defined) => diagnostic
+                .label(defined, format!("the elements of `{}`", self.domain))
+                .help(format!("{way_out}, or widen the domain")),
+            None => diagnostic
+                .label(self.declared, "declared here")
+                .help(format!(
+                    "{way_out}, or define the domain under `definitions:`"
+                )),
+        };
+        match &self.whole {
+            Some(whole) => diagnostic.note(format!("it is a part of {whole}")),
+            None => diagnostic,
+        }
+    }
+}
 
 impl Specification {
-    /// That a value is none of its function's.
-    pub(super) fn no_element(
-        &self,
-        misfit: &Misfit,
-        when: &str,
-        show: &dyn Fn(&Value) -> String,
-    ) -> String {
-        let domain = &self.model.domains[misfit.domain.0 as usize].name;
-        format!("{} is no element of `{domain}`, {when}", show(&misfit.part))
+    /// The facts about a value that is none of its function's.
+    pub(super) fn foreign(&self, misfit: &Misfit, show: &dyn Fn(&Value) -> String) -> Foreign {
+        let domain = &self.model.domains[misfit.domain.0 as usize];
+        let defined = domain.definition.as_ref();
+        Foreign {
+            element: show(&misfit.part),
+            domain: domain.name.to_string(),
+            declared: domain.span,
+            defined: defined.map(|definition| definition.root.span),
+            whole: (misfit.part != misfit.value).then(|| show(&misfit.value)),
+        }
     }
 
-    /// Adds the domain, the whole value where only a part is at fault, and the way out.
-    pub(super) fn outside(
-        &self,
-        mut finding: Diagnostic,
-        misfit: &Misfit,
-        show: &dyn Fn(&Value) -> String,
-        way_out: &str,
-    ) -> Diagnostic {
-        let domain = &self.model.domains[misfit.domain.0 as usize];
-        // what is set from outside stands nowhere in the specification
-        if let Some(place) = finding.primary.as_mut()
-            && place.span == Span::default()
-        {
-            place.span = self.model.functions[misfit.function.0 as usize].span;
+    /// Where to point: what is set from outside stands nowhere in the specification, so at its function.
+    pub(super) fn place_of(&self, at: Span, misfit: &Misfit) -> Span {
+        match at == Span::default() {
+            true => self.model.functions[misfit.function.0 as usize].span,
+            false => at,
         }
-        finding = match &domain.definition {
-            Some(definition) => finding
-                .label(
-                    definition.root.span,
-                    format!("the elements of `{}`", domain.name),
-                )
-                .help(format!("{way_out}, or widen the domain")),
-            None => finding.label(domain.span, "declared here").help(format!(
-                "{way_out}, or define the domain under `definitions:`"
-            )),
-        };
-        if misfit.part != misfit.value {
-            finding = finding.note(format!("it is a part of {}", show(&misfit.value)));
-        }
-        finding
     }
 
     /// The codomain of the function whose value does not fit.

@@ -9,11 +9,20 @@ mod name;
 mod sign;
 mod word;
 
-use crate::error::{Place, SyntaxError};
+use crate::codes::Place;
+use crate::codes::l009::ForeignSign;
+use crate::codes::l030::FileCutOff;
+use crate::codes::l031::UnclosedBlock;
+use crate::codes::l032::UnclosedElseIf;
+use crate::codes::l033::ClosesNothing;
+use crate::codes::l034::SeveralRules;
+use crate::codes::l035::MissingRule;
+use crate::codes::l054::ReservedName;
+use crate::codes::l058::UnexpectedToken;
 use crate::findings::Findings;
 use crate::lexer::{Keyword, Lexer, Spanned, Token};
 use crate::nesting::{Nesting, Open, closer};
-use asmotion_diagnostics::Span;
+use asmotion_diagnostics::{Diagnostic, Finding, Span};
 use expected::Expected;
 use lalrpop_util::ParseError;
 use std::convert::Infallible;
@@ -108,19 +117,13 @@ impl<'input, 'run> Explainer<'input, 'run> {
             Some(found) => self.at_token(found, &expected),
             None => self.at_end(at, &expected),
         };
-        let misused = matches!(
-            error,
-            SyntaxError::ReservedName { .. } | SyntaxError::Foreign { .. }
-        );
+        let misused = error.is_any(&[ReservedName::CODE, ForeignSign::CODE]);
         if !self.follows(&error, start, from) {
-            if matches!(
-                error,
-                SyntaxError::Unclosed { .. } | SyntaxError::CutOff { .. }
-            ) {
+            if error.is_any(&[UnclosedBlock::CODE, FileCutOff::CODE]) {
                 // What looked like several rules is the inside of what was not closed.
-                self.findings.retract("L034", start);
+                self.findings.retract(SeveralRules::CODE, start);
             }
-            self.findings.report(error);
+            self.findings.add(error);
         }
         self.last = Some(Last {
             at: from,
@@ -141,7 +144,7 @@ impl<'input, 'run> Explainer<'input, 'run> {
 
     /// Whether the error is but a trace of one before: in the same declaration, and near it, or
     /// around it, or an end whose beginning was lost.
-    fn follows(&self, error: &SyntaxError, start: usize, found: usize) -> bool {
+    fn follows(&self, error: &Diagnostic, start: usize, found: usize) -> bool {
         let declaration = self.declared_from();
         let line = self.line_start(found).max(declaration);
         if self.findings.error_between(line, found) {
@@ -153,10 +156,7 @@ impl<'input, 'run> Explainer<'input, 'run> {
         let [third_last, ..] = self.recent;
         let near = third_last <= last.resumed || line <= last.resumed;
         let around = start <= last.at;
-        let lost = matches!(
-            error,
-            SyntaxError::ClosesNothing { .. } | SyntaxError::NoRule { .. }
-        );
+        let lost = error.is_any(&[ClosesNothing::CODE, MissingRule::CODE]);
         near || around || lost
     }
 
@@ -185,24 +185,24 @@ impl<'input, 'run> Explainer<'input, 'run> {
 
     // ── at the end of the text ──
 
-    fn at_end(&self, at: Span, expected: &Expected<'_>) -> SyntaxError {
+    fn at_end(&self, at: Span, expected: &Expected<'_>) -> Diagnostic {
         let open = self.missing_end(expected);
         if let Some((open, _)) = &open
             && let Some(inner) = open.else_if
         {
             let (outer, inner) = (self.span(open.opener), self.span(inner));
-            return SyntaxError::ElseIf { at, outer, inner };
+            return UnclosedElseIf { at, outer, inner }.diagnostic();
         }
         let missing = open.map_or(expected.to_string(), |(_, end)| format!("`{end}`"));
         let open = self.nesting.open().take(3);
         let open = open.map(|open| self.place(open.opener)).collect();
-        SyntaxError::CutOff { missing, at, open }
+        FileCutOff { missing, at, open }.diagnostic()
     }
 
     // ── at a token ──
 
     /// The first explanation that fits, from the most particular to the most general.
-    fn at_token(&self, found: Spanned<'input>, expected: &Expected<'_>) -> SyntaxError {
+    fn at_token(&self, found: Spanned<'input>, expected: &Expected<'_>) -> Diagnostic {
         let explanations: [Explanation<'input, 'run>; _] = [
             Self::unused_word,
             Self::wrong_sign,
@@ -226,9 +226,9 @@ impl<'input, 'run> Explainer<'input, 'run> {
     }
 
     /// What can always be said.
-    fn unexpected(&self, found: Spanned<'input>, expected: &Expected<'_>) -> SyntaxError {
+    fn unexpected(&self, found: Spanned<'input>, expected: &Expected<'_>) -> Diagnostic {
         let before = self.nesting.previous.filter(|_| self.begins_line(found));
-        SyntaxError::Expected {
+        UnexpectedToken {
             what: expected.to_string(),
             found: self.place(found),
             after: before.map(|before| self.place(before)),
@@ -236,6 +236,7 @@ impl<'input, 'run> Explainer<'input, 'run> {
                 .missing_end(expected)
                 .map(|(open, _)| self.place(open.opener)),
         }
+        .diagnostic()
     }
 
     // ── what all of them ask ──
@@ -284,4 +285,4 @@ impl<'input, 'run> Explainer<'input, 'run> {
 
 /// Explains some errors at a token.
 type Explanation<'input, 'run> =
-    fn(&Explainer<'input, 'run>, Spanned<'input>, &Expected<'_>) -> Option<SyntaxError>;
+    fn(&Explainer<'input, 'run>, Spanned<'input>, &Expected<'_>) -> Option<Diagnostic>;

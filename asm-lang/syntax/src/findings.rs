@@ -1,7 +1,9 @@
 //! What is wrong with a file, collected while it is read.
 
-use crate::error::SyntaxError;
-use asmotion_diagnostics::{Diagnostic, FileId, Report, Severity, Span};
+use crate::codes::l010::StraySemicolon;
+use crate::codes::l039::NestedTooDeep;
+use crate::codes::l062::TooManyErrors;
+use asmotion_diagnostics::{Code, Diagnostic, FileId, Finding, Report, Severity, Span};
 use std::cell::{Cell, RefCell};
 
 /// A file with so many errors is not read to its end.
@@ -12,6 +14,9 @@ const MAX_CAUGHT: u32 = 1000;
 
 /// What is beyond so many warnings is not worth telling.
 const MAX_WARNINGS: u32 = 100;
+
+/// Findings that are reported at most once a file.
+const ONCE: &[&Code] = &[StraySemicolon::CODE, NestedTooDeep::CODE];
 
 /// A parser that takes so many tokens without building a node is lost.
 const MAX_IDLE: u32 = 10_000;
@@ -44,11 +49,18 @@ impl Findings {
     }
 
     /// Adds a finding, as long as there is room for it.
-    pub(crate) fn report(&self, error: SyntaxError) {
-        if self.is_full() || error.once().is_some_and(|code| self.has(code)) {
+    pub(crate) fn report(&self, finding: impl Finding) {
+        self.add(finding.diagnostic());
+    }
+
+    /// Adds a finding that is in words already.
+    pub(crate) fn add(&self, finding: Diagnostic) {
+        let again = ONCE
+            .iter()
+            .any(|code| finding.is_any(&[code]) && self.has(code));
+        if self.is_full() || again {
             return;
         }
-        let finding = error.diagnostic();
         match finding.severity {
             Severity::Error => self.errors.update(|errors| errors + 1),
             Severity::Warning => self.warnings.update(|warnings| warnings + 1),
@@ -74,7 +86,7 @@ impl Findings {
     }
 
     fn give_up(&self, at: Span) {
-        let finding = SyntaxError::TooMany { at }.diagnostic();
+        let finding = TooManyErrors { at }.diagnostic();
         self.found.borrow_mut().push(finding);
     }
 
@@ -84,8 +96,8 @@ impl Findings {
     }
 
     /// Takes back the last finding if it has this code and stands behind `start`.
-    pub(crate) fn retract(&self, code: &str, start: usize) {
-        let wrong = |last: &mut Diagnostic| last.code == code && place(last) >= start;
+    pub(crate) fn retract(&self, code: &Code, start: usize) {
+        let wrong = |last: &mut Diagnostic| last.is_any(&[code]) && place(last) >= start;
         if self.found.borrow_mut().pop_if(wrong).is_some() {
             self.errors.update(|errors| errors.saturating_sub(1));
         }
@@ -121,11 +133,11 @@ impl Findings {
         Report { diagnostics }.finish()
     }
 
-    fn has(&self, code: &str) -> bool {
+    fn has(&self, code: &Code) -> bool {
         self.found
             .borrow()
             .iter()
-            .any(|finding| finding.code == code)
+            .any(|finding| finding.is_any(&[code]))
     }
 }
 

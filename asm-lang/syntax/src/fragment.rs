@@ -1,12 +1,13 @@
 //! Single terms and rules: what scenarios, prompts and scripts contain.
 
+use crate::codes::l063::NotAnAssignment;
 use crate::explain::Explainer;
 use crate::findings::Findings;
 use crate::lexer::TextKind;
 use crate::nesting::Tokens;
 use crate::node::{Nodes, ParsedText};
 use crate::{ast, never, read};
-use asmotion_diagnostics::{Diagnostic, FileId, Report, Span};
+use asmotion_diagnostics::{FileId, Finding, Report};
 use std::ops::Range;
 
 /// Reads one term.
@@ -69,16 +70,10 @@ pub fn parse_assignment_in(
         ast::RuleKind::Update { target, value } => Ok((target, value)),
         _ => {
             let mut report = Report::new();
-            report.push(not_an_assignment(rule.span));
+            report.push(NotAnAssignment { at: rule.span }.diagnostic());
             Err(report)
         }
     }
-}
-
-fn not_an_assignment(at: Span) -> Diagnostic {
-    Diagnostic::error("L063", "an assignment is wanted here")
-        .label(at, "not of the form `location := term`")
-        .help("write a location, `:=` and its value, as in `speed(rob1) := 3`")
 }
 
 fn parse<T>(

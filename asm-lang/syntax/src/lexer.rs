@@ -13,7 +13,8 @@ pub(crate) use token::{Keyword, Sign, TextKind, Token};
 pub(crate) use word::length as word_length;
 
 use crate::ast::Annotation;
-use crate::error::SyntaxError;
+use crate::codes::l001::UnknownCharacters;
+use crate::codes::l010::StraySemicolon;
 use crate::findings::Findings;
 use asmotion_diagnostics::Span;
 
@@ -104,10 +105,10 @@ impl<'input, 'run> Lexer<'input, 'run> {
         let length = length.max(rest.chars().next().map_or(0, char::len_utf8));
         let at = self.next_bytes(length);
         let characters: String = self.from(self.position).get(..length).unwrap_or("").into();
-        self.findings.report(match characters.as_str() {
-            ";" => SyntaxError::Semicolon { at },
-            _ => SyntaxError::UnknownCharacters { characters, at },
-        });
+        match characters.as_str() {
+            ";" => self.findings.report(StraySemicolon { at }),
+            _ => self.findings.report(UnknownCharacters { characters, at }),
+        }
         self.position += length;
     }
 

@@ -5,7 +5,7 @@
 
 pub mod ast;
 
-mod error;
+mod codes;
 mod explain;
 mod findings;
 mod fragment;
@@ -28,6 +28,7 @@ mod spelling;
 )]
 mod grammar;
 
+pub use codes::CODES;
 pub use fragment::{
     parse_assignment, parse_assignment_in, parse_rule, parse_rule_in, parse_term, parse_term_in,
 };

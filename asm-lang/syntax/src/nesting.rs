@@ -1,7 +1,7 @@
 //! What is open at a token: bounds the parser's stack, and tells messages where they are.
 
 use crate::MAX_DEPTH;
-use crate::error::SyntaxError;
+use crate::codes::l039::NestedTooDeep;
 use crate::findings::Findings;
 use crate::lexer::{Keyword, Lexer, Sign, Spanned, Token};
 use crate::spelling::nearest;
@@ -239,7 +239,7 @@ impl<'input> Iterator for Tokens<'input, '_> {
         let too_deep = self.nesting.depth() > MAX_DEPTH;
         if too_deep {
             let at = self.findings.span(spanned.0, spanned.2);
-            self.findings.report(SyntaxError::TooDeep { at });
+            self.findings.report(NestedTooDeep { at });
         }
         if too_deep || self.findings.token_taken() {
             spanned = self.next_item()?;

@@ -10,7 +10,8 @@ pub(crate) use rule::Choose;
 pub(crate) use term::{Elements, applied};
 
 use crate::ast::*;
-use crate::error::SyntaxError;
+use crate::codes::l056::Misnamed;
+use crate::codes::l075::PropertyPrefix;
 use crate::explain::{Explainer, Failure};
 use crate::findings::Findings;
 use crate::lexer::Token;
@@ -119,7 +120,7 @@ impl<'input, 'run> Nodes<'input, 'run> {
     /// `rule foo`: the prefix `r_` is missing.
     pub(crate) fn rule_name_without_prefix(&self, name: Name) -> Name {
         let better = format!("r_{}", name.text);
-        self.findings.report(SyntaxError::Misnamed {
+        self.findings.report(Misnamed {
             what: "a rule",
             beginning: "`r_`",
             found: (name.text.to_string(), name.span),
@@ -148,7 +149,7 @@ impl<'input, 'run> Nodes<'input, 'run> {
     /// A name after `invariant`, `CTLSPEC` or `LTLSPEC`; AsmetaS wants each to begin its way.
     pub(crate) fn property_name(&self, prefix: &'static str, name: Option<Name>) -> Option<Name> {
         if let Some(name) = name.as_ref().filter(|name| !name.text.starts_with(prefix)) {
-            self.findings.report(SyntaxError::PropertyPrefix {
+            self.findings.report(PropertyPrefix {
                 prefix,
                 name: name.text.to_string(),
                 at: name.span,

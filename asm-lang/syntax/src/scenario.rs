@@ -12,16 +12,17 @@
 //! What stands between a command and its `;` is the language's own.
 
 mod command;
-mod error;
 mod reader;
 
 use crate::ast::{Name, Scenario, ScenarioInvariant};
+use crate::codes::v001::NoScenarioHeading;
+use crate::codes::v002::NoLoadCommand;
+use crate::codes::v004::IncompleteCommand;
+use crate::codes::v008::DuplicateBlock;
 use crate::findings::Findings;
 use crate::lexer::Lexer;
-pub(crate) use error::UNENDED;
 
 use asmotion_diagnostics::{FileId, Report, Span};
-use error::ScenarioError;
 use reader::Reader;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -55,13 +56,13 @@ impl Reader<'_, '_> {
         match self.takes("scenario") {
             Some(at) => scenario.name = self.wanted_name("scenario", "a name", "scenario name", at),
             None => {
-                self.error(ScenarioError::NoHead { at: self.here() });
+                self.error(NoScenarioHeading { at: self.here() });
                 self.skip_command();
             }
         }
         match self.takes("load") {
             Some(at) => scenario.load = self.path(at),
-            None => self.error(ScenarioError::NoLoad { at: self.here() }),
+            None => self.error(NoLoadCommand { at: self.here() }),
         }
         self.invariants(&mut scenario);
         scenario.commands = self.commands(&mut Vec::new());
@@ -86,7 +87,7 @@ impl Reader<'_, '_> {
         for block in scenario.blocks() {
             let name = &block.name;
             if let Some(&first) = known.get(&*name.text) {
-                self.error(ScenarioError::DoubleBlock {
+                self.error(DuplicateBlock {
                     name: name.text.to_string(),
                     at: name.span,
                     first,
@@ -115,7 +116,7 @@ impl Reader<'_, '_> {
         };
         self.lexer.start_at((start + taken).min(self.text.len()));
         if length == 0 {
-            self.error(ScenarioError::Incomplete {
+            self.error(IncompleteCommand {
                 command: "load",
                 wanted: "a path",
                 form: "load specification.asm",

@@ -41,7 +41,7 @@ fn says_what_is_wrong() {
         let found: Vec<(usize, &str)> = report
             .diagnostics
             .iter()
-            .map(|it| (line(it), it.code))
+            .map(|it| (line(it), it.code.name))
             .collect();
         assert_eq!(found, expected(&text), "in {name}.asm");
     }

@@ -97,7 +97,7 @@ fn mistakes_are_told_where_they_are() {
         for finding in &report.diagnostics {
             let at = finding.primary.as_ref().unwrap();
             let (line, column) = sources.position(id, at.span.start);
-            found.push((line, finding.code));
+            found.push((line, finding.code.name));
             said.push_str(&format!(
                 "{} at {line}:{column} `{}`: {}; {}\n",
                 finding.code,

@@ -2,15 +2,18 @@
 
 mod layers;
 
+use crate::codes::c002::UnreadableComposite;
+use crate::codes::c080::CircularInclusion;
+use crate::codes::c081::CompositesTooDeep;
 use std::collections::BTreeMap;
 
-use asmotion_diagnostics::{Diagnostic, Report, Sources, Span};
+use asmotion_diagnostics::{Report, Sources, Span};
 
 use crate::At;
 use crate::context::Context;
-use crate::finding::{Finding, Findings};
+use crate::finding::Findings;
 use crate::model::{Composite, Implementation};
-use crate::read::{self, error::ReadError};
+use crate::read;
 use crate::signature::Signature;
 use crate::types::TypeFile;
 
@@ -31,42 +34,8 @@ pub(crate) struct Member {
     paths: BTreeMap<String, String>,
 }
 
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum NestingError {
-    #[error("`{path}` includes itself: {}", chain.join(" → "))]
-    Circle {
-        path: String,
-        chain: Vec<String>,
-        places: Vec<Span>,
-    },
-    #[error("composites nest deeper than {MAX_DEPTH}")]
-    TooDeep { at: Span },
-}
-
-impl Finding for NestingError {
-    fn diagnostic(&self) -> Diagnostic {
-        match self {
-            Self::Circle { places, .. } => {
-                let error = Diagnostic::error("C080", self)
-                    .help("leave one of these components out, or move it to a third file");
-                let mut places = places.iter().rev();
-                let error = match places.next() {
-                    Some(last) => error.label(*last, "this closes the circle"),
-                    None => error,
-                };
-                places
-                    .rev()
-                    .fold(error, |error, place| error.label(*place, "included here"))
-            }
-            Self::TooDeep { at } => Diagnostic::error("C081", self)
-                .label(*at, "given up here")
-                .help("join some of them in one file"),
-        }
-    }
-}
-
 /// Deeper composites are nobody's intention.
-const MAX_DEPTH: usize = 32;
+pub(crate) const MAX_DEPTH: usize = 32;
 
 impl Family {
     /// Reads a composite and everything it names.
@@ -220,7 +189,7 @@ impl Visit<'_, '_> {
             let mut chain: Vec<String> = circle.iter().map(|(path, _)| path.clone()).collect();
             chain.push(path.to_owned());
             let places = circle.iter().filter_map(|(_, place)| *place).collect();
-            self.report.found(NestingError::Circle {
+            self.report.found(CircularInclusion::Composite {
                 path: path.to_owned(),
                 chain,
                 places,
@@ -228,7 +197,7 @@ impl Visit<'_, '_> {
             return false;
         }
         if self.chain.len() >= MAX_DEPTH {
-            self.report.found(NestingError::TooDeep { at });
+            self.report.found(CompositesTooDeep { at });
             return false;
         }
         self.composite(path, Some(at));
@@ -273,7 +242,7 @@ impl Visit<'_, '_> {
         let from = self.sources.path(file.span.file);
         let found = self.context.loader.resolve(from, file);
         if found.is_none() {
-            self.report.found(ReadError::Unreadable {
+            self.report.found(UnreadableComposite {
                 path: file.value.clone(),
                 reason: format!("there is no such file beside `{from}`"),
                 at: Some(file.span),
@@ -291,8 +260,7 @@ impl Visit<'_, '_> {
             Ok(text) => Some((self.sources.add(path, text.clone()), text)),
             Err(error) => {
                 let (path, reason) = (error.path, error.reason);
-                self.report
-                    .found(ReadError::Unreadable { path, reason, at });
+                self.report.found(UnreadableComposite { path, reason, at });
                 None
             }
         }

@@ -1,17 +1,6 @@
-//! Findings are facts first; their words are made once, here and in the enums of the stages.
+//! Where findings are collected.
 
-use asmotion_diagnostics::{Diagnostic, Report};
-
-/// A finding of a stage, as facts.
-pub(crate) trait Finding {
-    /// The same in words, with its places and a way out.
-    fn diagnostic(&self) -> Diagnostic;
-
-    /// Whether it is about a value that was set from outside all files.
-    fn is_outside(&self) -> bool {
-        false
-    }
-}
+use asmotion_diagnostics::{Finding, Report};
 
 /// Collects findings.
 pub(crate) trait Findings {

@@ -1,38 +1,13 @@
 //! Whether a property can have a value: its type, its range, its choices.
 
+use crate::codes::c015::InvalidSetting;
 use asmotion_component::declaration::PropertyDeclaration;
 use asmotion_datum::{Datum, Schema, Shape};
-use asmotion_diagnostics::{Diagnostic, Span};
+use asmotion_diagnostics::Span;
 
-use crate::finding::{Finding, Findings};
-use crate::scope::{Notes, Range, SettingError, within};
+use crate::finding::Findings;
+use crate::scope::{Notes, Range, within};
 use crate::value::Value;
-
-#[derive(Debug, thiserror::Error)]
-enum ChoiceError {
-    #[error("`{name}` cannot be {value}")]
-    NoChoice {
-        name: String,
-        value: String,
-        choices: String,
-        at: Option<Span>,
-    },
-}
-
-impl Finding for ChoiceError {
-    fn diagnostic(&self) -> Diagnostic {
-        match self {
-            Self::NoChoice { choices, at, .. } => {
-                let diagnostic =
-                    Diagnostic::error("C015", self).help(format!("it can be {choices}"));
-                match at {
-                    Some(at) => diagnostic.label(*at, "not one of its values"),
-                    None => diagnostic,
-                }
-            }
-        }
-    }
-}
 
 /// The value as the property takes it; `None` where it cannot have it.
 pub(crate) fn lawful(
@@ -44,7 +19,7 @@ pub(crate) fn lawful(
     let name = declared.name.clone();
     let found = value.describe();
     let Some(value) = conform(value, &declared.schema) else {
-        notes.found(SettingError::WrongType {
+        notes.found(InvalidSetting::WrongType {
             name,
             wanted: format!("a value of type `{}`", declared.schema),
             found,
@@ -69,7 +44,7 @@ pub(crate) fn lawful(
     }
     let choices: Vec<String> = declared.choices.iter().map(Datum::to_string).collect();
     let (value, choices) = (value.to_string(), choices.join(", "));
-    notes.found(ChoiceError::NoChoice {
+    notes.found(InvalidSetting::NoChoice {
         name,
         value,
         choices,

@@ -1,5 +1,6 @@
 //! A composite with everything it names: read, checked in every profile, and planned.
 
+use crate::codes::c020::UnknownName;
 use std::collections::{BTreeMap, BTreeSet};
 
 use asmotion_datum::Schema;
@@ -161,7 +162,7 @@ fn profiles(family: &Family, report: &mut Report) -> Vec<String> {
         let promotions = composite.promotions.iter().map(|it| &it.profiles);
         for profile in wires.chain(connections).chain(promotions).flatten() {
             if !known.contains_key(profile.value.as_str()) {
-                report.found(check::NameError::Unknown {
+                report.found(UnknownName {
                     what: "profile",
                     name: profile.value.clone(),
                     at: profile.span,
@@ -183,7 +184,7 @@ fn merge(reports: Vec<(Option<&str>, Report)>) -> Report {
             let name = profile.unwrap_or("");
             let place = finding.primary.as_ref().map(|label| label.span);
             let known = places
-                .entry((place, finding.code, finding.message.clone()))
+                .entry((place, finding.code.name, finding.message.clone()))
                 .or_default();
             let same = |index: &&usize| merged.get(**index).is_some_and(|it| it.0 == finding);
             match known

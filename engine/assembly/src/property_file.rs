@@ -5,15 +5,16 @@
 //! speed_mps = 0.6
 //! ```
 
+use crate::codes::c028::UnknownProperty;
 use asmotion_component::declaration::{Declaration, PropertyDeclaration};
 use asmotion_datum::Datum;
-use asmotion_diagnostics::{Diagnostic, Report, Sources, Span};
+use asmotion_diagnostics::{Report, Sources};
 use toml_edit::DocumentMut;
 
 use crate::expand::toml;
-use crate::finding::{Finding, Findings};
+use crate::finding::Findings;
 use crate::lawful::lawful;
-use crate::nearest::{Nearest, Suggest, nearest_name};
+use crate::nearest::nearest_name;
 use crate::read;
 use crate::scope::Notes;
 use crate::tree::Table;
@@ -21,36 +22,6 @@ use crate::value::Value;
 
 /// The properties of a component by name, in the order of its declaration.
 pub type Properties = Vec<(String, Datum)>;
-
-#[derive(Debug, thiserror::Error)]
-enum PropertyFileError {
-    #[error("`{component}` has no property `{name}`")]
-    Unknown {
-        component: String,
-        name: String,
-        at: Span,
-        nearest: Option<Nearest>,
-        known: Vec<String>,
-    },
-}
-
-impl Finding for PropertyFileError {
-    fn diagnostic(&self) -> Diagnostic {
-        match self {
-            Self::Unknown {
-                at, nearest, known, ..
-            } => {
-                let has = match known.is_empty() {
-                    true => "it has none".to_owned(),
-                    false => format!("it has `{}`", known.join("`, `")),
-                };
-                Diagnostic::error("C028", self)
-                    .label(*at, "no such property")
-                    .suggest_or(*at, nearest, has)
-            }
-        }
-    }
-}
 
 /// A file of properties that was read.
 pub struct Read {
@@ -84,7 +55,7 @@ pub fn of_tree(table: &Table, component: &str, declared: &Declaration) -> Read {
             let known: Vec<_> = (declared.properties.iter())
                 .map(|it| it.name.clone())
                 .collect();
-            notes.found(PropertyFileError::Unknown {
+            notes.found(UnknownProperty::InFile {
                 component: component.to_owned(),
                 name: name.value.clone(),
                 at: name.span,

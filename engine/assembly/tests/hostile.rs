@@ -33,7 +33,7 @@ fn codes(opened: &Opened) -> Vec<&'static str> {
         .report
         .diagnostics
         .iter()
-        .map(|finding| finding.code)
+        .map(|finding| finding.code.name)
         .collect();
     codes.dedup();
     codes

@@ -27,7 +27,7 @@ fn found(file: &str, opened: &asmotion_assembly::Opened) -> BTreeSet<(usize, Str
         let place = finding.primary.as_ref().map(|label| label.span);
         let here = place.filter(|span| opened.sources.path(span.file) == file);
         let line = here.map_or(0, |span| opened.sources.position(span.file, span.start).0);
-        (line, finding.code.to_owned())
+        (line, finding.code.to_string())
     });
     findings.collect()
 }

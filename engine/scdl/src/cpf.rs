@@ -1,10 +1,12 @@
 //! CPF, the XML in which Orocos RTT keeps the properties of a component: read as if it were a table of TOML.
 
+use crate::codes::x003::MissingAttribute;
+use crate::codes::x006::UnknownScdlName;
+use crate::codes::x007::WrongAttributeValue;
 use asmotion_assembly::At;
 use asmotion_assembly::tree::{Branch, Entry, Node, Table};
-use asmotion_diagnostics::{Report, Sources, Span};
+use asmotion_diagnostics::{Finding, Report, Sources, Span};
 
-use crate::finding::ScdlError;
 use crate::xml::{self, Element};
 
 /// A file of properties that was read.
@@ -41,7 +43,7 @@ fn table(outer: &Element, report: &mut Report) -> Table {
     let named = outer.children.iter().filter_map(|element| {
         let (name, value) = (name(element), value(element, report)?);
         let Some(key) = name else {
-            let missing = ScdlError::Missing {
+            let missing = MissingAttribute {
                 element: element.name.value.clone(),
                 attribute: "name",
                 at: element.span,
@@ -76,7 +78,7 @@ fn value(element: &Element, report: &mut Report) -> Option<Branch> {
         ("struct" | "properties", _) => Some(Branch::Table(table(element, report))),
         ("description", _) => None,
         (name, _) => {
-            let unknown = ScdlError::Unknown {
+            let unknown = UnknownScdlName {
                 what: "element of CPF",
                 name: name.to_owned(),
                 nearest: None,
@@ -111,7 +113,7 @@ fn simple(element: &Element, kind: &str, report: &mut Report) -> Option<Branch> 
         _ => (None, "of a type of CPF, as `double`"),
     };
     if value.is_none() {
-        let wrong = ScdlError::WrongValue {
+        let wrong = WrongAttributeValue {
             name: name(element).map_or_else(String::new, |name| name.value),
             value: written.to_owned(),
             wanted,

@@ -2,12 +2,12 @@
 
 mod component;
 
+use crate::codes::x010::NoScdlForm;
 use asmotion_assembly::At;
 use asmotion_assembly::model::{self as here, Amount, Piece, Promoted, Template, Transport};
 use asmotion_assembly::tree::Node;
-use asmotion_diagnostics::{Report, Span};
+use asmotion_diagnostics::{Finding, Report, Span};
 
-use crate::finding::ScdlError;
 use crate::model::{Binding, Bound, Composite, Contract, Multiplicity, Property, Target};
 use crate::tca::Time;
 use crate::toml::TIMEOUT_MS;
@@ -49,8 +49,7 @@ impl Exporter<'_> {
     fn unsayable(&mut self, what: impl Into<String>, of: &str, at: Span) {
         let (what, of) = (what.into(), of.to_owned());
         self.notes.push(format!("{what} of {of}"));
-        self.report
-            .push(ScdlError::Unsayable { what, of, at }.diagnostic());
+        self.report.push(NoScdlForm { what, of, at }.diagnostic());
     }
 
     fn composite(&mut self) -> Composite {

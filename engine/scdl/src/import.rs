@@ -1,11 +1,11 @@
 //! SCDL → composite files: what SCDL leaves open is found out, or assumed and said.
 
+use crate::codes::x006::UnknownScdlName;
 use std::collections::BTreeMap;
 
 use asmotion_assembly::Catalogue;
-use asmotion_diagnostics::{Report, Sources};
+use asmotion_diagnostics::{Finding, Report, Sources};
 
-use crate::finding::ScdlError;
 use crate::model::{Composite, Implementation};
 use crate::{name, read, resolve, settle, toml};
 
@@ -111,7 +111,7 @@ impl Visit<'_> {
         while let Some(name) = open.pop() {
             let Some(included) = self.take(&name.value) else {
                 let (name, at) = (name.value, name.span);
-                let finding = ScdlError::Unknown {
+                let finding = UnknownScdlName {
                     what: "composite",
                     name,
                     nearest: None,

@@ -1,9 +1,9 @@
 //! SCDL, the XML in which the Service Component Architecture writes composites: read into composites
 //! of this engine, and written from them. And CPF, that in which Orocos RTT keeps properties.
 
+mod codes;
 mod cpf;
 mod export;
-mod finding;
 mod gateway;
 mod import;
 mod model;
@@ -17,7 +17,7 @@ mod value;
 mod write;
 mod xml;
 
+pub use codes::CODES;
 pub use cpf::{Cpf, cpf};
 pub use export::{Exported, export};
-pub use finding::CODES;
 pub use import::{Imported, import};

@@ -1,9 +1,13 @@
 //! XML → [`Composite`]. Whatever is not asked for is a finding, and kept as it is written.
 
+use crate::codes::x002::NotScdl;
+use crate::codes::x003::MissingAttribute;
+use crate::codes::x004::NoCounterpart;
+use crate::codes::x007::WrongAttributeValue;
+use crate::codes::x011::RenamedForToml;
 use asmotion_assembly::At;
-use asmotion_diagnostics::{FileId, Report};
+use asmotion_diagnostics::{FileId, Finding, Report};
 
-use crate::finding::ScdlError;
 use crate::model::{
     Binding, Bound, Component, Composite, Contract, Implementation, Interface, Multiplicity,
     Property, Target, Wire,
@@ -30,7 +34,7 @@ pub(crate) fn composite(file: FileId, text: &str, report: &mut Report) -> Option
     let known = NAMESPACES.contains(&root.namespace.as_str());
     if root.name.value != "composite" || !known {
         let (name, at) = (root.name.value.clone(), root.name.span);
-        report.push(ScdlError::NotScdl { name, at }.diagnostic());
+        report.push(NotScdl { name, at }.diagnostic());
         return None;
     }
     Some(read(&mut Asked::new(&root, report)))
@@ -305,7 +309,7 @@ impl<'e, 'r> Asked<'e, 'r> {
         self.attribute(name).unwrap_or_else(|| {
             let (element, at) = (self.element.name.value.clone(), self.element.span);
             let attribute = name;
-            let missing = ScdlError::Missing {
+            let missing = MissingAttribute {
                 element,
                 attribute,
                 at,
@@ -321,7 +325,7 @@ impl<'e, 'r> Asked<'e, 'r> {
         let renamed = name::thing(&written);
         if renamed != written.value {
             let (name, at) = (written.value, written.span);
-            let finding = ScdlError::Renamed {
+            let finding = RenamedForToml {
                 name,
                 renamed: renamed.clone(),
                 at,
@@ -392,7 +396,7 @@ impl<'e, 'r> Asked<'e, 'r> {
     }
 
     fn wrong(&mut self, name: &'static str, value: &At<String>, wanted: &'static str) {
-        let finding = ScdlError::WrongValue {
+        let finding = WrongAttributeValue {
             name: name.to_owned(),
             value: value.value.clone(),
             wanted,
@@ -405,8 +409,7 @@ impl<'e, 'r> Asked<'e, 'r> {
     fn keep(&mut self, what: &str, at: asmotion_diagnostics::Span) {
         let what = what.to_owned();
         self.notes.push(what.clone());
-        self.report
-            .push(ScdlError::NoCounterpart { what, at }.diagnostic());
+        self.report.push(NoCounterpart { what, at }.diagnostic());
     }
 
     /// Whatever was not asked for; once, however often this is called.

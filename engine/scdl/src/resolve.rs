@@ -1,12 +1,13 @@
 //! What SCDL leaves to the implementation, or to the runtime: services and references that are not
 //! listed, targets without a service, interfaces, callbacks, autowire.
 
+use crate::codes::x006::UnknownScdlName;
+use crate::codes::x009::AmbiguousAutowire;
 use std::collections::BTreeMap;
 
 use asmotion_assembly::{At, Catalogue};
-use asmotion_diagnostics::{Report, similar};
+use asmotion_diagnostics::{Finding, Report, similar};
 
-use crate::finding::ScdlError;
 use crate::model::{
     Component, Composite, Contract, Implementation, Interface, Multiplicity, Target, Wire,
 };
@@ -157,7 +158,7 @@ fn autowire(composite: &mut Composite, report: &mut Report) {
                 }),
                 [] if reference.multiplicity.optional => {}
                 several => {
-                    let finding = ScdlError::Autowire {
+                    let finding = AmbiguousAutowire {
                         reference: source.to_string(),
                         services: several.iter().map(Target::to_string).collect(),
                         at: reference.name.span,
@@ -256,7 +257,7 @@ fn end(
         let known: Vec<&String> = known.map(|component| &component.name.value).collect();
         let near = similar(&end.component, &known).copied();
         let mut known = composite.components.iter();
-        let finding = ScdlError::Unknown {
+        let finding = UnknownScdlName {
             what: "component",
             name: end.component.value.clone(),
             nearest: near

@@ -1,12 +1,13 @@
 //! What is settled once all composites are resolved: interfaces that are known in one and joined in another, those that
 //! nobody says, and callbacks.
 
+use crate::codes::x004::NoCounterpart;
+use crate::codes::x008::AssumedValue;
 use std::collections::BTreeMap;
 
 use asmotion_assembly::At;
-use asmotion_diagnostics::Report;
+use asmotion_diagnostics::{Finding, Report};
 
-use crate::finding::ScdlError;
 use crate::model::{Composite, Contract, Implementation, Interface, Target, Wire};
 use crate::name;
 use crate::resolve::{Side, complete, contract, interface, interfaces};
@@ -112,7 +113,7 @@ fn assume(composite: &mut Composite, report: &mut Report) -> bool {
         };
         let assumed = format!("{of}/{}", contract.name.value);
         let at = contract.name.span;
-        let finding = ScdlError::Assumed {
+        let finding = AssumedValue {
             what: "the interface",
             of: format!("{owner}.{}", contract.name.value),
             assumed: assumed.clone(),
@@ -171,7 +172,7 @@ fn promoted_callbacks(composite: &mut Composite, side: Side, report: &mut Report
             let what = format!("the callback of {}", promotion.name.value);
             promotion.notes.push(what.clone());
             let at = promotion.name.span;
-            report.push(ScdlError::NoCounterpart { what, at }.diagnostic());
+            report.push(NoCounterpart { what, at }.diagnostic());
         } else {
             promoted.push(Contract {
                 promote: ends,

@@ -3,10 +3,11 @@
 //! Six are required: `id`, `period`, `delay`, `runOnStartup`, `mayInterruptIfRunning`, `useJMS`. With
 //! `useJMS`, `user`, `password` and `url` say which broker; `topicRename` has pairs of names.
 
+use crate::codes::x005::PasswordInScdl;
+use crate::codes::x007::WrongAttributeValue;
 use asmotion_assembly::At;
-use asmotion_diagnostics::{Report, Span};
+use asmotion_diagnostics::{Finding, Report, Span};
 
-use crate::finding::ScdlError;
 use crate::model::{Component, Property};
 use crate::name;
 use crate::value::names_variable;
@@ -116,7 +117,7 @@ impl Ten<'_> {
     }
 
     fn wrong<T: Default>(&mut self, name: &str, value: &At<String>, wanted: &'static str) -> T {
-        let finding = ScdlError::WrongValue {
+        let finding = WrongAttributeValue {
             name: name.to_owned(),
             value: value.value.clone(),
             wanted,
@@ -148,7 +149,7 @@ impl Ten<'_> {
         let of = self.component.name.value.clone();
         let variable = name::password_variable(&of);
         let shown = format!("${{{variable}}}");
-        let finding = ScdlError::Password { of, variable, at };
+        let finding = PasswordInScdl { of, variable, at };
         self.report.push(finding.diagnostic());
         shown
     }

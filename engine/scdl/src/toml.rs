@@ -2,15 +2,19 @@
 
 mod doors;
 
+use crate::codes::x005::PasswordInScdl;
+use crate::codes::x006::UnknownScdlName;
+use crate::codes::x007::WrongAttributeValue;
+use crate::codes::x012::UndirectedTopic;
+use crate::codes::x013::SeveralPromoted;
 use std::collections::BTreeMap;
 
 use asmotion_assembly::model::Scalar;
 use asmotion_assembly::{At, Catalogue};
-use asmotion_diagnostics::Report;
+use asmotion_diagnostics::{Finding, Report};
 use toml_edit::{ArrayOfTables, DocumentMut, InlineTable, Item, Table, Value, value as item};
 
 use self::doors::{listening, word};
-use crate::finding::ScdlError;
 use crate::model::{Binding, Component, Composite, Contract, Implementation, Property, Target};
 use crate::tca::{self, Task, Time};
 use crate::{name, value};
@@ -219,7 +223,7 @@ impl Writer<'_> {
                 let (of, topic) = (component.name.value.clone(), from.clone());
                 let at = component.name.span;
                 self.report
-                    .push(ScdlError::Undirected { of, topic, at }.diagnostic());
+                    .push(UndirectedTopic { of, topic, at }.diagnostic());
             }
         }
         for (key, topics) in [("subscribe", subscribe), ("publish", publish)] {
@@ -265,7 +269,7 @@ impl Writer<'_> {
         }
         let names: Vec<&String> = known.clone().map(|name| &name.value).collect();
         let near = asmotion_diagnostics::similar(&source.value, &names).copied();
-        let finding = ScdlError::Unknown {
+        let finding = UnknownScdlName {
             what: "property",
             name: source.value.clone(),
             nearest: near
@@ -304,14 +308,14 @@ impl Writer<'_> {
             let hidden = format!("${{{variable}}}");
             let at = text.span;
             self.report
-                .push(ScdlError::Password { of, variable, at }.diagnostic());
+                .push(PasswordInScdl { of, variable, at }.diagnostic());
             return hidden.into();
         }
         let Some(kind) = kind else {
             return value::guessed(text);
         };
         value::typed(text, kind).unwrap_or_else(|| {
-            let finding = ScdlError::WrongValue {
+            let finding = WrongAttributeValue {
                 name: name.clone(),
                 value: text.value.clone(),
                 wanted: value::wanted(kind),
@@ -420,7 +424,7 @@ impl Writer<'_> {
                 if index > 0 {
                     let (at, name) = (inside.component.span, name.clone());
                     let (of, promoted) = (promotion.name.value.clone(), inside.to_string());
-                    let finding = ScdlError::Several {
+                    let finding = SeveralPromoted {
                         of,
                         promoted,
                         name,

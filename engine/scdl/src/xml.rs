@@ -1,12 +1,12 @@
 //! XML as a tree in which every element and every attribute knows its place.
 
+use crate::codes::x001::InvalidXml;
 use asmotion_diagnostics::{FileId, Span};
 use quick_xml::XmlVersion;
 use quick_xml::events::{BytesRef, BytesStart, Event};
 use quick_xml::name::ResolveResult;
 use quick_xml::reader::NsReader;
 
-use crate::finding::ScdlError;
 use asmotion_assembly::At;
 
 /// Larger files are not composites.
@@ -51,8 +51,8 @@ impl Element {
 }
 
 /// Reads the tree of a text.
-pub(crate) fn parse(file: FileId, text: &str) -> Result<Element, ScdlError> {
-    let syntax = |reason: String, start: usize| ScdlError::Syntax {
+pub(crate) fn parse(file: FileId, text: &str) -> Result<Element, InvalidXml> {
+    let syntax = |reason: String, start: usize| InvalidXml {
         reason,
         at: Span::new(file, start, start),
     };
@@ -113,7 +113,7 @@ pub(crate) fn parse(file: FileId, text: &str) -> Result<Element, ScdlError> {
     }
     let unclosed = tree.open.last().map(|element| element.name.clone());
     match (unclosed, tree.root) {
-        (Some(name), _) => Err(ScdlError::Syntax {
+        (Some(name), _) => Err(InvalidXml {
             reason: format!("`<{}>` is not closed", name.value),
             at: name.span,
         }),

@@ -1,21 +1,19 @@
 //! `asmotion check --explain`: the meaning of a code.
 
+use crate::codes::all;
 use crate::exit::Exit;
 use crate::terminal::{NAME, Terminal};
-use asmotion_assembly::CODES;
-use asmotion_lang::codes::{self, Code};
 
 /// Prints the page of a code, or a list of all codes.
 pub fn explain(name: Option<&str>, terminal: &mut Terminal) -> Exit {
     let Some(name) = name else {
         for code in all() {
-            let meaning = code.meaning();
-            terminal.result(format_args!("{NAME}{}{NAME:#}  {meaning}", code.name));
+            terminal.result(format_args!("{NAME}{code}{NAME:#}  {}", code.title));
         }
         return Exit::Ok;
     };
     if let Some(code) = all().find(|code| code.name.eq_ignore_ascii_case(name)) {
-        terminal.result(code.page.trim_end());
+        terminal.result(code.page().trim_end());
         return Exit::Ok;
     }
     terminal.error(format_args!("there is no code `{name}`"));
@@ -24,17 +22,6 @@ pub fn explain(name: Option<&str>, terminal: &mut Terminal) -> Exit {
         None => terminal.say("`asmotion check --explain` lists all codes"),
     }
     Exit::Usage
-}
-
-/// Codes of SCDL.
-#[cfg(feature = "scdl")]
-const OF_SCDL: &[Code] = asmotion_scdl::CODES;
-#[cfg(not(feature = "scdl"))]
-const OF_SCDL: &[Code] = &[];
-
-/// All codes of this build, by family.
-fn all() -> impl Iterator<Item = &'static Code> {
-    codes::CODES.iter().chain(CODES).chain(OF_SCDL)
 }
 
 /// Returns the first code that differs from `name` in one letter or in its number of zeros.

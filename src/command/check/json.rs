@@ -1,6 +1,6 @@
 //! Findings as JSON.
 
-use asmotion_lang::diagnostics::{Applicability, Fix, Label, Span};
+use asmotion_diagnostics::{Applicability, Fix, Label, Span};
 use asmotion_lang::{Diagnostic, Severity, Sources};
 use serde_json::{Value, json};
 
@@ -13,7 +13,7 @@ pub fn finding(finding: &Diagnostic, sources: &Sources) -> Value {
             Severity::Error => "error",
             Severity::Warning => "warning",
         },
-        "code": finding.code, "message": finding.message, "places": places,
+        "code": finding.code.name, "message": finding.message, "places": places,
         "notes": finding.notes, "helps": finding.helps,
         "fix": finding.fix.as_ref().map(|it| fix(it, sources)),
     })
@@ -26,7 +26,7 @@ fn labelled(label: &Label, sources: &Sources) -> Value {
 }
 
 fn fix(fix: &Fix, sources: &Sources) -> Value {
-    let edit = |edit: &asmotion_lang::diagnostics::Edit| {
+    let edit = |edit: &asmotion_diagnostics::Edit| {
         let mut place = place(edit.span, sources);
         place["text"] = edit.text.as_str().into();
         place

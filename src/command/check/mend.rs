@@ -2,7 +2,7 @@
 
 use super::findings::findings;
 use crate::files::{self, Disk};
-use asmotion_lang::diagnostics::{self, LoadError};
+use asmotion_diagnostics::{LoadError, apply};
 use asmotion_lang::{Loader, Options, Report, Sources};
 use serde_json::{Value, json};
 use std::fmt;
@@ -41,7 +41,7 @@ pub fn mend(path: &str, options: &Options) -> Result<Mended, LoadError> {
     loop {
         let (report, sources) = findings(path, options, &Overlay { path, text: &after });
         let file = sources.find(path).unwrap_or_default();
-        let fixed = diagnostics::apply(&after, file, &report.diagnostics);
+        let fixed = apply(&after, file, &report.diagnostics);
         if fixed.applied.is_empty() || *fixed.text == *after || rounds == MAX_ROUNDS {
             return Ok(Mended {
                 before,
@@ -55,7 +55,7 @@ pub fn mend(path: &str, options: &Options) -> Result<Mended, LoadError> {
             let at = finding.primary.as_ref().map(|label| label.span);
             let (line, column) = at.map_or((1, 1), |at| sources.position(at.file, at.start));
             Done {
-                code: finding.code,
+                code: finding.code.name,
                 message: finding.message.clone(),
                 line,
                 column,

@@ -9,7 +9,7 @@ use crate::table;
 use crate::terminal::{FAINT, Terminal};
 use asmotion_component::Transition;
 use asmotion_datum::Datum;
-use asmotion_lang::diagnostics::similar;
+use asmotion_diagnostics::similar;
 use asmotion_remote::{Component, Remote};
 use std::time::Duration;
 

@@ -148,7 +148,7 @@ impl Sim {
     ) -> Exit {
         if self.json {
             terminal.result(json!({
-                "type": "fault", "v": 1, "step": step, "code": finding.code, "message": finding.message,
+                "type": "fault", "v": 1, "step": step, "code": finding.code.name, "message": finding.message,
             }));
         }
         let mut report = Report::new();

@@ -46,7 +46,7 @@ fn json(one: &Ended) -> serde_json::Value {
                 Severity::Warning => "warning",
             };
             json!({
-                "severity": severity, "code": finding.code, "message": finding.message, "at": at,
+                "severity": severity, "code": finding.code.name, "message": finding.message, "at": at,
             })
         })
         .collect();

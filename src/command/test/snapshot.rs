@@ -4,8 +4,12 @@
 //! inputs, updates and output are in `patrol.corridor.snap`.
 
 use super::{End, Ended};
+use crate::codes::s000::UnreadableScript;
+use crate::codes::v030::NoSnapshot;
+use crate::codes::v031::SnapshotDiffers;
 use crate::diff::unified;
 use crate::files::Disk;
+use asmotion_diagnostics::Finding;
 use asmotion_lang::coverage::Coverage;
 use asmotion_lang::machine::Machine;
 use asmotion_lang::simulate::scenario::Verdict;
@@ -82,12 +86,10 @@ fn compare(script: &Path, actual: String) -> (Verdict, Option<Difference>) {
 }
 
 fn said(difference: &Difference) -> Diagnostic {
-    let path = difference.path.display();
+    let path = difference.path.display().to_string();
     match difference.accepted {
-        None => Diagnostic::error("V030", format!("there is no snapshot `{path}`"))
-            .help("read what the run wrote, and accept it with `--accept`"),
-        Some(_) => Diagnostic::error("V031", format!("the run differs from `{path}`"))
-            .help("accept what is meant with `--accept`, or one by one with `--review`"),
+        None => NoSnapshot { path }.diagnostic(),
+        Some(_) => SnapshotDiffers { path }.diagnostic(),
     }
 }
 
@@ -178,8 +180,9 @@ fn read(
     loader: &dyn Loader,
 ) -> Result<Script, Report> {
     let text = loader.read(path).map_err(|error| {
-        let finding = Diagnostic::error("S000", error).help("check the path of the script");
-        [finding].into_iter().collect::<Report>()
+        let named = "the path of the script".to_owned();
+        let finding = UnreadableScript { error, named };
+        [finding.diagnostic()].into_iter().collect::<Report>()
     })?;
     let file = specification.sources.add(path, text.clone());
     Script::read(file, &text, &specification.program)

@@ -4,8 +4,10 @@
 use super::frame::{Binding, Closed, Frame, close};
 use super::{Lowering, facts};
 use crate::code::{Kind, Node, RuleNode, Term};
+use crate::codes::a031::MacroGrows;
+use crate::codes::a032::NotALocation;
 use crate::program::{Local, Origin, RoutineId};
-use asmotion_diagnostics::{Diagnostic, Span};
+use asmotion_diagnostics::{Finding, Span};
 use asmotion_hir::{TermKind, VarId};
 use asmotion_value::RuleId;
 use std::rc::Rc;
@@ -52,17 +54,10 @@ impl Lowering<'_> {
             return id;
         };
         if self.depth >= MAX_DEPTH {
-            let finding = Diagnostic::error(
-                "A031",
-                format!(
-                    "`{}` calls itself with an argument that grows with every call",
-                    declared.name
-                ),
-            )
-            .label(
-                declared.span,
-                "this macro takes a term by name that grows with each call",
-            );
+            let finding = MacroGrows::Argument {
+                rule: declared.name.clone(),
+                declared: declared.span,
+            };
             self.grows(finding);
             return id;
         }
@@ -111,18 +106,18 @@ impl Lowering<'_> {
         if self.nesting <= MAX_NESTING && self.expansions <= MAX_EXPANSIONS {
             frame.within(closed, |frame| self.term(&closed.term, frame))
         } else {
-            let finding = Diagnostic::error("A031", "a term passed by name becomes too large")
-                .label(closed.term.span, "passed on by one macro after the other");
+            let finding = MacroGrows::Term {
+                at: closed.term.span,
+            };
             self.grows(finding);
             Term::undef(origin)
         }
     }
 
     /// Reports macros whose terms grow, once.
-    fn grows(&mut self, finding: Diagnostic) {
+    fn grows(&mut self, finding: MacroGrows) {
         if !self.has_grown {
-            let help = "make the macro a `turbo rule`, which takes values, or bind the value with `let` before the call";
-            self.report.push(finding.help(help));
+            self.report.push(finding.diagnostic());
         }
         self.has_grown = true;
     }
@@ -226,21 +221,16 @@ impl Lowering<'_> {
 
     fn not_a_location(&mut self, rule: RuleId, parameter: usize, span: Span) {
         let declared = self.model.rule(rule);
-        let name = declared.body.as_ref().map_or_else(String::new, |body| {
+        let parameter = declared.body.as_ref().map_or_else(String::new, |body| {
             body.variables[parameter].name.to_string()
         });
-        self.report.push(
-            Diagnostic::error(
-                "A032",
-                format!(
-                    "`{}` updates its parameter `{name}`, so it needs a location",
-                    declared.name
-                ),
-            )
-            .label(span, "this is a value")
-            .label(declared.span, "declared here")
-            .help("pass a controlled function, applied to its arguments"),
-        );
+        let finding = NotALocation {
+            rule: declared.name.clone(),
+            parameter,
+            at: span,
+            declared: declared.span,
+        };
+        self.report.push(finding.diagnostic());
     }
 }
 

@@ -1,7 +1,9 @@
 //! What only shows when all definitions are known.
 
 use super::facts::{Facts, visit};
-use asmotion_diagnostics::{Diagnostic, Report, Span};
+use crate::codes::w006::StaticChanges;
+use crate::codes::w007::DerivedNeverChanges;
+use asmotion_diagnostics::{Diagnostic, Finding, Report, Span};
 use asmotion_hir::{
     DomainId, Function, FunctionKind, Meaning, Model, Term, TermKind, Type, TypeId,
 };
@@ -26,36 +28,23 @@ pub(super) fn warnings(model: &Model, facts: &Facts) -> Report {
 }
 
 fn changing(facts: &Facts, function: &Function, body: &Term) -> Diagnostic {
-    let name = &function.name;
-    let finding = Diagnostic::warning(
-        "W006",
-        format!("`{name}` is static, but its value may change"),
-    )
-    .label(function.span, "declared static here");
-    let finding = match changes(facts, body) {
-        Some(at) => finding.label(at, "this may change from step to step"),
-        None => finding,
-    };
-    finding.fix(
-        "declare it `derived`",
-        keyword(function, "static"),
-        "derived",
-    )
+    StaticChanges {
+        name: function.name.clone(),
+        declared: function.span,
+        keyword: keyword(function, "static"),
+        at: changes(facts, body),
+    }
+    .diagnostic()
 }
 
 fn constant(function: &Function, body: Span) -> Diagnostic {
-    let name = &function.name;
-    Diagnostic::warning(
-        "W007",
-        format!("`{name}` is derived, but its value never changes"),
-    )
-    .label(function.span, "declared derived here")
-    .label(body, "nothing here depends on the state")
-    .fix(
-        "declare it `static`",
-        keyword(function, "derived"),
-        "static",
-    )
+    DerivedNeverChanges {
+        name: function.name.clone(),
+        declared: function.span,
+        keyword: keyword(function, "derived"),
+        body,
+    }
+    .diagnostic()
 }
 
 /// Whether an argument or the value is of a dynamic domain. AsmetaS wants such a function derived,

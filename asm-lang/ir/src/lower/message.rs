@@ -2,8 +2,10 @@
 //! it sends are those that its partners know.
 
 use super::facts::walk;
+use crate::codes::a040::UnknownOperation;
+use crate::codes::a041::MessageMismatch;
 use crate::program::{FunctionId, Messages};
-use asmotion_diagnostics::{Diagnostic, Report, Span};
+use asmotion_diagnostics::{Diagnostic, Finding, Report, Span};
 use asmotion_hir::{Domain, Function, FunctionKind, Model, RuleKind, Term, TermKind, Type, TypeId};
 use asmotion_value::{Atom, Value};
 
@@ -160,29 +162,28 @@ impl<'a> Interface<'a> {
     }
 
     fn unknown(&self, used: &MessageUse<'_>, name: &str) -> Diagnostic {
-        let domain = &self.domain.name;
-        let finding = Diagnostic::error("A040", format!("`{domain}` has no operation `{name}`"))
-            .label(used.at, "not declared there")
-            .label(
-                self.domain.span,
-                "its operations are the out functions here",
-            );
-        let names = self.operations.iter().map(|known| &known.name);
-        match asmotion_diagnostics::similar(name, names.clone()) {
-            Some(known) => finding.help(format!("did you mean `{known}`?")),
-            None => {
-                let known: Vec<String> = names.map(|name| format!("`{name}`")).collect();
-                finding.help(format!("it has {}", known.join(", ")))
-            }
+        UnknownOperation {
+            domain: self.domain.name.clone(),
+            name: name.to_owned(),
+            at: used.at,
+            declared: self.domain.span,
+            known: self
+                .operations
+                .iter()
+                .map(|known| known.name.clone())
+                .collect(),
         }
+        .diagnostic()
     }
 
-    fn misfit(&self, what: String, term: &Term, operation: &Function) -> Diagnostic {
-        let actual = self.model.show_type(term.ty);
-        Diagnostic::error("A041", format!("{what}, and this is {actual}"))
-            .label(term.span, format!("this is {actual}"))
-            .label(operation.span, "the operation is declared here")
-            .help("give it what the operation takes, or change the declaration where all partners agree")
+    fn misfit(&self, expectation: String, term: &Term, operation: &Function) -> Diagnostic {
+        MessageMismatch {
+            expectation,
+            actual: self.model.show_type(term.ty),
+            at: term.span,
+            declared: operation.span,
+        }
+        .diagnostic()
     }
 }
 

@@ -1,7 +1,15 @@
 //! From a scenario's tree to actions: blocks written out, terms resolved in the specification.
 
-use super::error::PlanError;
-use asmotion_diagnostics::{Report, Span, similar};
+use crate::codes::v011::UnknownBlock;
+use crate::codes::v012::UnknownScenario;
+use crate::codes::v013::CircularBlock;
+use crate::codes::v014::UnknownChoice;
+use crate::codes::v015::UnknownChooseRule;
+use crate::codes::v016::PicksUndef;
+use crate::codes::v017::ScenarioTooLong;
+use crate::codes::v018::ScenarioWithoutMain;
+use crate::codes::v019::BlockCallsTooDeep;
+use asmotion_diagnostics::{Finding, Report, Span, similar};
 use asmotion_hir::{AddedRule, AddedTerm, Assignment, Model, RuleKind, TermKind};
 use asmotion_syntax::ast::{Command, CommandKind, Name, Pick, PickedRule, Scenario};
 use asmotion_value::Value;
@@ -78,7 +86,7 @@ impl Plan {
         };
         if let (None, Some(load)) = (planning.model.main, &scenario.load) {
             let name = planning.model.name.to_string();
-            planning.error(PlanError::NoMain {
+            planning.error(ScenarioWithoutMain {
                 name,
                 at: load.span,
             });
@@ -135,9 +143,9 @@ struct Planning<'a> {
 }
 
 impl Planning<'_> {
-    fn error(&mut self, error: PlanError) {
+    fn error(&mut self, error: impl Finding) {
         let finding = error.diagnostic();
-        let is_limit = matches!(error, PlanError::TooLong { .. } | PlanError::TooDeep { .. });
+        let is_limit = finding.is_any(&[ScenarioTooLong::CODE, BlockCallsTooDeep::CODE]);
         // a block that runs often has its mistakes once, and a limit is met once
         let is_known = self
             .report
@@ -167,7 +175,7 @@ impl Planning<'_> {
             self.written += 1;
             self.command(scenario, command);
             if self.written == MAX_ACTIONS {
-                self.error(PlanError::TooLong {
+                self.error(ScenarioTooLong {
                     at: command.span,
                     limit: MAX_ACTIONS,
                 });
@@ -203,7 +211,7 @@ impl Planning<'_> {
                     None => self.block(scenario, block, None),
                     Some(from) => match (self.other)(&from.text) {
                         Some(other) => self.block(&other, block, Some(&from.text)),
-                        None => self.error(PlanError::NoScenario {
+                        None => self.error(UnknownScenario {
                             name: from.text.to_string(),
                             at: from.span,
                         }),
@@ -223,7 +231,7 @@ impl Planning<'_> {
         let Some(block) = scenario.block(&name.text) else {
             let blocks = scenario.blocks();
             let known = blocks.iter().map(|block| &block.name.text);
-            return self.error(PlanError::NoBlock {
+            return self.error(UnknownBlock {
                 name: name.text.to_string(),
                 at: name.span,
                 scenario: from.map(str::to_owned),
@@ -232,14 +240,14 @@ impl Planning<'_> {
         };
         let place: Arc<str> = format!("{:?} {}", block.name.span, name.text).into();
         if self.open.contains(&place) {
-            return self.error(PlanError::Circle {
+            return self.error(CircularBlock {
                 name: name.text.to_string(),
                 at: name.span,
             });
         }
         if self.open.len() >= MAX_DEPTH {
             let (at, limit) = (name.span, MAX_DEPTH);
-            return self.error(PlanError::TooDeep { at, limit });
+            return self.error(BlockCallsTooDeep { at, limit });
         }
         self.open.push(place);
         self.commands(scenario, &block.commands);
@@ -287,7 +295,7 @@ impl Planning<'_> {
         let value = self.heard(added)?;
         let root = &self.model.added.terms[value.0 as usize].root;
         if matches!(*root.kind, TermKind::Value(Value::Undef)) {
-            self.error(PlanError::PicksUndef {
+            self.error(PicksUndef {
                 at: pick.value.span,
             });
             return None;
@@ -320,7 +328,7 @@ impl Planning<'_> {
         if let (Some(wanted), true) = (&pick.rule, rules.is_empty()) {
             let known = model.rules.iter().filter(|rule| !rule.library);
             let similar = similar(&wanted.name.text, known.map(|rule| &rule.name)).cloned();
-            self.error(PlanError::NoRule {
+            self.error(UnknownChooseRule {
                 name: wanted.name.text.to_string(),
                 at: wanted.name.span,
                 similar,
@@ -328,7 +336,7 @@ impl Planning<'_> {
             return None;
         }
         if found.is_empty() {
-            self.error(PlanError::NoChoice {
+            self.error(UnknownChoice {
                 variable: pick.variable.text.to_string(),
                 rule: pick.rule.as_ref().map(|rule| rule.name.text.to_string()),
                 at: pick.variable.span,

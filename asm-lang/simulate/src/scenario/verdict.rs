@@ -1,6 +1,9 @@
 //! How a scenario ended, and why.
 
-use asmotion_diagnostics::{Diagnostic, Span};
+use crate::codes::v020::CheckFailed;
+use crate::codes::v021::ScenarioInvariantFailed;
+use crate::codes::v022::UntilDidNotEnd;
+use asmotion_diagnostics::{Diagnostic, Finding, Span};
 use asmotion_machine::{Fault, FaultKind};
 
 /// The end of a scenario.
@@ -109,42 +112,33 @@ const MAX_WRITTEN: usize = 12;
 impl Failure {
     /// The failure in words; what a fault says, the specification knows.
     pub fn diagnostic(&self) -> Option<Diagnostic> {
-        let when = match self.steps {
-            0 => "before the first step".to_owned(),
-            steps => format!("after step {steps}"),
-        };
-        Some(match &self.kind {
-            Failed::Check(seen) => {
-                let is = if seen.value == "undef" {
-                    "is undef"
-                } else {
-                    "does not hold"
-                };
-                seen.explain(Diagnostic::error("V020", format!("the check {is} {when}")))
-            }
+        let steps = self.steps;
+        match &self.kind {
+            Failed::Check(seen) => Some(CheckFailed { seen, steps }.diagnostic()),
             Failed::Invariant(name, seen) => {
-                let is = if seen.value == "undef" {
-                    "is undef"
-                } else {
-                    "does not hold"
-                };
-                let message = format!("the invariant `{name}` {is} {when}");
-                seen.explain(Diagnostic::error("V021", message))
-                    .label(self.at, "found here")
-            }
-            Failed::Until(limit, seen) => {
-                let message = format!("`step until` did not end within {limit} steps");
-                seen.explain(Diagnostic::error("V022", message)).help(
-                    "check the condition, set the inputs that lead to it, or raise `--max-steps`",
+                let at = self.at;
+                Some(
+                    ScenarioInvariantFailed {
+                        name,
+                        seen,
+                        steps,
+                        at,
+                    }
+                    .diagnostic(),
                 )
             }
-            Failed::Fault(_) => return None,
-        })
+            Failed::Until(limit, seen) => {
+                let limit = *limit;
+                Some(UntilDidNotEnd { limit, seen }.diagnostic())
+            }
+            Failed::Fault(_) => None,
+        }
     }
 }
 
 impl Seen {
-    fn explain(&self, finding: Diagnostic) -> Diagnostic {
+    /// Adds the values that were read, and what the last step wrote.
+    pub(crate) fn explain(&self, finding: Diagnostic) -> Diagnostic {
         let mut finding = finding.label(self.condition, format!("is {}", self.value));
         for (span, value) in &self.parts {
             finding = finding.label(*span, format!("is {value}"));

@@ -1,10 +1,19 @@
 //! Beginnings without an end, ends without a beginning, and rules too many or too few.
 
 use super::{Expected, Explainer};
-use crate::error::SyntaxError;
+use crate::codes::l009::ForeignSign;
+use crate::codes::l031::UnclosedBlock;
+use crate::codes::l032::UnclosedElseIf;
+use crate::codes::l033::ClosesNothing;
+use crate::codes::l034::SeveralRules;
+use crate::codes::l035::MissingRule;
+use crate::codes::l037::CallWithoutBrackets;
+use crate::codes::l038::BareQuantifier;
+use crate::codes::l053::UnknownWord;
 use crate::lexer::{Keyword, Sign, Spanned, Token};
 use crate::nesting::{opener, starts_item};
 use crate::spelling::nearest;
+use asmotion_diagnostics::{Diagnostic, Finding};
 
 impl<'input> Explainer<'input, '_> {
     /// A token that cannot stand inside of what is open.
@@ -12,7 +21,7 @@ impl<'input> Explainer<'input, '_> {
         &self,
         found: Spanned<'input>,
         expected: &Expected<'_>,
-    ) -> Option<SyntaxError> {
+    ) -> Option<Diagnostic> {
         let (open, missing) = self.missing_end(expected)?;
         let in_brackets = matches!(open.opener.1, Token::Sign(_));
         let outside = ends(found.1) || goes_on(found.1) || (in_brackets && self.begins_line(found));
@@ -20,36 +29,48 @@ impl<'input> Explainer<'input, '_> {
             return None;
         }
         if found.1 == Token::Keyword(Keyword::Default) && expected.has("otherwise") {
-            return Some(SyntaxError::Foreign {
-                found: "default".to_owned(),
-                meant: "otherwise",
-                text: "otherwise".to_owned(),
-                at: self.span(found),
-            });
+            return Some(
+                ForeignSign {
+                    found: "default".to_owned(),
+                    meant: "otherwise",
+                    text: "otherwise".to_owned(),
+                    at: self.span(found),
+                }
+                .diagnostic(),
+            );
         }
         if let Some(suspect) = open.suspect.map(|suspect| self.place(suspect))
             && nearest(&suspect.0, [missing.as_str()]).is_some()
         {
-            return Some(SyntaxError::UnknownWord {
-                found: suspect,
-                meant: missing,
-            });
+            return Some(
+                UnknownWord {
+                    found: suspect,
+                    meant: missing,
+                }
+                .diagnostic(),
+            );
         }
         if let Some(inner) = open.else_if {
             let (outer, inner) = (self.span(open.opener), self.span(inner));
-            return Some(SyntaxError::ElseIf {
-                at: self.span(found),
-                outer,
-                inner,
-            });
+            return Some(
+                UnclosedElseIf {
+                    at: self.span(found),
+                    outer,
+                    inner,
+                }
+                .diagnostic(),
+            );
         }
         let misaligned = self.nesting.misaligned;
-        Some(SyntaxError::Unclosed {
-            missing,
-            at: self.span(found),
-            open: self.place(open.opener),
-            misaligned: misaligned.map(|(inner, end)| (self.place(inner), self.place(end))),
-        })
+        Some(
+            UnclosedBlock {
+                missing,
+                at: self.span(found),
+                open: self.place(open.opener),
+                misaligned: misaligned.map(|(inner, end)| (self.place(inner), self.place(end))),
+            }
+            .diagnostic(),
+        )
     }
 
     /// An end without a beginning.
@@ -57,11 +78,14 @@ impl<'input> Explainer<'input, '_> {
         &self,
         found: Spanned<'input>,
         _: &Expected<'_>,
-    ) -> Option<SyntaxError> {
+    ) -> Option<Diagnostic> {
         let begin = opener(found.1).filter(|_| ends(found.1))?;
         let closes = self.nesting.open().any(|open| open.opener.1 == begin);
-        (!closes).then(|| SyntaxError::ClosesNothing {
-            found: self.place(found),
+        (!closes).then(|| {
+            ClosesNothing {
+                found: self.place(found),
+            }
+            .diagnostic()
         })
     }
 
@@ -70,13 +94,16 @@ impl<'input> Explainer<'input, '_> {
         &self,
         found: Spanned<'input>,
         expected: &Expected<'_>,
-    ) -> Option<SyntaxError> {
+    ) -> Option<Diagnostic> {
         let second = self.declares(&[Keyword::Rule]) && expected.item() && begins_rule(found.1);
-        second.then_some(SyntaxError::SeveralRules {
-            first: self.span(self.nesting.declaration()?),
-            second: self.span(found),
-            all: None,
-        })
+        second.then_some(
+            SeveralRules {
+                first: self.span(self.nesting.declaration()?),
+                second: self.span(found),
+                all: None,
+            }
+            .diagnostic(),
+        )
     }
 
     /// `then else`: what goes on where a rule has to begin.
@@ -84,11 +111,14 @@ impl<'input> Explainer<'input, '_> {
         &self,
         found: Spanned<'input>,
         expected: &Expected<'_>,
-    ) -> Option<SyntaxError> {
+    ) -> Option<Diagnostic> {
         let missing = expected.rule() && !expected.item() && (ends(found.1) || goes_on(found.1));
-        missing.then(|| SyntaxError::NoRule {
-            found: self.place(found),
-            after: self.nesting.previous.map(|previous| self.place(previous)),
+        missing.then(|| {
+            MissingRule {
+                found: self.place(found),
+                after: self.nesting.previous.map(|previous| self.place(previous)),
+            }
+            .diagnostic()
         })
     }
 
@@ -97,11 +127,14 @@ impl<'input> Explainer<'input, '_> {
         &self,
         _: Spanned<'input>,
         expected: &Expected<'_>,
-    ) -> Option<SyntaxError> {
+    ) -> Option<Diagnostic> {
         let call = self.nesting.previous?;
         let is_call = matches!(call.1, Token::Rule(_)) && expected.has("[") && expected.has("(");
-        is_call.then(|| SyntaxError::CallWithoutBrackets {
-            call: self.place(call),
+        is_call.then(|| {
+            CallWithoutBrackets {
+                call: self.place(call),
+            }
+            .diagnostic()
         })
     }
 
@@ -110,14 +143,17 @@ impl<'input> Explainer<'input, '_> {
         &self,
         found: Spanned<'input>,
         expected: &Expected<'_>,
-    ) -> Option<SyntaxError> {
+    ) -> Option<Diagnostic> {
         let Token::Keyword(word @ (Keyword::Forall | Keyword::Exists | Keyword::Exist)) = found.1
         else {
             return None;
         };
-        expected.term().then(|| SyntaxError::BareQuantifier {
-            word: word.spelling(),
-            at: self.span(found),
+        expected.term().then(|| {
+            BareQuantifier {
+                word: word.spelling(),
+                at: self.span(found),
+            }
+            .diagnostic()
         })
     }
 }

@@ -1,8 +1,11 @@
 //! Names of the wrong kind, and what cannot be a name.
 
 use super::{Expected, Explainer};
-use crate::error::SyntaxError;
+use crate::codes::l054::ReservedName;
+use crate::codes::l055::ComplexName;
+use crate::codes::l056::Misnamed;
 use crate::lexer::{Keyword, Sign, Spanned, Token};
+use asmotion_diagnostics::{Diagnostic, Finding};
 
 impl<'input> Explainer<'input, '_> {
     /// `i`, `i1`: read as a number where a name stands.
@@ -10,12 +13,15 @@ impl<'input> Explainer<'input, '_> {
         &self,
         found: Spanned<'input>,
         expected: &Expected<'_>,
-    ) -> Option<SyntaxError> {
+    ) -> Option<Diagnostic> {
         let named = expected.name().map(|(what, _)| what);
         let what = named.or(expected.rule().then_some("a function"))?;
-        matches!(found.1, Token::Complex(_)).then(|| SyntaxError::ComplexName {
-            found: self.place(found),
-            what,
+        matches!(found.1, Token::Complex(_)).then(|| {
+            ComplexName {
+                found: self.place(found),
+                what,
+            }
+            .diagnostic()
         })
     }
 
@@ -24,7 +30,7 @@ impl<'input> Explainer<'input, '_> {
         &self,
         found: Spanned<'input>,
         expected: &Expected<'_>,
-    ) -> Option<SyntaxError> {
+    ) -> Option<Diagnostic> {
         let (what, beginning) = self.named(found, expected)?;
         let place = self.place(found);
         let after_comma = matches!(
@@ -35,7 +41,7 @@ impl<'input> Explainer<'input, '_> {
             // After a comma it is more likely that the name is missing.
             (Token::Keyword(_), _) if after_comma => return None,
             (Token::Keyword(_), _) => {
-                return Some(SyntaxError::ReservedName { found: place, what });
+                return Some(ReservedName { found: place, what }.diagnostic());
             }
             (Token::Name(name), "a domain") => Some(recased(name, char::to_ascii_uppercase)),
             (Token::Name(name), "an enumeration literal") => Some(name.to_uppercase()),
@@ -45,12 +51,15 @@ impl<'input> Explainer<'input, '_> {
             (Token::Name(_) | Token::Constant(_) | Token::Rule(_) | Token::Variable(_), _) => None,
             _ => return None,
         };
-        Some(SyntaxError::Misnamed {
-            what,
-            beginning,
-            found: place,
-            better,
-        })
+        Some(
+            Misnamed {
+                what,
+                beginning,
+                found: place,
+                better,
+            }
+            .diagnostic(),
+        )
     }
 
     /// What is to be named at a token, and what such a name begins with.

@@ -1,8 +1,17 @@
 //! Signs in the wrong place, or of another notation.
 
 use super::{Expected, Explainer};
-use crate::error::SyntaxError;
+use crate::codes::l009::ForeignSign;
+use crate::codes::l036::BracketedRule;
+use crate::codes::l040::CommaBetweenRules;
+use crate::codes::l041::SquareArguments;
+use crate::codes::l050::EqualsForUpdate;
+use crate::codes::l051::UpdateForEquals;
+use crate::codes::l059::ProductSign;
+use crate::codes::l060::InfixMembership;
+use crate::codes::l061::ReturnOfNoRule;
 use crate::lexer::{Keyword, Sign, Spanned, Token};
+use asmotion_diagnostics::{Diagnostic, Finding};
 
 /// What begins the declaration of a function.
 const FUNCTIONS: &[Keyword] = &[
@@ -19,39 +28,41 @@ impl<'input> Explainer<'input, '_> {
         &self,
         found: Spanned<'input>,
         expected: &Expected<'_>,
-    ) -> Option<SyntaxError> {
+    ) -> Option<Diagnostic> {
         let at = self.span(found);
         let previous = self.nesting.previous.map(|(_, token, _)| token);
         let Token::Sign(sign) = found.1 else {
             let membership = found.1 == Token::Keyword(Keyword::In) && expected.operator();
-            return membership.then_some(SyntaxError::InfixMembership { at });
+            return membership.then_some(InfixMembership { at }.diagnostic());
         };
         match sign {
-            Sign::Eq if expected.has(":=") => Some(SyntaxError::EqualsForUpdate { at }),
-            Sign::Assign if expected.operator() => Some(SyntaxError::UpdateForEquals { at }),
-            Sign::Assign if previous == Some(Token::Sign(Sign::CloseBracket)) => {
-                Some(SyntaxError::SquareArguments {
+            Sign::Eq if expected.has(":=") => Some(EqualsForUpdate { at }.diagnostic()),
+            Sign::Assign if expected.operator() => Some(UpdateForEquals { at }.diagnostic()),
+            Sign::Assign if previous == Some(Token::Sign(Sign::CloseBracket)) => Some(
+                SquareArguments {
                     at: self.span(self.nesting.previous?),
-                })
-            }
+                }
+                .diagnostic(),
+            ),
             // The lexer reads `<-` in two where no name of a rule follows.
             Sign::Lt if expected.has("<-") && self.behind(found).starts_with('-') => {
-                Some(SyntaxError::ReturnOfNoRule { at })
+                Some(ReturnOfNoRule { at }.diagnostic())
             }
-            Sign::Star if self.declares(FUNCTIONS) => Some(SyntaxError::ProductSign { at }),
-            Sign::Arrow if expected.operator() && !expected.has("->") => {
-                Some(SyntaxError::Foreign {
+            Sign::Star if self.declares(FUNCTIONS) => Some(ProductSign { at }.diagnostic()),
+            Sign::Arrow if expected.operator() && !expected.has("->") => Some(
+                ForeignSign {
                     found: "->".to_owned(),
                     meant: "implies",
                     text: "implies".to_owned(),
                     at,
-                })
-            }
-            Sign::Comma if expected.rule() => Some(SyntaxError::CommaBetweenRules { at }),
+                }
+                .diagnostic(),
+            ),
+            Sign::Comma if expected.rule() => Some(CommaBetweenRules { at }.diagnostic()),
             Sign::Open | Sign::OpenBrace | Sign::OpenBracket
                 if expected.rule() && !matches!(previous, Some(Token::Rule(_))) =>
             {
-                Some(SyntaxError::BracketedRule { at })
+                Some(BracketedRule { at }.diagnostic())
             }
             _ => None,
         }

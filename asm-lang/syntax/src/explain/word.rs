@@ -1,8 +1,12 @@
 //! Words that are missing, misspelled, or reserved for nothing.
 
 use super::{Expected, Explainer};
-use crate::error::SyntaxError;
+use crate::codes::l021::NoHeading;
+use crate::codes::l052::MissingWord;
+use crate::codes::l053::UnknownWord;
+use crate::codes::l057::UnusedWord;
 use crate::lexer::{Keyword, Spanned, Token};
+use asmotion_diagnostics::{Diagnostic, Finding};
 
 /// A word, what it should follow, and what it belongs to.
 type Missing<'input> = (&'static str, String, Option<Spanned<'input>>);
@@ -13,7 +17,7 @@ impl<'input> Explainer<'input, '_> {
         &self,
         found: Spanned<'input>,
         _: &Expected<'_>,
-    ) -> Option<SyntaxError> {
+    ) -> Option<Diagnostic> {
         let unused = [
             Keyword::Try,
             Keyword::Catch,
@@ -23,8 +27,11 @@ impl<'input> Explainer<'input, '_> {
         let Token::Keyword(word) = found.1 else {
             return None;
         };
-        unused.contains(&word).then(|| SyntaxError::Unused {
-            found: self.place(found),
+        unused.contains(&word).then(|| {
+            UnusedWord {
+                found: self.place(found),
+            }
+            .diagnostic()
         })
     }
 
@@ -33,7 +40,7 @@ impl<'input> Explainer<'input, '_> {
         &self,
         found: Spanned<'input>,
         expected: &Expected<'_>,
-    ) -> Option<SyntaxError> {
+    ) -> Option<Diagnostic> {
         let (Token::Name(name) | Token::Constant(name)) = found.1 else {
             return None;
         };
@@ -45,10 +52,13 @@ impl<'input> Explainer<'input, '_> {
             return None;
         }
         let meant = expected.nearest(name)?.to_owned();
-        Some(SyntaxError::UnknownWord {
-            found: self.place(found),
-            meant,
-        })
+        Some(
+            UnknownWord {
+                found: self.place(found),
+                meant,
+            }
+            .diagnostic(),
+        )
     }
 
     /// Something else before `asm` or `module`.
@@ -56,10 +66,13 @@ impl<'input> Explainer<'input, '_> {
         &self,
         found: Spanned<'input>,
         expected: &Expected<'_>,
-    ) -> Option<SyntaxError> {
+    ) -> Option<Diagnostic> {
         let first = self.nesting.declaration().is_none() && expected.item();
-        first.then(|| SyntaxError::NoHeading {
-            at: self.span(found),
+        first.then(|| {
+            NoHeading {
+                at: self.span(found),
+            }
+            .diagnostic()
         })
     }
 
@@ -68,15 +81,18 @@ impl<'input> Explainer<'input, '_> {
         &self,
         found: Spanned<'input>,
         expected: &Expected<'_>,
-    ) -> Option<SyntaxError> {
+    ) -> Option<Diagnostic> {
         let among = expected.item() && !self.declares(&[Keyword::Rule]);
         let defined = matches!(found.1, Token::Name(_)) && self.behind(found).starts_with('=');
         let (after, _) = self.place(self.nesting.previous?);
-        (among && defined).then(|| SyntaxError::MissingWord {
-            word: "function",
-            after: format!("`{after}`"),
-            at: self.span(found),
-            opener: None,
+        (among && defined).then(|| {
+            MissingWord {
+                word: "function",
+                after: format!("`{after}`"),
+                at: self.span(found),
+                opener: None,
+            }
+            .diagnostic()
         })
     }
 
@@ -85,7 +101,7 @@ impl<'input> Explainer<'input, '_> {
         &self,
         found: Spanned<'input>,
         expected: &Expected<'_>,
-    ) -> Option<SyntaxError> {
+    ) -> Option<Diagnostic> {
         if expected.term() || expected.rule() || expected.item() {
             return None;
         }
@@ -94,12 +110,15 @@ impl<'input> Explainer<'input, '_> {
             .or_else(|| self.missing_in_construct(expected))
             .or_else(|| self.missing_in_declaration(expected))?;
         let opener = opener.map(|opener| self.place(opener));
-        Some(SyntaxError::MissingWord {
-            word,
-            after,
-            at: self.span(found),
-            opener,
-        })
+        Some(
+            MissingWord {
+                word,
+                after,
+                at: self.span(found),
+                opener,
+            }
+            .diagnostic(),
+        )
     }
 
     fn missing_in_binder(&self, expected: &Expected<'_>) -> Option<Missing<'input>> {

@@ -2,7 +2,7 @@
 
 use super::{Lexer, word};
 use crate::ast::{Annotation, Name};
-use crate::error::SyntaxError;
+use crate::codes::l003::OpenComment;
 
 impl Lexer<'_, '_> {
     pub(crate) fn blanks_and_comments(&mut self) {
@@ -54,7 +54,7 @@ impl Lexer<'_, '_> {
         match rest.get(opener..).and_then(|inside| inside.find("*/")) {
             Some(inside) => opener + inside + "*/".len(),
             None => {
-                self.findings.report(SyntaxError::OpenComment {
+                self.findings.report(OpenComment {
                     open: self.next_bytes(opener),
                 });
                 rest.len()

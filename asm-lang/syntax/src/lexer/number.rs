@@ -1,7 +1,8 @@
 //! Numbers, and where a complex number ends.
 
 use super::{Lexer, Read, Token, word};
-use crate::error::SyntaxError;
+use crate::codes::l007::ExponentInNumber;
+use crate::codes::l008::BarePoint;
 
 impl<'input> Lexer<'input, '_> {
     pub(super) fn number(&self) -> Read<'input> {
@@ -9,9 +10,9 @@ impl<'input> Lexer<'input, '_> {
         if let Token::Real(digits) = token {
             let (number, at) = (digits.to_owned(), self.next_bytes(length));
             if digits.ends_with('.') {
-                self.findings.report(SyntaxError::BarePoint { number, at });
+                self.findings.report(BarePoint { number, at });
             } else if digits.contains(['e', 'E']) {
-                self.findings.report(SyntaxError::Exponent { number, at });
+                self.findings.report(ExponentInNumber { number, at });
             }
         }
         (token, length)

@@ -1,7 +1,7 @@
 //! Texts and characters.
 
 use super::{Lexer, Read, Token};
-use crate::error::SyntaxError;
+use crate::codes::l004::OpenQuote;
 
 impl<'input> Lexer<'input, '_> {
     /// What stands between two quotes, kept as it is. A backslash keeps the character after it from
@@ -27,7 +27,7 @@ impl<'input> Lexer<'input, '_> {
         if closed {
             return (token(text), length + quote_length);
         }
-        self.findings.report(SyntaxError::OpenQuote {
+        self.findings.report(OpenQuote {
             quote,
             open: self.next_bytes(length),
         });

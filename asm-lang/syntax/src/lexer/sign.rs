@@ -1,7 +1,7 @@
 //! Signs, and the signs of other languages.
 
 use super::{Keyword, Lexer, Read, Sign, Token, number, word};
-use crate::error::SyntaxError;
+use crate::codes::l009::ForeignSign;
 
 /// Operators as other languages write them, and what they mean here; longer ones first.
 const FOREIGN: &[(&str, &str)] = &[
@@ -90,7 +90,7 @@ impl<'input> Lexer<'input, '_> {
             .starts_with(word::goes_on);
         let blank = |needed| if needed { " " } else { "" };
         let text = format!("{}{meant}{}", blank(before), blank(after));
-        self.findings.report(SyntaxError::Foreign {
+        self.findings.report(ForeignSign {
             found: found.to_owned(),
             meant,
             text,

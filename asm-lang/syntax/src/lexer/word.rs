@@ -1,7 +1,8 @@
 //! Words: reserved ones, names, variables, paths.
 
 use super::{Keyword, Lexer, Read, Token, number};
-use crate::error::SyntaxError;
+use crate::codes::l002::ForeignLetters;
+use crate::codes::l011::ElementName;
 
 /// Whether a word begins with this character.
 pub(super) fn begins(c: char) -> bool {
@@ -115,12 +116,12 @@ impl<'input> Lexer<'input, '_> {
     fn name(&self, token: Token<'input>, word: &'input str) -> Read<'input> {
         let at = self.next_bytes(word.len());
         if !word.is_ascii() {
-            self.findings.report(SyntaxError::ForeignLetters {
+            self.findings.report(ForeignLetters {
                 word: word.to_owned(),
                 at,
             });
         } else if word.contains('!') && !self.names_elements {
-            self.findings.report(SyntaxError::ElementName {
+            self.findings.report(ElementName {
                 word: word.to_owned(),
                 at,
             });

@@ -2,7 +2,14 @@
 
 use super::{Nodes, order};
 use crate::ast::*;
-use crate::error::SyntaxError;
+use crate::codes::l020::EmptyFile;
+use crate::codes::l021::NoHeading;
+use crate::codes::l022::SecondHeading;
+use crate::codes::l023::SecondExport;
+use crate::codes::l024::SecondMain;
+use crate::codes::l025::AgentOutsideInit;
+use crate::codes::l073::OutOfOrder;
+use crate::codes::l074::NoSection;
 use crate::findings::Findings;
 use asmotion_diagnostics::{Edit, Span};
 
@@ -122,7 +129,7 @@ impl Nodes<'_, '_> {
         let mut assembly = Assembly::new(self.findings, self.text);
         let end = self.span(self.text.len(), self.text.len());
         if items.is_empty() && !self.findings.has_errors() {
-            self.findings.report(SyntaxError::Empty { at: end });
+            self.findings.report(EmptyFile { at: end });
             return assembly.file;
         }
         for (start, item, stop) in items {
@@ -250,7 +257,7 @@ impl<'run> Assembly<'run> {
 
     fn heading(&mut self, asyncr: bool, module: bool, name: Name) {
         if let Some(first) = self.heading {
-            self.findings.report(SyntaxError::SecondHeading {
+            self.findings.report(SecondHeading {
                 at: name.span,
                 first,
             });
@@ -267,8 +274,7 @@ impl<'run> Assembly<'run> {
         self.place(Kind::Export, export.span);
         if let Some(first) = &self.file.export {
             let (at, first) = (export.span, first.span);
-            self.findings
-                .report(SyntaxError::SecondExport { at, first });
+            self.findings.report(SecondExport { at, first });
             return;
         }
         self.file.export = Some(export);
@@ -278,7 +284,7 @@ impl<'run> Assembly<'run> {
         self.place(Kind::Main, rule.name.span);
         if let Some(first) = &self.file.main {
             let (at, first) = (rule.name.span, first.name.span);
-            self.findings.report(SyntaxError::SecondMain { at, first });
+            self.findings.report(SecondMain { at, first });
             return;
         }
         self.file.main = Some(rule);
@@ -286,7 +292,7 @@ impl<'run> Assembly<'run> {
 
     fn agent(&mut self, agent: AgentInit) {
         let Some(init) = self.file.inits.last_mut() else {
-            self.findings.report(SyntaxError::AgentOutsideInit {
+            self.findings.report(AgentOutsideInit {
                 at: agent.domain.span,
             });
             return;
@@ -308,13 +314,13 @@ impl<'run> Assembly<'run> {
     /// Checks that an item stands where AsmetaS wants it; says so once.
     fn place(&mut self, kind: Kind, at: Span) {
         if self.furthest.is_none() && kind != Kind::Heading && self.file.unread.is_empty() {
-            self.findings.report(SyntaxError::NoHeading { at });
+            self.findings.report(NoHeading { at });
         }
         let (text, whole) = (self.text, self.whole);
         let mut section = |missing: bool, section: &'static str| {
             if missing && self.in_order && self.file.unread.is_empty() {
                 let what = kind.described();
-                self.findings.report(SyntaxError::NoSection {
+                self.findings.report(NoSection {
                     section,
                     what,
                     at,
@@ -329,7 +335,7 @@ impl<'run> Assembly<'run> {
             Some((furthest, earlier)) if kind < furthest => {
                 if self.in_order {
                     let (what, before) = (kind.described(), furthest.described());
-                    self.findings.report(SyntaxError::OutOfOrder {
+                    self.findings.report(OutOfOrder {
                         what,
                         before,
                         at,

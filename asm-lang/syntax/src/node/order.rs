@@ -1,7 +1,7 @@
 //! The order AsmetaS wants, and how a text is brought into it.
 
 use crate::ast::{Name, Rule, RuleDeclaration, RuleKind};
-use crate::error::SyntaxError;
+use crate::codes::l076::CalledEarly;
 use crate::findings::Findings;
 use asmotion_diagnostics::{Edit, Span};
 use std::collections::{BTreeMap, BTreeSet};
@@ -98,7 +98,7 @@ pub(super) fn rules(text: &str, rules: &[RuleDeclaration], findings: &Findings) 
         if let (Some((callee, name)), Some(rule)) = (early, rules.get(caller))
             && let Some(other) = rules.get(*callee)
         {
-            return findings.report(SyntaxError::CalledEarly {
+            return findings.report(CalledEarly {
                 rule: name.text.to_string(),
                 at: name.span,
                 declared: other.name.span,

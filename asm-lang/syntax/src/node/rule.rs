@@ -4,7 +4,11 @@ use super::Nodes;
 use super::term::{applied, bound, deepest, optional, ranges};
 use crate::MAX_DEPTH;
 use crate::ast::*;
-use crate::error::{Place, SyntaxError};
+use crate::codes::Place;
+use crate::codes::l034::SeveralRules;
+use crate::codes::l039::NestedTooDeep;
+use crate::codes::l053::UnknownWord;
+use crate::codes::l072::FewRules;
 use crate::spelling::nearest;
 use asmotion_diagnostics::{Edit, Span};
 
@@ -34,7 +38,7 @@ impl Nodes<'_, '_> {
         let span = self.span(start, end);
         let depth = 1 + rule_depth(&kind);
         if depth > MAX_DEPTH {
-            self.findings.report(SyntaxError::TooDeep { at: span });
+            self.findings.report(NestedTooDeep { at: span });
             return Rule {
                 kind: Box::new(RuleKind::Invalid),
                 span,
@@ -104,7 +108,7 @@ impl Nodes<'_, '_> {
         };
         let start = all.start as usize;
         let at = self.span(start, start + block.len());
-        self.findings.report(SyntaxError::FewRules {
+        self.findings.report(FewRules {
             block,
             count,
             at,
@@ -172,15 +176,14 @@ impl Nodes<'_, '_> {
         {
             return; // what looks like a rule may be a part of what was not understood
         }
-        self.findings
-            .report(match rules.iter().find_map(misspelled_word) {
-                Some((found, meant)) => SyntaxError::UnknownWord { found, meant },
-                None => SyntaxError::SeveralRules {
-                    first: first.span,
-                    second: second.span,
-                    all: Some((all, self.text.get(all.range()).unwrap_or("").to_owned())),
-                },
-            });
+        match rules.iter().find_map(misspelled_word) {
+            Some((found, meant)) => self.findings.report(UnknownWord { found, meant }),
+            None => self.findings.report(SeveralRules {
+                first: first.span,
+                second: second.span,
+                all: Some((all, self.text.get(all.range()).unwrap_or("").to_owned())),
+            }),
+        }
     }
 }
 

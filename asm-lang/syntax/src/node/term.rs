@@ -3,7 +3,11 @@
 use super::Nodes;
 use crate::MAX_DEPTH;
 use crate::ast::*;
-use crate::error::SyntaxError;
+use crate::codes::l005::CharLength;
+use crate::codes::l006::IntegerTooLarge;
+use crate::codes::l039::NestedTooDeep;
+use crate::codes::l070::OldExists;
+use crate::codes::l071::OldInterval;
 use crate::lexer;
 use asmotion_diagnostics::Span;
 
@@ -76,7 +80,7 @@ impl Nodes<'_, '_> {
         if term.depth <= MAX_DEPTH {
             return term;
         }
-        self.findings.report(SyntaxError::TooDeep { at: term.span });
+        self.findings.report(NestedTooDeep { at: term.span });
         Term {
             kind: Box::new(TermKind::Invalid),
             depth: 1,
@@ -159,7 +163,7 @@ impl Nodes<'_, '_> {
 
     /// `exist`, as AsmetaL before 26.06 wrote it.
     pub(crate) fn old_exists(&self, start: usize, end: usize) {
-        self.findings.report(SyntaxError::OldExists {
+        self.findings.report(OldExists {
             at: self.span(start, end),
         });
     }
@@ -169,7 +173,7 @@ impl Nodes<'_, '_> {
         let blanks = |text: Option<&str>, has: fn(&str) -> bool| text.is_some_and(has);
         let apart = blanks(self.text.get(..start), |text| text.ends_with(' '))
             && blanks(self.text.get(end..), |text| text.starts_with(' '));
-        self.findings.report(SyntaxError::OldInterval {
+        self.findings.report(OldInterval {
             at: self.span(start, end),
             new: if apart { ":" } else { " : " },
         });
@@ -179,7 +183,7 @@ impl Nodes<'_, '_> {
     pub(crate) fn integer(&self, start: usize, digits: &str, end: usize) -> Option<i64> {
         let number = digits.parse().ok();
         if number.is_none() {
-            self.findings.report(SyntaxError::TooLarge {
+            self.findings.report(IntegerTooLarge {
                 digits: digits.to_owned(),
                 at: self.span(start, end),
             });
@@ -204,7 +208,7 @@ impl Nodes<'_, '_> {
             // It has no closing quote if that was reported.
             if !self.findings.error_between(start, start) {
                 let (text, at) = (text.to_owned(), self.span(start, end));
-                self.findings.report(SyntaxError::CharLength { text, at });
+                self.findings.report(CharLength { text, at });
             }
             char::REPLACEMENT_CHARACTER
         })

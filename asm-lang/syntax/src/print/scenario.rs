@@ -2,10 +2,10 @@
 
 use super::layout::{Break, Layout};
 use crate::ast::*;
+use crate::codes::v005::UnendedCommand;
 use crate::findings::Findings;
 use crate::lexer::{Lexer, Sign, Spanned, Token};
 use crate::parse_scenario;
-use crate::scenario::UNENDED;
 use asmotion_diagnostics::{Diagnostic, FileId, Span};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -138,7 +138,7 @@ pub(super) fn with_ends(file: FileId, text: &str) -> String {
     let (_, report) = parse_scenario(file, text);
     let missing = report.diagnostics.iter();
     let missing: Vec<Diagnostic> = missing
-        .filter(|finding| finding.code == UNENDED)
+        .filter(|finding| finding.is_any(&[UnendedCommand::CODE]))
         .cloned()
         .collect();
     asmotion_diagnostics::apply(text, file, &missing).text

@@ -1,8 +1,12 @@
 //! Commands: their words, and what stands up to their `;`.
 
-use super::error::ScenarioError;
 use super::reader::Reader;
 use crate::ast::{Block, Command, CommandKind, Name, Pick, PickedRule};
+use crate::codes::v003::UnknownCommand;
+use crate::codes::v006::OpenBlock;
+use crate::codes::v007::StrayBlockEnd;
+use crate::codes::v009::LateHeading;
+use crate::codes::v010::BlocksNestTooDeep;
 use crate::fragment::{parse_assignment_in, parse_rule_in};
 use crate::spelling::nearest;
 use asmotion_diagnostics::Span;
@@ -33,7 +37,7 @@ impl Reader<'_, '_> {
             self.lexer.blanks_and_comments();
             if self.lexer.rest().is_empty() {
                 if let Some(name) = open.last() {
-                    self.error(ScenarioError::OpenBlock {
+                    self.error(OpenBlock {
                         name: name.text.to_string(),
                         at: name.span,
                     });
@@ -50,7 +54,7 @@ impl Reader<'_, '_> {
                 if !open.is_empty() {
                     return commands;
                 }
-                self.error(ScenarioError::StrayEnd { at });
+                self.error(StrayBlockEnd { at });
                 continue;
             }
             if let Some(kind) = self.command(word, at, open) {
@@ -91,7 +95,7 @@ impl Reader<'_, '_> {
             "invariant" | "scenario" | "load" => {
                 let word = COMMANDS.iter().find(|known| **known == word)?;
                 self.part(at);
-                self.error(ScenarioError::Late { word, at });
+                self.error(LateHeading { word, at });
                 None
             }
             _ => {
@@ -103,10 +107,10 @@ impl Reader<'_, '_> {
 
     fn unknown(&mut self, word: &str, at: Span) {
         if word.is_empty() {
-            self.error(ScenarioError::NoCommand { at });
+            self.error(UnknownCommand::Missing { at });
         } else {
             let similar = nearest(word, COMMANDS.iter().copied());
-            self.error(ScenarioError::UnknownCommand {
+            self.error(UnknownCommand::Misspelt {
                 word: word.to_owned(),
                 at,
                 similar,
@@ -189,7 +193,7 @@ impl Reader<'_, '_> {
     fn block(&mut self, at: Span, open: &mut Vec<Name>) -> Option<Block> {
         let name = self.wanted_name("begin", "a name", "begin name … end", at)?;
         if open.len() >= MAX_DEPTH {
-            self.error(ScenarioError::TooDeep { at });
+            self.error(BlocksNestTooDeep { at });
             self.skip_block();
             return None;
         }

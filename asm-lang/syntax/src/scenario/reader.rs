@@ -1,11 +1,12 @@
 //! The text of a scenario, word by word.
 
 use super::command::COMMANDS;
-use super::error::ScenarioError;
 use crate::ast::{Name, Term};
+use crate::codes::v004::IncompleteCommand;
+use crate::codes::v005::UnendedCommand;
 use crate::fragment::parse_term_in;
 use crate::lexer::{Lexer, word_length};
-use asmotion_diagnostics::{FileId, Report, Span};
+use asmotion_diagnostics::{FileId, Finding, Report, Span};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -40,7 +41,7 @@ impl<'input> Reader<'input, '_> {
             }
             if rest.is_empty() || (end > start && self.begins_command()) {
                 let last = if end > start { end } else { before };
-                self.error(ScenarioError::Unended {
+                self.error(UnendedCommand {
                     command,
                     next: self.here(),
                     end: self.span(last..last),
@@ -165,7 +166,7 @@ impl<'input> Reader<'input, '_> {
         form: &'static str,
         at: Span,
     ) {
-        self.error(ScenarioError::Incomplete {
+        self.error(IncompleteCommand {
             command,
             wanted,
             form,
@@ -191,7 +192,7 @@ impl<'input> Reader<'input, '_> {
         self.span(start..start + length)
     }
 
-    pub(super) fn error(&mut self, error: ScenarioError) {
+    pub(super) fn error(&mut self, error: impl Finding) {
         self.report.push(error.diagnostic());
     }
 }

@@ -23,7 +23,7 @@ fn a_part_of_a_text_keeps_its_place() {
     let report = parse_term_in(FileId(0), text, 16..20).unwrap_err();
     let at = report.diagnostics[0].primary.as_ref().unwrap().span;
     assert_eq!(
-        (report.diagnostics[0].code, at.start),
+        (report.diagnostics[0].code.name, at.start),
         ("L030", 19),
         "{report:#?}"
     );

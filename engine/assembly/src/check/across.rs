@@ -1,47 +1,16 @@
 //! What joins components of two processes: it goes over a broker that both are on.
 
+use crate::codes::c074::LocalWireAcross;
+use crate::codes::c075::NoCommonBroker;
 use std::collections::BTreeMap;
 
-use asmotion_diagnostics::{Diagnostic, Report, Span};
+use asmotion_diagnostics::{Report, Span};
 
 use super::codec;
 use super::scene::{Scene, nested};
 use super::topic::{Role, Topics};
-use crate::finding::{Finding, Findings};
+use crate::finding::Findings;
 use crate::model::{Deploy, End, Terminal, Transport, Wire};
-
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum AcrossError {
-    #[error("`{from}` is in process `{}`, `{to}` in `{}`, and the wire is local", processes.0, processes.1)]
-    Local {
-        from: String,
-        to: String,
-        processes: (String, String),
-        at: Span,
-    },
-    #[error("{what} does not get from process `{}` to `{}`", processes.0, processes.1)]
-    NoBroker {
-        /// What: `topic scan`, `the wire from A.x to B.y`.
-        what: String,
-        processes: (String, String),
-        /// The component without, or on which.
-        why: String,
-        at: Span,
-    },
-}
-
-impl Finding for AcrossError {
-    fn diagnostic(&self) -> Diagnostic {
-        match self {
-            Self::Local { at, .. } => Diagnostic::error("C074", self)
-                .label(*at, "only within a process")
-                .help("place both components in one process, or leave `binding` out"),
-            Self::NoBroker { at, why, .. } => Diagnostic::error("C075", self)
-                .label(*at, why.clone())
-                .help("say on which broker both are, with `task.broker`; or place them in one process"),
-        }
-    }
-}
 
 pub(crate) fn check(scene: &Scene<'_>, topics: &Topics, report: &mut Report) {
     let Some(deploy) = &scene.composite.deploy else {
@@ -142,7 +111,7 @@ impl<'s> Across<'s, '_> {
             if let Some(binding) = &wire.binding
                 && binding.value == Transport::Local
             {
-                self.report.found(AcrossError::Local {
+                self.report.found(LocalWireAcross {
                     from: wire.reference.to_string(),
                     to: service.to_string(),
                     processes,
@@ -193,7 +162,7 @@ impl<'s> Across<'s, '_> {
     }
 
     fn no_broker(&mut self, what: String, processes: (String, String), why: String, at: Span) {
-        self.report.found(AcrossError::NoBroker {
+        self.report.found(NoCommonBroker {
             what,
             processes,
             why,

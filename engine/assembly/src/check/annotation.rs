@@ -1,72 +1,17 @@
 //! What the annotations of a specification say of its services and references (SCA-ASM), held against the
 //! composite: both describe one component.
 
-use asmotion_diagnostics::{Diagnostic, Report, Span};
+use crate::codes::c102::UnlistedAnnotation;
+use crate::codes::c103::OtherInterface;
+use crate::codes::c104::Unannotated;
+use asmotion_diagnostics::{Report, Span};
 
 use super::scene::Part;
 use crate::At;
-use crate::finding::{Finding, Findings};
+use crate::finding::Findings;
 use crate::model::binding::{Action, Effect};
-use crate::nearest::{Nearest, Suggest, nearest};
+use crate::nearest::nearest;
 use crate::signature::{Annotated, Signature};
-
-#[derive(Debug, thiserror::Error)]
-enum AnnotationError {
-    #[error("the specification has a {what} `{name}`, which the composite does not list")]
-    Unlisted {
-        what: &'static str,
-        name: String,
-        interface: String,
-        at: Span,
-        declared: Span,
-    },
-    #[error("{what} `{name}` is annotated as `{annotated}`, but listed as `{listed}`")]
-    OtherInterface {
-        what: &'static str,
-        name: String,
-        annotated: String,
-        listed: String,
-        at: Span,
-        declared: Span,
-    },
-    #[error("the composite lists a {what} `{name}`, which the specification does not annotate")]
-    Unannotated {
-        what: &'static str,
-        name: String,
-        at: Span,
-        nearest: Option<Nearest>,
-    },
-}
-
-impl Finding for AnnotationError {
-    fn diagnostic(&self) -> Diagnostic {
-        match self {
-            Self::Unlisted {
-                what,
-                name,
-                interface,
-                at,
-                declared,
-            } => Diagnostic::error("C102", self)
-                .label(*at, "not listed here")
-                .label(*declared, "annotated here")
-                .help(format!("add `{what}s = {{ {name} = \"…/{interface}\" }}`")),
-            Self::OtherInterface {
-                annotated,
-                at,
-                declared,
-                ..
-            } => Diagnostic::error("C103", self)
-                .label(*at, "listed here")
-                .label(*declared, "annotated here")
-                .help(format!("the last part of the interface is `{annotated}`")),
-            Self::Unannotated { at, nearest, .. } => Diagnostic::error("C104", self)
-                .label(*at, "nobody uses it")
-                .help("leave it out, or annotate it in the specification")
-                .suggest(*at, nearest),
-        }
-    }
-}
 
 /// Checks a component that is a specification. One without annotations says nothing of itself.
 pub(crate) fn check(part: &Part<'_>, signature: &dyn Signature, file: Span, report: &mut Report) {
@@ -85,7 +30,7 @@ pub(crate) fn check(part: &Part<'_>, signature: &dyn Signature, file: Span, repo
             .iter()
             .any(|(_, interface)| last(interface) == annotated.interface)
         {
-            report.found(AnnotationError::Unlisted {
+            report.found(UnlistedAnnotation {
                 what: "service",
                 name: annotated.interface.to_lowercase(),
                 interface: annotated.interface.clone(),
@@ -124,7 +69,7 @@ fn last(interface: &str) -> &str {
 fn reference(annotated: &Annotated, listed: Option<&Entry<'_>>, file: Span, report: &mut Report) {
     let (name, declared) = (annotated.name.clone(), annotated.declared);
     let Some((_, interface)) = listed else {
-        return report.found(AnnotationError::Unlisted {
+        return report.found(UnlistedAnnotation {
             what: "reference",
             name,
             interface: annotated.interface.clone(),
@@ -134,7 +79,7 @@ fn reference(annotated: &Annotated, listed: Option<&Entry<'_>>, file: Span, repo
     };
     // any agent may be meant
     if annotated.interface != "Agent" && annotated.interface != last(interface) {
-        report.found(AnnotationError::OtherInterface {
+        report.found(OtherInterface {
             what: "reference",
             name,
             annotated: annotated.interface.clone(),
@@ -155,7 +100,7 @@ fn unannotated<'c>(
         let known = annotated
             .iter()
             .map(|it| (it.name.as_str(), Some(it.declared)));
-        report.found(AnnotationError::Unannotated {
+        report.found(Unannotated {
             what,
             name: name.value.clone(),
             at: name.span,

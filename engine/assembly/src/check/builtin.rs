@@ -1,17 +1,18 @@
 //! The built-ins that have a map: port-proxy and ros-bridge.
 
+use crate::codes::c004::MissingKey;
+use crate::codes::c122::PortNotListed;
+use crate::codes::c123::PortTypeDiffers;
 use asmotion_diagnostics::Report;
 
 use super::component::unknown;
 use super::face::{Face, Kind};
-use super::map_error::MapError;
 use super::proxy;
 use super::scene::Scene;
 use crate::At;
 use crate::finding::Findings;
 use crate::model::{Builtin, Component, Direction, Implementation, MapEntry, RosEntry};
 use crate::nearest::nearest;
-use crate::read::error::ReadError;
 
 pub(crate) fn check(scene: &mut Scene<'_>, report: &mut Report) {
     let mut faces: Vec<(usize, Face)> = Vec::new();
@@ -82,7 +83,7 @@ fn ros_entry(scene: &Scene<'_>, component: &Component, entry: &RosEntry, report:
         .iter()
         .find(|listed| listed.name.value == entry.from.value)
     {
-        None => report.found(MapError::NotListed {
+        None => report.found(PortNotListed {
             name: entry.from.value.clone(),
             direction,
             list: key,
@@ -90,7 +91,7 @@ fn ros_entry(scene: &Scene<'_>, component: &Component, entry: &RosEntry, report:
             at: entry.from.span,
         }),
         Some(listed) if entry.convert.is_none() && !scene.types.same(&listed.kind, &entry.kind) => {
-            report.found(MapError::Types {
+            report.found(PortTypeDiffers {
                 name: entry.from.value.clone(),
                 here: listed.kind.value.clone(),
                 there: entry.kind.value.clone(),
@@ -115,7 +116,7 @@ pub(super) fn missing(
         .implementation
         .as_ref()
         .map_or(component.name.span, Implementation::span);
-    report.found(ReadError::MissingKey {
+    report.found(MissingKey {
         key,
         of,
         at,

@@ -1,7 +1,8 @@
 //! What goes by CDR, because its topic or its broker says so, is of a type that CDR can carry.
 
-use asmotion_datum::{DatumError, Schema};
-use asmotion_diagnostics::{Diagnostic, Report, Span};
+use crate::codes::c057::Uncarried;
+use asmotion_datum::Schema;
+use asmotion_diagnostics::{Report, Span};
 
 use asmotion_component::HEALTH_TOPIC;
 
@@ -9,32 +10,8 @@ use super::face::{Kind, Way};
 use super::scene::Scene;
 use super::topic::Topics;
 use crate::At;
-use crate::finding::{Finding, Findings};
+use crate::finding::Findings;
 use crate::model::{Broker, Codec, End};
-
-#[derive(Debug, thiserror::Error)]
-#[error("{what}: {reason}")]
-struct Uncarried {
-    /// What goes over the broker: "topic `scan`".
-    what: String,
-    /// Where another codec can be said of it.
-    place: String,
-    reason: DatumError,
-    codec: Span,
-    at: Span,
-}
-
-impl Finding for Uncarried {
-    fn diagnostic(&self) -> Diagnostic {
-        let place = &self.place;
-        Diagnostic::error("C057", self)
-            .label(self.at, "its messages are of this type")
-            .label(self.codec, "CDR is wanted here")
-            .help(format!(
-                "describe the type, or send it otherwise: `codec = \"cbor\"` under `[{place}]`"
-            ))
-    }
-}
 
 /// Checks all topics.
 pub(super) fn topics(scene: &Scene<'_>, topics: &Topics, report: &mut Report) {

@@ -1,14 +1,20 @@
 //! Components: what the composite says of each, against what its implementation declares.
 
+use crate::codes::c018::DuplicatePort;
+use crate::codes::c020::UnknownName;
+use crate::codes::c023::DuplicateId;
+use crate::codes::c024::UnknownImplementation;
+use crate::codes::c025::ImplementationNotInBuild;
+use crate::codes::c028::UnknownProperty;
+use crate::codes::c035::OwnMaster;
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 use asmotion_diagnostics::{Report, Span};
 
-use super::component_error::ComponentError;
 use super::declared::declared;
 use super::face::{Face, Kind, Named, Port, Service, Way};
-use super::scene::{NameError, Part, Scene};
+use super::scene::{Part, Scene};
 use crate::At;
 use crate::finding::Findings;
 use crate::model::{Builtin, Component, Implementation, Listed, Wanted};
@@ -54,7 +60,7 @@ fn id(component: &Component, ids: &mut BTreeMap<String, Span>, report: &mut Repo
     let id = component.pace.as_ref().and_then(|pace| pace.id.as_ref());
     let id = id.unwrap_or(&component.name);
     if let Some(first) = ids.insert(id.value.clone(), id.span) {
-        report.found(ComponentError::SameId {
+        report.found(DuplicateId {
             id: id.value.clone(),
             at: id.span,
             first,
@@ -72,7 +78,7 @@ fn names(scene: &Scene<'_>, component: &Component, report: &mut Report) {
         if scene.composite.component(master).is_none() {
             scene.unknown_component(master, report);
         } else if masters(scene, &component.name.value).any(|one| one == component.name.value) {
-            report.found(ComponentError::OwnMaster {
+            report.found(OwnMaster {
                 component: component.name.value.clone(),
                 at: master.span,
             });
@@ -145,13 +151,13 @@ fn absent(scene: &Scene<'_>, name: &At<String>, report: &mut Report) {
     let known = scene.catalogue.components();
     let (what, at) = ("component", name.span);
     match nearest_name(name, known.iter().map(String::as_str)) {
-        nearest @ Some(_) => report.found(ComponentError::UnknownImplementation {
+        nearest @ Some(_) => report.found(UnknownImplementation {
             what,
             name: name.value.clone(),
             at,
             nearest,
         }),
-        None => report.found(ComponentError::NotInBuild {
+        None => report.found(ImplementationNotInBuild {
             what,
             name: name.value.clone(),
             at,
@@ -162,12 +168,12 @@ fn absent(scene: &Scene<'_>, name: &At<String>, report: &mut Report) {
 fn builtin(scene: &Scene<'_>, name: &At<String>, kind: Option<Builtin>, report: &mut Report) {
     match kind {
         Some(kind) if scene.catalogue.has(kind) => {}
-        Some(_) => report.found(ComponentError::NotInBuild {
+        Some(_) => report.found(ImplementationNotInBuild {
             what: "built-in",
             name: name.value.clone(),
             at: name.span,
         }),
-        None => report.found(ComponentError::UnknownImplementation {
+        None => report.found(UnknownImplementation {
             what: "built-in",
             name: name.value.clone(),
             at: name.span,
@@ -190,7 +196,7 @@ fn listed(component: &Component, report: &mut Report) -> Face {
         for entry in list {
             let key = (way.word(), entry.name.as_str());
             if let Some(first) = first.insert(key, entry.name.span) {
-                report.found(ComponentError::PortTwice {
+                report.found(DuplicatePort {
                     way: way.word(),
                     component: component.name.value.clone(),
                     name: entry.name.value.clone(),
@@ -267,7 +273,7 @@ fn properties(component: &Component, face: &Face, made_of: Span, report: &mut Re
             .iter()
             .any(|property| property.text == setting.name.value)
         {
-            report.found(ComponentError::UnknownProperty {
+            report.found(UnknownProperty::OfComponent {
                 component: component.name.value.clone(),
                 name: setting.name.value.clone(),
                 at: setting.name.span,
@@ -283,8 +289,8 @@ pub(crate) fn unknown(
     what: &'static str,
     name: &At<String>,
     nearest: Option<Nearest>,
-) -> NameError {
-    NameError::Unknown {
+) -> UnknownName {
+    UnknownName {
         what,
         name: name.value.clone(),
         at: name.span,

@@ -1,18 +1,28 @@
 //! Connections: from outputs to inputs of the same type, one writer for a last value, and every
 //! input driven by somebody.
 
+use crate::codes::c004::MissingKey;
+use crate::codes::c040::WrongDirection;
+use crate::codes::c041::NoComponentJoined;
+use crate::codes::c042::ConnectionMismatch;
+use crate::codes::c043::TwoWriters;
+use crate::codes::c044::QueueWithoutSize;
+use crate::codes::c045::UnconnectedInput;
+use crate::codes::c046::OpenInput;
+use crate::codes::c047::UnsyncAcrossThreads;
+use crate::codes::c048::IdleKey;
+use crate::codes::c049::DuplicateConnection;
+use crate::codes::c058::TooManyThreads;
 use std::collections::BTreeMap;
 
 use asmotion_diagnostics::{Report, Span};
 
-use super::connection_error::ConnectionError;
 use super::face::{Kind, Way};
 use super::queue;
 use super::scene::{Part, Scene};
 use super::wire::own_place;
 use crate::finding::Findings;
 use crate::model::{Connection, Delivery, End, Flow, Lock, Policy, Promoted, Terminal};
-use crate::read::error::ReadError;
 
 /// A connection that leads somewhere: a port and a topic.
 pub(crate) struct TopicLink {
@@ -79,7 +89,7 @@ fn connection(
             if let Some(first) = drivers.joined.insert(key, target.terminal.span()) {
                 let (from, to) = (source.terminal.to_string(), target.terminal.to_string());
                 let at = target.terminal.span();
-                report.found(ConnectionError::Twice {
+                report.found(DuplicateConnection {
                     from,
                     to,
                     at,
@@ -94,7 +104,7 @@ fn connection(
             && let (Some(from), Some(to)) = (beyond(source.terminal), beyond(target.terminal))
         {
             let (from_at, to_at) = (source.terminal.span(), target.terminal.span());
-            report.found(ConnectionError::Relay {
+            report.found(NoComponentJoined {
                 from,
                 from_at,
                 to,
@@ -157,7 +167,7 @@ fn terminals<'s>(
             continue;
         };
         if way != wanted {
-            report.found(ConnectionError::Direction {
+            report.found(WrongDirection {
                 end: end.to_string(),
                 is: way.word(),
                 use_: match wanted {
@@ -194,7 +204,7 @@ fn pair(
                 return;
             };
             if !scene.types.same(&from_kind.text, &to_kind.text) {
-                report.found(ConnectionError::Types {
+                report.found(ConnectionMismatch {
                     from: from.to_string(),
                     from_kind: from_kind.clone(),
                     from_at: from.span(),
@@ -270,7 +280,7 @@ fn drive(
     if let Some((first, first_flow)) = earlier
         && (flow == Flow::Data || first_flow == Flow::Data)
     {
-        report.found(ConnectionError::TwoWriters {
+        report.found(TwoWriters {
             port: to.to_string(),
             at,
             first,
@@ -294,24 +304,21 @@ fn undriven(part: &Part<'_>, drivers: &Drivers, report: &mut Report) {
             .as_ref()
             .map_or("any", |kind| &kind.text)
             .to_owned();
-        report.found(match port.listed {
-            true => {
-                let nested = super::nested(part.component).is_some();
-                ConnectionError::Undriven {
-                    component,
-                    port: port_name,
-                    kind,
-                    nested,
-                    at,
-                }
-            }
-            false => ConnectionError::Open {
+        match port.listed {
+            true => report.found(UnconnectedInput {
+                component,
+                port: port_name,
+                kind,
+                nested: super::nested(part.component).is_some(),
+                at,
+            }),
+            false => report.found(OpenInput {
                 component,
                 port: port_name,
                 kind,
                 at,
-            },
-        });
+            }),
+        }
     }
 }
 
@@ -323,7 +330,7 @@ fn threads(scene: &Scene<'_>, connection: &Connection, from: &End, to: &End, rep
         && lock.value == Lock::Unsync
         && writer != reader
     {
-        report.found(ConnectionError::Threads {
+        report.found(UnsyncAcrossThreads {
             from: from.component.value.clone(),
             to: to.component.value.clone(),
             at: lock.span,
@@ -334,7 +341,7 @@ fn threads(scene: &Scene<'_>, connection: &Connection, from: &End, to: &End, rep
     if let Some(max) = &policy.max_threads
         && max.value < threads
     {
-        report.found(ConnectionError::Crowded {
+        report.found(TooManyThreads {
             threads,
             max: max.value,
             at: max.span,
@@ -356,7 +363,7 @@ fn policy(policy: &Policy, report: &mut Report) {
     match (kind, &policy.size) {
         (Flow::Buffer | Flow::Circular, None) => {
             let at = policy.kind.as_ref().map_or(policy.span, |kind| kind.span);
-            report.found(ConnectionError::NoSize { kind, at });
+            report.found(QueueWithoutSize { kind, at });
         }
         (Flow::Data, Some(size)) => idle("size", size.span, "only a queue has a size", report),
         (Flow::Buffer | Flow::Circular, Some(_)) | (Flow::Data, None) => {}
@@ -373,7 +380,7 @@ fn policy(policy: &Policy, report: &mut Report) {
     if let (Some(delivery), None) = (delivery, &policy.poll_ms)
         && delivery.value == Delivery::Poll
     {
-        report.found(ReadError::MissingKey {
+        report.found(MissingKey {
             key: "poll_ms",
             of: "a connection that is polled",
             at: delivery.span,
@@ -383,5 +390,5 @@ fn policy(policy: &Policy, report: &mut Report) {
 }
 
 fn idle(key: &'static str, at: Span, reason: &'static str, report: &mut Report) {
-    report.found(ConnectionError::Idle { key, at, reason });
+    report.found(IdleKey { key, at, reason });
 }

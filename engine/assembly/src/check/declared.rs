@@ -1,11 +1,13 @@
 //! What the composite lists of a component, against what the component declares.
 
+use crate::codes::c026::UndeclaredMember;
+use crate::codes::c027::DeclarationDiffers;
+use crate::codes::c029::SubscriptionNeverRead;
 use asmotion_component::declaration::{
     Declaration, PortDeclaration, ReferenceDeclaration, ServiceDeclaration,
 };
 use asmotion_diagnostics::Report;
 
-use super::component_error::ComponentError;
 use super::face::{Face, Kind, Named, Port, Service, Way};
 use super::scene::Scene;
 use crate::At;
@@ -122,7 +124,7 @@ impl Compare<'_> {
         let known: Vec<String> = declared.iter().map(|port| port.name.clone()).collect();
         let resembles = nearest_name(&port.name.text, known.iter().map(String::as_str)).is_some();
         if way == Way::In && !resembles {
-            self.report.found(ComponentError::NeverRead {
+            self.report.found(SubscriptionNeverRead {
                 implementation: self.implementation.value.clone(),
                 name: port.name.text.clone(),
                 at: port.name.at.unwrap_or(self.implementation.span),
@@ -172,7 +174,7 @@ impl Compare<'_> {
     }
 
     fn not_declared(&mut self, what: &'static str, name: &Named, known: Vec<String>) {
-        self.report.found(ComponentError::NotDeclared {
+        self.report.found(UndeclaredMember {
             implementation: self.implementation.value.clone(),
             what,
             name: name.text.clone(),
@@ -183,7 +185,7 @@ impl Compare<'_> {
     }
 
     fn otherwise(&mut self, what: &'static str, name: &Named, declared: String, written: &Kind) {
-        self.report.found(ComponentError::DeclaredOtherwise {
+        self.report.found(DeclarationDiffers {
             implementation: self.implementation.value.clone(),
             what,
             name: name.text.clone(),

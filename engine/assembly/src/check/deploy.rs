@@ -1,69 +1,19 @@
 //! Deployment: every component runs in exactly one process.
 
+use crate::codes::c070::PlacedTwice;
+use crate::codes::c071::PlacedNowhere;
+use crate::codes::c072::DuplicateProcess;
+use crate::codes::c073::UnknownRecordedTopic;
+use crate::codes::c076::RecordIgnored;
 use std::collections::BTreeMap;
 
-use asmotion_diagnostics::{Diagnostic, Report, Span};
+use asmotion_diagnostics::{Report, Span};
 
 use super::scene::Scene;
 use super::topic::Topics;
-use crate::finding::{Finding, Findings};
+use crate::finding::Findings;
 use crate::model::{Deploy, Process};
-use crate::nearest::{Nearest, Suggest, nearest_name};
-
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum DeployError {
-    #[error("`{component}` is placed twice")]
-    Twice {
-        component: String,
-        at: Span,
-        first: Span,
-    },
-    #[error("`{component}` is placed in no process")]
-    Nowhere {
-        component: String,
-        at: Span,
-        deploy: Span,
-    },
-    #[error("two processes are called `{name}`")]
-    SameName { name: String, at: Span, first: Span },
-    #[error("no topic matches `{topic}`, so nothing is recorded of it")]
-    NoTopic {
-        topic: String,
-        at: Span,
-        nearest: Option<Nearest>,
-    },
-    #[error("`record` is written, and this build does nothing with it")]
-    Idle { at: Span },
-}
-
-impl Finding for DeployError {
-    fn diagnostic(&self) -> Diagnostic {
-        match self {
-            Self::Twice { at, first, .. } => Diagnostic::error("C070", self)
-                .label(*at, "again here")
-                .label(*first, "first here")
-                .help("a component runs in one process"),
-            Self::Nowhere {
-                component,
-                at,
-                deploy,
-            } => Diagnostic::error("C071", self)
-                .label(*at, "declared here")
-                .label(*deploy, format!("no process has `{component}`"))
-                .help("add it to the `components` of a process"),
-            Self::SameName { at, first, .. } => Diagnostic::error("C072", self)
-                .label(*at, "again here")
-                .label(*first, "first here")
-                .help("rename one of them, or list all components in one"),
-            Self::NoTopic { at, nearest, .. } => Diagnostic::warning("C073", self)
-                .label(*at, "no such topic")
-                .suggest(*at, nearest),
-            Self::Idle { at } => Diagnostic::warning("C076", self)
-                .label(*at, "without effect")
-                .help("`asmotion run --record FILE --ports NAME` writes down what ports and topics had"),
-        }
-    }
-}
+use crate::nearest::nearest_name;
 
 pub(crate) fn check(scene: &Scene<'_>, topics: &Topics, report: &mut Report) {
     let Some(deploy) = &scene.composite.deploy else {
@@ -74,13 +24,13 @@ pub(crate) fn check(scene: &Scene<'_>, topics: &Topics, report: &mut Report) {
     for process in &deploy.processes {
         if let Some(first) = names.insert(&process.name, process.name.span) {
             let (name, at) = (process.name.value.clone(), process.name.span);
-            report.found(DeployError::SameName { name, at, first });
+            report.found(DuplicateProcess { name, at, first });
         }
         place(scene, process, &mut places, report);
     }
     for component in &scene.composite.components {
         if !places.contains_key(component.name.value.as_str()) {
-            report.found(DeployError::Nowhere {
+            report.found(PlacedNowhere {
                 component: component.name.value.clone(),
                 at: component.name.span,
                 deploy: deploy.span,
@@ -103,7 +53,7 @@ fn place<'s>(
         }
         if let Some(first) = places.insert(name, name.span) {
             let (component, at) = (name.value.clone(), name.span);
-            report.found(DeployError::Twice {
+            report.found(PlacedTwice {
                 component,
                 at,
                 first,
@@ -114,12 +64,12 @@ fn place<'s>(
 
 fn record(deploy: &Deploy, topics: &Topics, report: &mut Report) {
     if let Some(record) = &deploy.record {
-        report.found(DeployError::Idle { at: record.span });
+        report.found(RecordIgnored { at: record.span });
     }
     let recorded = deploy.record.iter().flat_map(|record| &record.topics);
     for topic in recorded.filter(|topic| !topic.contains('*')) {
         if !topics.contains_key(&topic.value) {
-            report.found(DeployError::NoTopic {
+            report.found(UnknownRecordedTopic {
                 topic: topic.value.clone(),
                 at: topic.span,
                 nearest: nearest_name(topic, topics.keys().map(String::as_str)),

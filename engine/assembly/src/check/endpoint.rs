@@ -1,11 +1,11 @@
 //! Brokers and bridges.
 
+use crate::codes::c004::MissingKey;
 use asmotion_diagnostics::Report;
 
 use super::scene::Scene;
 use crate::finding::Findings;
 use crate::model::{Bridge, BridgeKind};
-use crate::read::error::ReadError;
 
 pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) {
     for bridge in &scene.composite.bridges {
@@ -19,7 +19,7 @@ pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) {
             BridgeKind::Ros1 | BridgeKind::Ros2 | BridgeKind::Rosbridge => None,
         };
         if let Some((key, example)) = missing {
-            report.found(ReadError::MissingKey {
+            report.found(MissingKey {
                 key,
                 of: of(bridge),
                 at: bridge.name.span,

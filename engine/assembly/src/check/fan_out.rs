@@ -1,37 +1,14 @@
 //! A wire to several services: each is told, so nobody may wait for an answer.
 
+use crate::codes::c034::AwaitsSeveral;
 use asmotion_datum::Shape;
-use asmotion_diagnostics::{Diagnostic, Report, Span};
+use asmotion_diagnostics::{Report, Span};
 
 use super::face::Service;
 use super::scene::{Part, Scene};
-use crate::finding::{Finding, Findings};
+use crate::finding::Findings;
 use crate::model::binding::{Action, Effect};
 use crate::model::{Implementation, Wire};
-
-#[derive(Debug, thiserror::Error)]
-#[error("`{reference}` has several services, and {who}")]
-struct AwaitsSeveral {
-    reference: String,
-    /// Who waits, for what.
-    who: String,
-    at: Span,
-    /// Where it says so.
-    place: Option<Span>,
-}
-
-impl Finding for AwaitsSeveral {
-    fn diagnostic(&self) -> Diagnostic {
-        let diagnostic = Diagnostic::error("C034", self).label(self.at, "only one can answer");
-        let diagnostic = match self.place {
-            Some(place) => diagnostic.label(place, "an answer is awaited here"),
-            None => diagnostic,
-        };
-        diagnostic.help(
-            "wire it to one service; or wait for no answer, and say `oneway = true`: all are told",
-        )
-    }
-}
 
 /// Checks that nobody waits for the answer of a reference with several services.
 pub(super) fn check(

@@ -1,51 +1,20 @@
 //! What is called over HTTP: services, each through one gateway.
 
+use crate::codes::c009::InvalidName;
+use crate::codes::c010::ExclusiveKeys;
+use crate::codes::c020::UnknownName;
+use crate::codes::c063::NoGateway;
+use crate::codes::c066::GatewayInTwoProcesses;
 use std::collections::BTreeMap;
 
-use asmotion_diagnostics::{Diagnostic, Report, Span};
+use asmotion_diagnostics::{Report, Span};
 
 use super::across::processes;
-use super::scene::{NameError, Scene};
+use super::scene::Scene;
 use crate::At;
-use crate::finding::{Finding, Findings};
+use crate::finding::Findings;
 use crate::model::{Promoted, Promotion, Transport};
 use crate::nearest::nearest;
-use crate::read::error::ReadError;
-
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum GatewayError {
-    #[error("`http` needs a gateway, and this composite has {}", match several { true => "several", false => "none" })]
-    NoGateway { several: bool, at: Span },
-    #[error("gateway `{gateway}` is in process `{}` and in `{}`", processes.0, processes.1)]
-    TwoProcesses {
-        gateway: String,
-        processes: (String, String),
-        at: Span,
-        first: Span,
-    },
-}
-
-impl Finding for GatewayError {
-    fn diagnostic(&self) -> Diagnostic {
-        match self {
-            Self::NoGateway { at, several } => Diagnostic::error("C063", self)
-                .label(*at, "through which gateway?")
-                .help(match several {
-                    true => "say which with `gateway = \"main\"`",
-                    false => "write `[gateways.main]` with `listen = \"127.0.0.1:8080\"`",
-                }),
-            Self::TwoProcesses {
-                at,
-                first,
-                processes,
-                ..
-            } => Diagnostic::error("C066", self)
-                .label(*at, format!("of a component in `{}`", processes.1))
-                .label(*first, format!("of a component in `{}`", processes.0))
-                .help("only one process can listen at an address: give each a gateway of its own, and say which with `gateway`"),
-        }
-    }
-}
 
 pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) {
     let mut gateways = Gateways {
@@ -107,7 +76,7 @@ impl<'s> Gateways<'s, '_> {
             .entry(gateway)
             .or_insert((process, end.component.span));
         if home != process {
-            self.report.found(GatewayError::TwoProcesses {
+            self.report.found(GatewayInTwoProcesses {
                 gateway: gateway.to_owned(),
                 processes: (home.to_owned(), process.to_owned()),
                 at: end.component.span,
@@ -123,7 +92,7 @@ impl<'s> Gateways<'s, '_> {
             if let [only] = gateways.as_slice() {
                 return Some(&only.name.value);
             }
-            self.report.found(GatewayError::NoGateway {
+            self.report.found(NoGateway {
                 several: !gateways.is_empty(),
                 at: binding,
             });
@@ -134,7 +103,7 @@ impl<'s> Gateways<'s, '_> {
             let known = gateways
                 .iter()
                 .map(|it| (it.name.value.as_str(), Some(it.name.span)));
-            self.report.found(NameError::Unknown {
+            self.report.found(UnknownName {
                 what: "gateway",
                 name: name.value.clone(),
                 at: name.span,
@@ -149,7 +118,7 @@ impl<'s> Gateways<'s, '_> {
         let plain =
             |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '_' | '-' | '.');
         if !name.chars().all(plain) {
-            self.report.found(ReadError::NotAName {
+            self.report.found(InvalidName {
                 text: name.value.clone(),
                 what: "called over HTTP",
                 rule: "it stands in `/services/NAME`: letters of ASCII, digits, `_`, `-` and `.`",
@@ -166,7 +135,7 @@ impl<'s> Gateways<'s, '_> {
         at: Span,
         reason: &'static str,
     ) {
-        self.report.found(ReadError::Excluded {
+        self.report.found(ExclusiveKeys {
             first: kind.to_owned(),
             first_at: promotion.name.span,
             second: key.to_owned(),

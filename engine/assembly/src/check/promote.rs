@@ -1,46 +1,18 @@
 //! Promotion: what is promoted exists, and no name is given twice.
 
+use crate::codes::c010::ExclusiveKeys;
+use crate::codes::c020::UnknownName;
+use crate::codes::c060::DuplicatePromotion;
 use std::collections::BTreeMap;
 
-use asmotion_diagnostics::{Diagnostic, Report, Span};
+use asmotion_diagnostics::{Report, Span};
 
 use super::face::{Face, Kind, Named, Port, Service, Topic, Way};
-use super::scene::{NameError, Scene};
+use super::scene::Scene;
 use super::topic::Topics;
-use crate::finding::{Finding, Findings};
+use crate::finding::Findings;
 use crate::model::{End, Promoted, Promotion, Transport};
 use crate::nearest::nearest;
-use crate::read::error::ReadError;
-
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum PromoteError {
-    #[error("two things are promoted as {what} `{name}`")]
-    Twice {
-        what: &'static str,
-        name: String,
-        at: Span,
-        first: Span,
-    },
-}
-
-impl Finding for PromoteError {
-    fn diagnostic(&self) -> Diagnostic {
-        match self {
-            Self::Twice {
-                what, at, first, ..
-            } => Diagnostic::error("C060", self)
-                .label(*at, "again here")
-                .label(*first, "first here")
-                .help(match *what {
-                    "service" => {
-                        "give one of them another name with `as`, or list all it goes over in one: \
-                         `binding = [\"amqp\", \"http\"]`"
-                    }
-                    _ => "give one of them another name with `as`",
-                }),
-        }
-    }
-}
 
 /// Checks all promotions, and returns what the composite shows.
 pub(crate) fn check(scene: &Scene<'_>, topics: &Topics, report: &mut Report) -> Face {
@@ -58,7 +30,7 @@ pub(crate) fn check(scene: &Scene<'_>, topics: &Topics, report: &mut Report) -> 
         let (what, name) = (promotion.what.kind(), &promotion.name);
         if let Some(first) = names.insert((what, name), name.span) {
             let (name, at) = (name.value.clone(), name.span);
-            report.found(PromoteError::Twice {
+            report.found(DuplicatePromotion {
                 what,
                 name,
                 at,
@@ -143,7 +115,7 @@ fn promotion(
                 let known = topics
                     .iter()
                     .map(|(name, roles)| (name.as_str(), roles.first().map(|role| role.at)));
-                report.found(NameError::Unknown {
+                report.found(UnknownName {
                     what: "topic",
                     name: topic.value.clone(),
                     at: topic.span,
@@ -157,7 +129,7 @@ fn promotion(
 /// Only a reference can stay open.
 fn optional(promotion: &Promotion, report: &mut Report) {
     if promotion.optional && !matches!(promotion.what, Promoted::Reference(_)) {
-        report.found(ReadError::Excluded {
+        report.found(ExclusiveKeys {
             first: promotion.what.kind().to_owned(),
             first_at: promotion.name.span,
             second: "optional".to_owned(),

@@ -1,5 +1,11 @@
 //! The port-proxy: its map from operations to ports of its target, and the events it tells.
 
+use crate::codes::c120::WrongPortDirection;
+use crate::codes::c121::PortOfOtherComponent;
+use crate::codes::c124::ShapeMismatch;
+use crate::codes::c125::InvalidCondition;
+use crate::codes::c126::NoIdleNotification;
+use crate::codes::c127::StaleWithoutPeriod;
 use asmotion_component::declaration::OperationDeclaration;
 use asmotion_datum::{Schema, Shape};
 use asmotion_diagnostics::{Report, Span};
@@ -7,7 +13,6 @@ use asmotion_diagnostics::{Report, Span};
 use super::builtin::missing;
 use super::component::unknown;
 use super::face::{Face, Kind, Named, Port, Service, Way, find, nearest_service};
-use super::map_error::MapError;
 use super::scene::Scene;
 use crate::At;
 use crate::finding::Findings;
@@ -62,7 +67,7 @@ fn mirror(
         }
     };
     if entry.port.component.value != target.value {
-        report.found(MapError::Elsewhere {
+        report.found(PortOfOtherComponent {
             port: entry.port.to_string(),
             target: target.value.clone(),
             at: entry.port.span(),
@@ -78,7 +83,7 @@ fn mirror(
         return;
     };
     if way != wanted {
-        report.found(MapError::Direction {
+        report.found(WrongPortDirection {
             mode: entry.mode.value,
             wanted: wanted.word(),
             found: way.word(),
@@ -158,7 +163,7 @@ fn shapes(
         true => (&operation.request, &message),
         false => (&operation.response, &message),
     };
-    report.found(MapError::Shapes {
+    report.found(ShapeMismatch {
         what,
         operation: entry.operation.to_string(),
         wanted: match (argument, &entry.field) {
@@ -182,7 +187,7 @@ fn motion(entry: &ProxyEntry, told: Option<&Notify>, report: &mut Report) {
     let port = &entry.port.name;
     let of = idle.and_then(|idle| idle.of.steps.first());
     if of.is_none_or(|of| of.value != port.value) {
-        report.found(MapError::NoMotion {
+        report.found(NoIdleNotification {
             port: port.value.clone(),
             at: entry.mode.span,
             idle: idle.map(|idle| idle.of.span),
@@ -206,7 +211,7 @@ fn pace(scene: &Scene<'_>, component: &Component, told: &Notify, report: &mut Re
             && connection.to.iter().any(into)
     });
     if cycles.is_none() && !polls {
-        report.found(MapError::NoPace {
+        report.found(StaleWithoutPeriod {
             component: component.name.value.clone(),
             at: stale_ms.span,
             declared: component.name.span,
@@ -243,7 +248,7 @@ fn listener(scene: &Scene<'_>, told: &Notify, reference: &Service, report: &mut 
         return;
     };
     if map::listener(&operations).is_none() {
-        report.found(MapError::Shapes {
+        report.found(ShapeMismatch {
             what: "no operation",
             operation: interface.text.clone(),
             wanted: "listener of events".to_owned(),
@@ -260,7 +265,7 @@ fn asked(scene: &Scene<'_>, told: &Condition, face: &Face, report: &mut Report) 
     let read = match told.text.parse::<asmotion_bridge::Condition>() {
         Ok(read) => read,
         Err(error) => {
-            report.found(MapError::Condition {
+            report.found(InvalidCondition {
                 reason: error.to_string(),
                 found: "not understood".to_owned(),
                 at: told.text.span,
@@ -291,7 +296,7 @@ fn condition(
     declared: Option<Span>,
     report: &mut Report,
 ) {
-    report.found(MapError::Condition {
+    report.found(InvalidCondition {
         reason,
         found: format!("it is `{schema}`"),
         at,

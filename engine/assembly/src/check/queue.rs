@@ -1,56 +1,16 @@
 //! Connections to message queues, beyond which there is an Orocos component.
 
-use asmotion_diagnostics::{Diagnostic, Report, Span};
-use asmotion_mqueue::{Layout, LayoutError};
+use crate::codes::c048::IdleKey;
+use crate::codes::c061::NoMqueueLayout;
+use crate::codes::c062::NoMqueueSize;
+use asmotion_diagnostics::Report;
+use asmotion_mqueue::Layout;
 
-use super::connection_error::ConnectionError;
 use super::face::{Kind, Way};
 use super::scene::Scene;
 use crate::At;
-use crate::finding::{Finding, Findings};
+use crate::finding::Findings;
 use crate::model::{Connection, Terminal};
-
-#[derive(Debug, thiserror::Error)]
-pub(super) enum QueueError {
-    #[error("`{kind}` cannot pass through `mqueue:{queue}`: {reason}")]
-    NoForm {
-        kind: String,
-        queue: String,
-        reason: LayoutError,
-        at: Span,
-    },
-    #[error("how large are the messages of `mqueue:{queue}`?")]
-    NoSize {
-        kind: String,
-        queue: String,
-        at: Span,
-    },
-}
-
-impl Finding for QueueError {
-    fn diagnostic(&self) -> Diagnostic {
-        match self {
-            Self::NoForm { at, .. } => Diagnostic::error("C061", self)
-                .label(*at, "Orocos writes no such type")
-                .help(
-                    "numbers, truth values, arrays, lists and records of them have one: put a \
-                     component between that leaves the rest out",
-                ),
-            Self::NoSize { kind, at, .. } => Diagnostic::error("C062", self)
-                .label(
-                    *at,
-                    format!("`{kind}` has lists, which may be of any length"),
-                )
-                .help(format!(
-                    "say how many bytes the largest has, the same as on the other side: \
-                     `policy = {{ data_size = {EXAMPLE} }}`"
-                )),
-        }
-    }
-}
-
-/// Bytes of a message, in an example.
-const EXAMPLE: usize = 256;
 
 /// Checks that a port's type has a form in a queue, and that who makes the queue, the writer, knows how large messages are.
 pub(super) fn check(
@@ -68,7 +28,7 @@ pub(super) fn check(
     let kind = kind.text.clone();
     let (queue, at) = (queue.value.clone(), queue.span);
     match Layout::of(&schema) {
-        Err(reason) => report.found(QueueError::NoForm {
+        Err(reason) => report.found(NoMqueueLayout {
             kind,
             queue,
             reason,
@@ -79,7 +39,7 @@ pub(super) fn check(
                 && layout.size().is_none()
                 && connection.policy.data_size.is_none() =>
         {
-            report.found(QueueError::NoSize { kind, queue, at });
+            report.found(NoMqueueSize { kind, queue, at });
         }
         Ok(_) => {}
     }
@@ -93,6 +53,6 @@ pub(super) fn size_elsewhere(connection: &Connection, report: &mut Report) {
     {
         let reason = "only messages of a queue `mqueue:/name` have a size";
         let (key, at) = ("data_size", size.span);
-        report.found(ConnectionError::Idle { key, at, reason });
+        report.found(IdleKey { key, at, reason });
     }
 }

@@ -1,16 +1,18 @@
 //! A composite in one profile: which components take part, and what they show.
 
-use asmotion_diagnostics::{Diagnostic, Report, Span};
+use crate::codes::c020::UnknownName;
+use crate::codes::c021::UnknownMember;
+use crate::codes::c022::MissingBroker;
+use crate::codes::c025::ImplementationNotInBuild;
+use asmotion_diagnostics::Report;
 
-use super::component_error::ComponentError;
 use super::face::{Face, Named, Port, Service, Way, find, nearest_service};
 use crate::At;
 use crate::catalogue::Catalogue;
 use crate::family::{Family, Member};
-use crate::finding::{Finding, Findings};
+use crate::finding::Findings;
 use crate::model::{Component, Composite, End, Implementation, Transport};
-use crate::nearest::{Nearest, Suggest, nearest};
-use crate::read::error::has;
+use crate::nearest::{Nearest, nearest};
 use crate::types::Types;
 
 /// A composite in one profile.
@@ -32,81 +34,6 @@ pub(crate) struct Part<'s> {
 }
 
 /// A name that leads nowhere.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum NameError {
-    #[error("there is no {what} `{name}`")]
-    Unknown {
-        what: &'static str,
-        name: String,
-        at: Span,
-        nearest: Option<Nearest>,
-    },
-    #[error("`{component}` has no {what} `{name}`")]
-    UnknownPart {
-        what: &'static str,
-        component: String,
-        name: String,
-        at: Span,
-        /// What it has by this name instead.
-        instead: Option<&'static str>,
-        nearest: Option<Nearest>,
-        known: Vec<String>,
-    },
-    #[error("`amqp` needs a broker, and {reason}")]
-    NoBroker { at: Span, reason: &'static str },
-}
-
-impl Finding for NameError {
-    fn diagnostic(&self) -> Diagnostic {
-        match self {
-            Self::Unknown {
-                what, at, nearest, ..
-            } => Diagnostic::error("C020", self)
-                .label(*at, "not known here")
-                .suggest_or(*at, nearest, way_out(what)),
-            Self::UnknownPart {
-                what,
-                at,
-                instead,
-                nearest,
-                known,
-                name,
-                ..
-            } => {
-                let diagnostic = Diagnostic::error("C021", self);
-                let known = has(what, known.iter().map(String::as_str));
-                match instead {
-                    Some(instead) => diagnostic
-                        .label(*at, format!("`{name}` is {instead}"))
-                        .help(known),
-                    None => diagnostic
-                        .label(*at, "not known")
-                        .suggest_or(*at, nearest, known),
-                }
-            }
-            Self::NoBroker { at, .. } => Diagnostic::error("C022", self)
-                .label(*at, "over which broker?")
-                .help("write `[brokers.main]` with its `url`, and `broker = \"main\"` here"),
-        }
-    }
-}
-
-/// What to do about a name that nothing has.
-fn way_out(what: &str) -> String {
-    match what {
-        "component" => "a component is written as `[components.Name]`".to_owned(),
-        "profile" => "a profile is what a component takes part in: `profile = \"sim\"`".to_owned(),
-        "topic" => "a topic is what a component subscribes or publishes".to_owned(),
-        "broker" => "a broker is written as `[brokers.name]`".to_owned(),
-        "gateway" => "a gateway is written as `[gateways.name]`".to_owned(),
-        "bridge" => "a bridge is written as `[bridges.name]`".to_owned(),
-        "input" => "an input stands under `subscribe` or `ports.in`".to_owned(),
-        "output" => "an output stands under `publish` or `ports.out`".to_owned(),
-        "reference" => "a reference stands under `references`".to_owned(),
-        "service" => "a service stands under `services`".to_owned(),
-        other => format!("name a {other} that there is"),
-    }
-}
 
 /// The file of a nested composite.
 pub(crate) fn nested(component: &Component) -> Option<&str> {
@@ -150,7 +77,7 @@ impl<'s> Scene<'s> {
     pub(crate) fn unknown_component(&self, name: &At<String>, report: &mut Report) {
         let components = self.composite.components.iter();
         let known = components.map(|it| (it.name.value.as_str(), Some(it.name.span)));
-        report.found(NameError::Unknown {
+        report.found(UnknownName {
             what: "component",
             name: name.value.clone(),
             at: name.span,
@@ -221,7 +148,7 @@ impl<'s> Scene<'s> {
             ("a service", find(&face.services, name).is_some()),
             ("a reference", find(&face.references, name).is_some()),
         ];
-        report.found(NameError::UnknownPart {
+        report.found(UnknownMember {
             what,
             component: end.component.value.clone(),
             name: name.to_owned(),
@@ -247,7 +174,7 @@ impl<'s> Scene<'s> {
         };
         match binding.value {
             Transport::Local | Transport::Amqp => {}
-            Transport::Ros | Transport::Http => report.found(ComponentError::NotInBuild {
+            Transport::Ros | Transport::Http => report.found(ImplementationNotInBuild {
                 what: "binding",
                 name: binding.value.to_string(),
                 at: binding.span,
@@ -268,7 +195,7 @@ impl<'s> Scene<'s> {
                 let known = brokers
                     .iter()
                     .map(|it| (it.name.value.as_str(), Some(it.name.span)));
-                report.found(NameError::Unknown {
+                report.found(UnknownName {
                     what: "broker",
                     name: name.value.clone(),
                     at: name.span,
@@ -285,7 +212,7 @@ impl<'s> Scene<'s> {
             1 => return,
             _ => "this composite has several",
         };
-        report.found(NameError::NoBroker {
+        report.found(MissingBroker {
             at: binding.span,
             reason,
         });

@@ -1,147 +1,28 @@
 //! Topics: one type over all publishers and subscribers, and somebody who publishes.
 
+use crate::codes::c004::MissingKey;
+use crate::codes::c048::IdleKey;
+use crate::codes::c050::TopicWithTwoTypes;
+use crate::codes::c051::{SilentTopic, Written};
+use crate::codes::c052::UnknownRename;
+use crate::codes::c053::OutputOnTwoTopics;
+use crate::codes::c055::{EngineTopic, OwnProblem};
+use crate::codes::c056::UnknownTopicSettings;
 use std::collections::BTreeMap;
 
 use asmotion_component::{BusHealth, HEALTH_TOPIC};
 use asmotion_datum::Message;
-use asmotion_diagnostics::{Diagnostic, Report, Span};
+use asmotion_diagnostics::{Report, Span};
 
 use super::codec;
 use super::component::topic;
 use super::connection::TopicLink;
-use super::connection_error::ConnectionError;
 use super::face::Kind;
 use super::scene::{Part, Scene};
 use super::wire::own_place;
-use crate::finding::{Finding, Findings};
+use crate::finding::Findings;
 use crate::model::{self, Promoted};
-use crate::nearest::{Nearest, Suggest, nearest};
-use crate::read::error::ReadError;
-
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum TopicError {
-    #[error("topic `{topic}` has two types: `{kind}` and `{other}`")]
-    TwoTypes {
-        topic: String,
-        kind: String,
-        other: String,
-        at: Span,
-        other_at: Span,
-    },
-    #[error("nobody publishes `{topic}`")]
-    Silent {
-        topic: String,
-        at: Span,
-        written: Written,
-        nearest: Option<Nearest>,
-    },
-    #[error("`{component}` neither subscribes nor publishes `{name}`, so it cannot be renamed")]
-    UnknownRename {
-        component: String,
-        name: String,
-        at: Span,
-        known: Vec<(String, Span)>,
-    },
-    #[error("topic `{HEALTH_TOPIC}` is the engine's own: it tells there how its bus is")]
-    Own { at: Span, problem: OwnProblem },
-    #[error("nothing is on topic `{topic}`")]
-    Unused {
-        topic: String,
-        at: Span,
-        nearest: Option<Nearest>,
-    },
-    #[error("output `{port}` is on two topics: `{first}` and `{second}`")]
-    TwoTopics {
-        port: String,
-        first: String,
-        first_at: Span,
-        second: String,
-        at: Span,
-    },
-}
-
-impl Finding for TopicError {
-    fn diagnostic(&self) -> Diagnostic {
-        match self {
-            Self::TwoTypes {
-                kind,
-                other,
-                at,
-                other_at,
-                ..
-            } => Diagnostic::error("C050", self)
-                .label(*at, format!("`{kind}` here"))
-                .label(*other_at, format!("`{other}` here"))
-                .help("rename one of the two, or use one type"),
-            Self::Silent {
-                topic,
-                at,
-                written,
-                nearest,
-            } => {
-                let diagnostic = Diagnostic::warning("C051", self).label(*at, "subscribed here");
-                let Some(Nearest { name, declared }) = nearest else {
-                    return diagnostic.help(format!(
-                        "if it comes from outside, write `[[promote]]` with `topic = \"{topic}\"`"
-                    ));
-                };
-                let diagnostic = match declared {
-                    Some(declared) => {
-                        diagnostic.label(*declared, format!("`{name}` is published here"))
-                    }
-                    None => diagnostic,
-                };
-                match written {
-                    Written::At(span) => {
-                        diagnostic.guess(format!("did you mean `{name}`?"), *span, name)
-                    }
-                    Written::AsPort(port) => diagnostic.help(format!(
-                        "did you mean `rename = {{ {port} = \"{name}\" }}`?"
-                    )),
-                }
-            }
-            Self::UnknownRename {
-                name, at, known, ..
-            } => {
-                let all = known.iter().map(|(name, at)| (name.as_str(), Some(*at)));
-                Diagnostic::error("C052", self)
-                    .label(*at, "no such topic")
-                    .suggest_or(
-                        *at,
-                        &nearest(name, all),
-                        "left is the name in the component, right the topic",
-                    )
-            }
-            Self::Own { at, problem } => {
-                let diagnostic = Diagnostic::error("C055", self);
-                match problem {
-                    OwnProblem::Published => diagnostic
-                        .label(*at, "published here")
-                        .help("publish on another topic: rename it"),
-                    OwnProblem::Type(kind) => diagnostic
-                        .label(*at, format!("`{kind}` here"))
-                        .help(format!("its messages are of type `{}`", BusHealth::NAME)),
-                }
-            }
-            Self::Unused { at, nearest, .. } => Diagnostic::error("C056", self)
-                .label(*at, "no such topic")
-                .suggest_or(*at, nearest, "here stands how a topic goes over a broker"),
-            Self::TwoTopics { at, first_at, .. } => Diagnostic::error("C053", self)
-                .label(*at, "the second topic")
-                .label(*first_at, "the first topic")
-                .help("an output writes one topic; whoever wants another name renames it"),
-        }
-    }
-}
-
-/// What is wrong with a use of the engine's own topic.
-#[derive(Debug)]
-pub(crate) enum OwnProblem {
-    /// Somebody else publishes it.
-    Published,
-    /// Somebody reads it as messages of this type.
-    Type(String),
-}
+use crate::nearest::nearest;
 
 /// The topics of a composite in one profile, by name.
 pub(crate) type Topics = BTreeMap<String, Vec<Role>>;
@@ -162,15 +43,6 @@ impl Role {
     pub(crate) fn component(&self) -> Option<&str> {
         self.port.as_ref().map(|(component, _)| component.as_str())
     }
-}
-
-/// How the topic's name came about.
-#[derive(Clone, Debug)]
-pub(crate) enum Written {
-    /// It stands at a place, where it can be replaced.
-    At(Span),
-    /// It is the name of the port.
-    AsPort(String),
 }
 
 /// Checks all topics, and returns them.
@@ -271,7 +143,7 @@ fn types(scene: &Scene<'_>, topic: &str, roles: &[Role], report: &mut Report) {
         return;
     };
     for (role, kind) in typed.filter(|(_, kind)| !scene.types.same(&kind.text, &first.text)) {
-        report.found(TopicError::TwoTypes {
+        report.found(TopicWithTwoTypes {
             topic: topic.to_owned(),
             kind: kind.text.clone(),
             other: first.text.clone(),
@@ -286,7 +158,7 @@ fn own(scene: &Scene<'_>, roles: &[Role], report: &mut Report) {
     for role in roles {
         if role.published {
             let problem = OwnProblem::Published;
-            report.found(TopicError::Own {
+            report.found(EngineTopic {
                 at: role.at,
                 problem,
             });
@@ -295,7 +167,7 @@ fn own(scene: &Scene<'_>, roles: &[Role], report: &mut Report) {
         if !scene.types.same(&kind.text, BusHealth::NAME) {
             let problem = OwnProblem::Type(kind.text.clone());
             let at = kind.at.unwrap_or(role.at);
-            report.found(TopicError::Own { at, problem });
+            report.found(EngineTopic { at, problem });
         }
     }
 }
@@ -311,7 +183,7 @@ fn silent(topic: &str, roles: &[Role], topics: &Topics, report: &mut Report) {
         let publisher = roles.iter().find(|role| role.published)?;
         Some((name.as_str(), Some(publisher.at)))
     });
-    report.found(TopicError::Silent {
+    report.found(SilentTopic {
         topic: topic.to_owned(),
         at: subscriber.at,
         written: subscriber.written.clone(),
@@ -336,7 +208,7 @@ fn renames(part: &Part<'_>, report: &mut Report) {
     }
     for rename in &component.rename {
         if !known.iter().any(|(name, _)| *name == rename.from.value) {
-            report.found(TopicError::UnknownRename {
+            report.found(UnknownRename {
                 component: component.name.value.clone(),
                 name: rename.from.value.clone(),
                 at: rename.from.span,
@@ -353,7 +225,7 @@ fn sending(topic: &model::Topic, topics: &Topics, report: &mut Report) {
         let known = topics
             .iter()
             .filter_map(|(name, roles)| Some((name.as_str(), Some(roles.first()?.at))));
-        report.found(TopicError::Unused {
+        report.found(UnknownTopicSettings {
             topic: name.clone(),
             at,
             nearest: nearest(name, known),
@@ -361,14 +233,14 @@ fn sending(topic: &model::Topic, topics: &Topics, report: &mut Report) {
     }
     let outage = topic.outage.as_ref();
     match (outage.map(|outage| outage.value), &topic.size) {
-        (Some(model::Outage::Queue), None) => report.found(ReadError::MissingKey {
+        (Some(model::Outage::Queue), None) => report.found(MissingKey {
             key: "size",
             of: "a queue",
             at: outage.map_or(at, |outage| outage.span),
             example: "64".to_owned(),
         }),
         (None | Some(model::Outage::Drop | model::Outage::Latest), Some(size)) => {
-            report.found(ConnectionError::Idle {
+            report.found(IdleKey {
                 key: "size",
                 at: size.span,
                 reason: "only `outage = \"queue\"` has a size",
@@ -392,7 +264,7 @@ fn two_topics(topics: &Topics, report: &mut Report) {
         };
         let (other, first_at) = *first.entry(port).or_insert((topic, role.at));
         if other != topic {
-            report.found(TopicError::TwoTopics {
+            report.found(OutputOnTwoTopics {
                 port: format!("{}.{}", port.0, port.1),
                 first: other.clone(),
                 first_at,

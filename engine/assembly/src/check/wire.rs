@@ -1,79 +1,18 @@
 //! Wires: every reference has a service of its interface, once.
 
+use crate::codes::c030::WireMismatch;
+use crate::codes::c031::DanglingReference;
+use crate::codes::c032::{ReferenceWiredTwice, WIRED_TWICE};
+use crate::codes::c033::NoTimeout;
 use std::collections::{BTreeMap, BTreeSet};
 
-use asmotion_diagnostics::{Diagnostic, Report, Span};
+use asmotion_diagnostics::{Report, Span};
 
-use super::face::{Kind, Service, nearest_service};
+use super::face::{Service, nearest_service};
 use super::fan_out;
 use super::scene::{Part, Scene};
-use crate::finding::{Finding, Findings};
+use crate::finding::Findings;
 use crate::model::{End, Promoted, Wire};
-
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum WireError {
-    #[error("`{reference}` needs `{}`, but `{service}` is `{}`", wanted.text, found.text)]
-    Mismatch {
-        reference: String,
-        wanted: Kind,
-        service: String,
-        found: Kind,
-        at: Span,
-        reference_at: Span,
-    },
-    #[error("reference `{component}.{reference}` is neither wired nor promoted")]
-    Dangling {
-        component: String,
-        reference: String,
-        interface: String,
-        at: Span,
-    },
-    #[error("reference `{reference}` is {how}")]
-    Twice {
-        reference: String,
-        how: &'static str,
-        at: Span,
-        first: Span,
-    },
-    #[error("nobody says how long a call of `{reference}` may take")]
-    NoTimeout { reference: String, at: Span },
-}
-
-impl Finding for WireError {
-    fn diagnostic(&self) -> Diagnostic {
-        match self {
-            Self::Mismatch { wanted, found, at, reference_at, .. } => {
-                let mut diagnostic = Diagnostic::error("C030", self)
-                    .label(*at, format!("provides `{}`", found.text))
-                    .label(*reference_at, format!("needs `{}`", wanted.text));
-                for place in [wanted.at, found.at].into_iter().flatten() {
-                    diagnostic = diagnostic.label(place, "declared here");
-                }
-                diagnostic.help("wire it to a service of that interface")
-            }
-            Self::Dangling { component, reference, interface, at } => {
-                Diagnostic::error("C031", self)
-                    .label(*at, format!("who provides `{interface}`?"))
-                    .help(format!(
-                        "write `[[wires]]` with `reference = \"{component}.{reference}\"`, promote \
-                         it, or say `{reference} = {{ interface = \"{interface}\", optional = true }}`"
-                    ))
-            }
-            Self::Twice { how, at, first, .. } => Diagnostic::error("C032", self)
-                .label(*at, "again here")
-                .label(*first, "first here")
-                .help(match *how {
-                    WIRED_TWICE => {
-                        "one wire may lead to several services: `service = [\"A.x\", \"B.x\"]`"
-                    }
-                    _ => "leave one of the two out",
-                }),
-            Self::NoTimeout { at, .. } => Diagnostic::warning("C033", self)
-                .label(*at, format!("{DEFAULT_TIMEOUT_MS} ms are taken"))
-                .help("add `timeout_ms = 2000`, or `oneway = true` where no reply is awaited"),
-        }
-    }
-}
 
 pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) {
     let mut joined = Joined::default();
@@ -97,8 +36,6 @@ pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) {
     }
 }
 
-const WIRED_TWICE: &str = "wired twice";
-
 /// How long a call may take where the wire does not say.
 pub const DEFAULT_TIMEOUT_MS: u64 = 1000;
 
@@ -119,7 +56,7 @@ impl Joined {
                 (false, false) => "promoted twice",
                 (true, false) | (false, true) => "wired and promoted",
             };
-            report.found(WireError::Twice {
+            report.found(ReferenceWiredTwice {
                 reference,
                 how,
                 at,
@@ -147,7 +84,7 @@ fn wire(scene: &Scene<'_>, wire: &Wire, joined: &mut Joined, report: &mut Report
             continue;
         };
         if reference.interface.text != service.interface.text {
-            report.found(WireError::Mismatch {
+            report.found(WireMismatch {
                 reference: wire.reference.to_string(),
                 wanted: reference.interface.clone(),
                 service: end.to_string(),
@@ -173,7 +110,7 @@ fn wire(scene: &Scene<'_>, wire: &Wire, joined: &mut Joined, report: &mut Report
     }
     if reference.is_some() && waits(wire) && wire.timeout_ms.is_none() {
         let (reference, at) = (wire.reference.to_string(), wire.reference.span());
-        report.found(WireError::NoTimeout { reference, at });
+        report.found(NoTimeout { reference, at });
     }
 }
 
@@ -202,7 +139,7 @@ fn dangling(part: &Part<'_>, reference: &Service, joined: &Joined, report: &mut 
     if reference.optional || joined.places.contains_key(&key) || joined.meant.contains(&key) {
         return;
     }
-    report.found(WireError::Dangling {
+    report.found(DanglingReference {
         component: key.0,
         reference: key.1,
         interface: reference.interface.text.clone(),

@@ -1,29 +1,14 @@
 //! What a composite file is laid over, and what its components load: several files become one tree, in which every
 //! key and value keeps the place it comes from.
 
-use asmotion_diagnostics::{Diagnostic, Span};
+use crate::codes::c080::CircularInclusion;
+use asmotion_diagnostics::Span;
 
 use super::Visit;
 use crate::At;
-use crate::finding::{Finding, Findings};
+use crate::finding::Findings;
 use crate::read;
 use crate::tree::{Branch, Entry, Table};
-
-#[derive(Debug, thiserror::Error)]
-enum LayerError {
-    #[error("`{path}` lies over itself")]
-    Circle { path: String, at: Span },
-}
-
-impl Finding for LayerError {
-    fn diagnostic(&self) -> Diagnostic {
-        match self {
-            Self::Circle { at, .. } => Diagnostic::error("C080", self)
-                .label(*at, "this closes the circle")
-                .help("name the file as its `base` that says what all sites have in common"),
-        }
-    }
-}
 
 impl Visit<'_, '_> {
     /// The tree of a composite file: laid over its base, if it has one, with the files that its components load.
@@ -57,7 +42,8 @@ impl Visit<'_, '_> {
         let found = self.resolve(&base)?;
         if above.contains(&found) {
             let at = base.span;
-            self.report.found(LayerError::Circle { path: found, at });
+            self.report
+                .found(CircularInclusion::Layer { path: found, at });
             return None;
         }
         let mut under = self.laid_over(&found, Some(base.span), above)?;

@@ -1,5 +1,8 @@
 //! Brokers, gateways and bridges of a plan, with their secrets.
 
+use crate::codes::c019::SecretInFile;
+use crate::codes::c064::InvalidAddress;
+use crate::codes::c065::DuplicateAddress;
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 
@@ -11,7 +14,7 @@ use super::flatten::Flattener;
 use crate::At;
 use crate::finding::Findings;
 use crate::model::{self, BridgeKind, Codec, Composite, Template, Tls};
-use crate::scope::{Notes, Scope, SettingError};
+use crate::scope::{Notes, Scope};
 use crate::value::REDACTED;
 
 /// An address with its secrets; shows itself without them.
@@ -173,8 +176,7 @@ impl Flattener<'_, '_> {
             if let Some(address) = listen.filter(|it| it.port() != 0)
                 && let Some(first) = taken.insert(address, at)
             {
-                self.notes
-                    .found(SettingError::SameAddress { address, at, first });
+                self.notes.found(DuplicateAddress { address, at, first });
             }
             self.plan.gateways.push(Gateway {
                 name: gateway.name.value.clone(),
@@ -197,7 +199,7 @@ fn listen(scope: &Scope<'_>, gateway: &model::Gateway, notes: &mut Notes) -> Opt
     let filled = scope.fill(&gateway.listen, notes)?;
     let address = filled.text.parse().ok();
     if address.is_none() {
-        notes.found(SettingError::NoAddress {
+        notes.found(InvalidAddress {
             name: gateway.name.value.clone(),
             text: filled.shown,
             at: gateway.listen.span,
@@ -220,7 +222,7 @@ fn secret(url: &At<Template>, notes: &mut Notes) {
         && password != PUBLIC_PASSWORD
         && password != REDACTED
     {
-        notes.found(SettingError::SecretInFile { at: url.span });
+        notes.found(SecretInFile { at: url.span });
     }
 }
 

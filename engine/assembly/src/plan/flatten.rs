@@ -1,63 +1,23 @@
 //! Opens nested composites, follows promotions and renames down to the components that run.
 
+use crate::codes::c013::UnknownSetting;
+use crate::codes::c082::TooManyComponents;
 use std::collections::BTreeMap;
 
-use asmotion_diagnostics::{Diagnostic, Sources, Span};
+use asmotion_diagnostics::{Sources, Span};
 
 use super::{Plan, Settings, order, part, place};
 use crate::check::{self, Faces};
 use crate::context::Context;
 use crate::family::{Family, Member};
-use crate::finding::{Finding, Findings};
+use crate::finding::Findings;
 use crate::model::{self, Composite};
-use crate::scope::{Notes, Scope, Set, SettingError, from_text};
+use crate::scope::{Notes, Scope, Set, from_text};
 use crate::types::Types;
 use crate::value::Value;
 
 /// More components are the work of a mistake, or of somebody unkind.
-const MAX_COMPONENTS: usize = 10_000;
-
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum FlattenError {
-    #[error("opened up, this composite has more than {MAX_COMPONENTS} components")]
-    TooMany { at: Span },
-    #[error("`{to}` looks every {poll_ms} ms, but `{from}` writes every {period_ms} ms")]
-    PollTooSlow {
-        from: String,
-        to: String,
-        poll_ms: u64,
-        period_ms: u64,
-        at: Span,
-    },
-}
-
-impl Finding for FlattenError {
-    fn diagnostic(&self) -> Diagnostic {
-        match self {
-            Self::TooMany { at } => Diagnostic::error("C082", self)
-                .label(*at, "given up here")
-                .help("nest fewer composites: each stands here once for every time it is included"),
-            Self::PollTooSlow {
-                poll_ms,
-                period_ms,
-                at,
-                ..
-            } => {
-                let missed = (poll_ms / period_ms).saturating_sub(1);
-                let lost = match missed {
-                    0 => "some values are seen late".to_owned(),
-                    _ => format!("{missed} of {} values are lost", missed + 1),
-                };
-                Diagnostic::warning("C054", self)
-                    .label(*at, lost)
-                    .help(format!(
-                        "look at least every {} ms, or say `delivery = \"event\"`",
-                        (period_ms / 2).max(1)
-                    ))
-            }
-        }
-    }
-}
+pub(crate) const MAX_COMPONENTS: usize = 10_000;
 
 /// What the plan is made of.
 pub(crate) struct Parts<'p> {
@@ -155,7 +115,7 @@ impl<'p> Flattener<'p, '_> {
             else {
                 let known = composite.properties.iter().map(|it| it.name.value.as_str());
                 let nearest = crate::nearest::nearest_name(name, known);
-                self.notes.found(SettingError::Unknown {
+                self.notes.found(UnknownSetting {
                     name: name.clone(),
                     at: None,
                     nearest,
@@ -223,7 +183,7 @@ impl<'p> Flattener<'p, '_> {
     fn component(&mut self, index: usize, member: &'p Member, component: &'p model::Component) {
         if self.plan.components.len() + self.instances.len() >= MAX_COMPONENTS {
             if !self.full {
-                self.notes.found(FlattenError::TooMany {
+                self.notes.found(TooManyComponents {
                     at: component.name.span,
                 });
             }

@@ -1,9 +1,10 @@
 //! Connections, wires and promotions, followed down to the components that run.
 
+use crate::codes::c054::PollTooSlow;
 use asmotion_diagnostics::Span;
 
 use super::fill::{given, number};
-use super::flatten::{FlattenError, Flattener};
+use super::flatten::Flattener;
 use super::{Connection, End, Policy, Promoted, Terminal, Wire};
 use crate::At;
 use crate::check;
@@ -59,7 +60,7 @@ impl<'p> Flattener<'p, '_> {
         let period_ms = writer.map_or(0, |component| component.pace.period_ms);
         if policy.delivery == Delivery::Poll && period_ms > 0 && poll_ms * 2 > period_ms {
             let (from, to) = (from.to_string(), to.to_string());
-            self.notes.found(FlattenError::PollTooSlow {
+            self.notes.found(PollTooSlow {
                 from,
                 to,
                 poll_ms,

@@ -4,7 +4,7 @@
 mod component;
 mod endpoint;
 mod fill;
-mod flatten;
+pub(crate) mod flatten;
 mod graph;
 mod join;
 mod joint;

@@ -1,10 +1,10 @@
 //! `bind.monitored` and `bind.out`.
 
 use super::endpoint::DAY_MS;
-use super::error::ReadError;
 use super::keys::{Keys, Reader};
 use super::{name, setting};
 use crate::At;
+use crate::codes::c010::ExclusiveKeys;
 use crate::finding::Findings;
 use crate::model::Path;
 use crate::model::binding::{Action, Argument, Bind, Call, Effect, Monitored, Out, Source};
@@ -105,7 +105,7 @@ fn excluded(
     reason: &'static str,
 ) {
     let (first, second) = (first.to_owned(), second.to_owned());
-    keys.reader.report.found(ReadError::Excluded {
+    keys.reader.report.found(ExclusiveKeys {
         first,
         first_at,
         second,

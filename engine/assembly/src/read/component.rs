@@ -1,9 +1,9 @@
 //! `[components.<name>]`.
 
+use crate::codes::c010::ExclusiveKeys;
 use asmotion_diagnostics::Span;
 
 use super::endpoint::DAY_MS;
-use super::error::ReadError;
 use super::implementation::implementation;
 use super::keys::{Keys, Reader};
 use super::{binding, name, pace, setting};
@@ -75,7 +75,7 @@ pub(crate) fn component(
 fn pace(keys: &mut Keys<'_, '_, '_>) -> Option<Pace> {
     let places = (keys.entry("task"), keys.entry("activity"));
     if let (Some((first_at, _)), Some((at, _))) = places {
-        keys.reader.report.found(ReadError::Excluded {
+        keys.reader.report.found(ExclusiveKeys {
             first: "task".to_owned(),
             first_at,
             second: "activity".to_owned(),
@@ -347,7 +347,7 @@ fn excluded(
     at: Span,
     reason: &'static str,
 ) {
-    keys.reader.report.found(ReadError::Excluded {
+    keys.reader.report.found(ExclusiveKeys {
         first: "implementation".to_owned(),
         first_at,
         second: key.to_owned(),

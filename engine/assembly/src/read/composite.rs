@@ -1,8 +1,8 @@
 //! The file as a whole.
 
+use crate::codes::c008::UnknownSchema;
 use asmotion_diagnostics::FileId;
 
-use super::error::ReadError;
 use super::keys::{Keys, Reader};
 use super::outline::Way;
 use super::{component, deploy, endpoint, promote, setting, top, topic, wiring};
@@ -72,6 +72,6 @@ pub(crate) fn schema(keys: &mut Keys<'_, '_, '_>, wanted: &'static str) {
         let (found, at) = (found.value, found.span);
         keys.reader
             .report
-            .found(ReadError::UnknownSchema { found, wanted, at });
+            .found(UnknownSchema { found, wanted, at });
     }
 }

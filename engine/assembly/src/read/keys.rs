@@ -3,11 +3,18 @@
 //! The keys that are asked for are the keys that exist: whatever is left over when [`Keys`] goes
 //! is an unknown key.
 
+use crate::codes::c003::UnknownKey;
+use crate::codes::c004::MissingKey;
+use crate::codes::c005::WrongKeyType;
+use crate::codes::c006::UnknownOption;
+use crate::codes::c007::KeyOutOfRange;
+use crate::codes::c010::ExclusiveKeys;
+use crate::codes::c011::SubstitutionNotAllowed;
+use crate::codes::c012::InvalidSubstitution;
 use std::ops::RangeInclusive;
 
 use asmotion_diagnostics::{Report, Span};
 
-use super::error::ReadError;
 use super::outline::{Asked, Fields, Way};
 use super::template;
 use crate::At;
@@ -82,7 +89,7 @@ impl<'t> Reader<'t> {
             return None;
         };
         if text.contains("${") {
-            self.report.found(ReadError::NoSubstitution {
+            self.report.found(SubstitutionNotAllowed {
                 key: key.to_owned(),
                 at: node.span,
             });
@@ -110,7 +117,7 @@ impl<'t> Reader<'t> {
         match template::parse(text, node.span, self.exact(text, node.span)) {
             Ok(template) => Some(At::new(template, node.span)),
             Err((reason, at)) => {
-                self.report.found(ReadError::BadSubstitution { reason, at });
+                self.report.found(InvalidSubstitution { reason, at });
                 None
             }
         }
@@ -134,7 +141,7 @@ impl<'t> Reader<'t> {
             return None;
         };
         if !range.contains(&number) {
-            self.report.found(ReadError::OutOfRange {
+            self.report.found(KeyOutOfRange {
                 key: key.to_owned(),
                 value: number.to_string(),
                 least: range.start().to_string(),
@@ -168,7 +175,7 @@ impl<'t> Reader<'t> {
         found: &Node,
         example: &str,
     ) {
-        self.report.found(ReadError::WrongType {
+        self.report.found(WrongKeyType {
             key: key.to_owned(),
             expected,
             found: found.value.describe(),
@@ -188,7 +195,7 @@ impl<'t> Reader<'t> {
         match T::of_word(&word.value) {
             Some(choice) => Some(At::new(choice, word.span)),
             None => {
-                self.report.found(ReadError::UnknownWord {
+                self.report.found(UnknownOption {
                     key: key.to_owned(),
                     nearest: nearest_name(&word, known.iter().copied()),
                     word: word.value,
@@ -299,7 +306,7 @@ impl<'n> Keys<'_, '_, 'n> {
             return None;
         };
         for (second, at, _) in found {
-            self.reader.report.found(ReadError::Excluded {
+            self.reader.report.found(ExclusiveKeys {
                 first: first.to_owned(),
                 first_at,
                 second: second.to_owned(),
@@ -322,7 +329,7 @@ impl<'n> Keys<'_, '_, 'n> {
         if self.table.get(key).is_none() {
             let (of, at) = (self.fields.of, self.span);
             let example = example.to_owned();
-            self.reader.report.found(ReadError::MissingKey {
+            self.reader.report.found(MissingKey {
                 key,
                 of,
                 at,
@@ -421,7 +428,7 @@ impl<'n> Keys<'_, '_, 'n> {
             }
         };
         if !range.contains(&number) {
-            self.reader.report.found(ReadError::OutOfRange {
+            self.reader.report.found(KeyOutOfRange {
                 key: key.to_owned(),
                 value: number.to_string(),
                 least: range.start().to_string(),
@@ -531,7 +538,7 @@ impl Drop for Keys<'_, '_, '_> {
         for entry in &self.table.entries {
             let key = entry.key.value.as_str();
             if !known.contains(&key) {
-                self.reader.report.found(ReadError::UnknownKey {
+                self.reader.report.found(UnknownKey {
                     key: key.to_owned(),
                     of: self.fields.of,
                     at: entry.key.span,

@@ -5,7 +5,6 @@ mod component;
 mod composite;
 mod deploy;
 mod endpoint;
-pub(crate) mod error;
 mod implementation;
 mod keys;
 pub(crate) mod name;
@@ -18,10 +17,11 @@ mod topic;
 mod types;
 mod wiring;
 
+use crate::codes::c001::InvalidToml;
+use crate::codes::c002::UnreadableComposite;
 use asmotion_diagnostics::{FileId, Report, Span};
 
 pub(crate) use self::endpoint::DAY_MS;
-use self::error::ReadError;
 use self::keys::Reader;
 use self::outline::Asked;
 use crate::finding::Findings;
@@ -70,7 +70,7 @@ pub(crate) fn tree(file: FileId, path: &str, text: &str) -> (Option<Table>, Repo
     if text.len() > MAX_BYTES {
         let reason = format!("it has {} bytes, and {MAX_BYTES} is the most", text.len());
         let path = path.to_owned();
-        report.found(ReadError::Unreadable {
+        report.found(UnreadableComposite {
             path,
             reason,
             at: None,
@@ -85,7 +85,7 @@ pub(crate) fn tree(file: FileId, path: &str, text: &str) -> (Option<Table>, Repo
             span: at,
             earlier,
         } = error;
-        report.found(ReadError::Syntax {
+        report.found(InvalidToml {
             message,
             at,
             earlier,

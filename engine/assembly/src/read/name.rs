@@ -1,8 +1,8 @@
 //! Names, ends (`Component.port`), terminals (`topic:plan`) and paths into messages.
 
-use super::error::ReadError;
 use super::keys::Reader;
 use crate::At;
+use crate::codes::c009::InvalidName;
 use crate::finding::Findings;
 use crate::model::{End, Path, Terminal};
 
@@ -41,7 +41,7 @@ fn accept(
 ) -> Option<At<String>> {
     if !good {
         let text: String = name.chars().take(60).collect();
-        reader.report.found(ReadError::NotAName {
+        reader.report.found(InvalidName {
             text,
             what,
             rule,
@@ -60,7 +60,7 @@ pub(crate) fn end(reader: &mut Reader<'_>, text: &At<String>) -> Option<End> {
     let Some((component, name)) = split else {
         let rule = "an end has two parts, as in `Component.port`";
         let text_shown = text.value.clone();
-        reader.report.found(ReadError::NotAName {
+        reader.report.found(InvalidName {
             text: text_shown,
             what: "an end",
             rule,
@@ -105,7 +105,7 @@ pub(crate) fn path(reader: &mut Reader<'_>, text: &At<String>) -> Option<Path> {
     for step in text.split('.') {
         if step.is_empty() {
             let rule = "a path has fields with dots in between, as in `pose.position.x`";
-            reader.report.found(ReadError::NotAName {
+            reader.report.found(InvalidName {
                 text: text.value.clone(),
                 what: "a path",
                 rule,

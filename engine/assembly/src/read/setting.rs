@@ -1,10 +1,10 @@
 //! Properties of the composite, and properties being set.
 
-use super::error::ReadError;
 use super::keys::Reader;
 use super::name;
 use super::outline::Way;
 use crate::At;
+use crate::codes::c006::UnknownOption;
 use crate::finding::Findings;
 use crate::model::{Property, PropertyType, Scalar, Setting};
 use crate::nearest::nearest_name;
@@ -48,7 +48,7 @@ fn kind(reader: &mut Reader<'_>, node: &Node) -> Option<At<PropertyType>> {
         return Some(At::new(PropertyType { scalar, list }, word.span));
     }
     let known = Scalar::words();
-    reader.report.found(ReadError::UnknownWord {
+    reader.report.found(UnknownOption {
         key: "type".to_owned(),
         nearest: nearest_name(scalar, known.iter().copied()),
         word: word.value,

@@ -1,9 +1,9 @@
 //! A file of message types.
 
+use crate::codes::c009::InvalidName;
 use asmotion_diagnostics::FileId;
 
 use super::composite::schema;
-use super::error::ReadError;
 use super::keys::Reader;
 use super::top;
 use crate::At;
@@ -39,7 +39,7 @@ fn definition(reader: &mut Reader<'_>, key: &At<String>, node: &Node) -> Option<
 
 fn type_text(reader: &mut Reader<'_>, written: &At<String>) -> Option<TypeText> {
     let Some((base, many)) = split(written) else {
-        reader.report.found(ReadError::NotAName {
+        reader.report.found(InvalidName {
             text: written.value.clone(),
             what: "a type",
             rule: "a type is a name, a list `name[]` or an array `name[5]`",

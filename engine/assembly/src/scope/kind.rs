@@ -1,8 +1,10 @@
 //! The types of properties and their ranges.
 
+use crate::codes::c015::InvalidSetting;
+use crate::codes::c016::SettingOutOfRange;
 use asmotion_diagnostics::Span;
 
-use super::{Notes, SettingError};
+use super::Notes;
 use crate::finding::Findings;
 use crate::model::{Property, PropertyType, Scalar};
 use crate::value::Value;
@@ -46,7 +48,7 @@ pub(super) fn accept(
     let declared = Some(property.kind.span);
     let found = value.describe();
     let Some(value) = of_type(value, property.kind.value) else {
-        notes.found(SettingError::WrongType {
+        notes.found(InvalidSetting::WrongType {
             name: name.clone(),
             wanted: describe(property.kind.value),
             found,
@@ -84,7 +86,7 @@ pub(crate) fn within(
         Some(number) if !range.contains(number) => {
             let (name, value) = (name.to_owned(), value.to_string());
             let range = range.clone();
-            notes.found(SettingError::OutOfRange {
+            notes.found(SettingOutOfRange {
                 name,
                 value,
                 range,

@@ -1,24 +1,34 @@
 //! Values of properties, and what is substituted for them: the one place that asks the environment.
 
-mod error;
 mod kind;
 
+use crate::codes::c013::UnknownSetting;
+use crate::codes::c014::UnsetVariable;
+use crate::codes::c015::InvalidSetting;
+use crate::codes::c016::SettingOutOfRange;
+use crate::codes::c017::MissingSetting;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use asmotion_diagnostics::{Report, Sources, Span};
+use asmotion_diagnostics::{Code, Finding, Report, Sources, Span};
 
-pub(crate) use self::error::SettingError;
 use self::kind::accept;
 pub(crate) use self::kind::{Range, from_text, within};
 use crate::At;
 use crate::environment::{Environment, is_secret};
-use crate::finding::{Finding, Findings};
+use crate::finding::Findings;
 use crate::model::{Amount, Piece, Property, PropertyType, Scalar, Template};
 use crate::nearest::nearest;
 use crate::read::template;
 use crate::tree::{Branch, Node};
 use crate::value::{REDACTED, Value};
+
+/// Findings about a value, which may be set from outside all files.
+const OF_VALUES: &[&Code] = &[
+    UnknownSetting::CODE,
+    InvalidSetting::CODE,
+    SettingOutOfRange::CODE,
+];
 
 /// What comes up while values are put together.
 #[derive(Default)]
@@ -40,8 +50,9 @@ impl Notes {
 
 impl Findings for Notes {
     fn found(&mut self, finding: impl Finding) {
-        self.outside |= finding.is_outside();
-        self.report.found(finding);
+        let finding = finding.diagnostic();
+        self.outside |= finding.primary.is_none() && finding.is_any(OF_VALUES);
+        self.report.push(finding);
     }
 }
 
@@ -99,7 +110,7 @@ impl<'s> Scope<'s> {
                 }
                 (None, None) => {
                     let (name, at) = (property.name.value.clone(), property.name.span);
-                    notes.found(SettingError::MustBeSet { name, at });
+                    notes.found(MissingSetting { name, at });
                     None
                 }
             };
@@ -172,7 +183,7 @@ impl<'s> Scope<'s> {
                     .iter()
                     .map(|(name, (_, at))| (name.as_str(), Some(*at)));
                 let nearest = nearest(name, known);
-                notes.found(SettingError::Unknown {
+                notes.found(UnknownSetting {
                     name: name.to_owned(),
                     at: Some(at),
                     nearest,
@@ -222,7 +233,7 @@ impl<'s> Scope<'s> {
             .filter(|value| !value.is_empty());
         let Some(value) = value.or(default.map(str::to_owned)) else {
             notes.missing(name);
-            notes.found(SettingError::NotSet {
+            notes.found(UnsetVariable::NotSet {
                 name: name.to_owned(),
                 at,
             });
@@ -236,7 +247,7 @@ impl<'s> Scope<'s> {
             Err(reason) => {
                 notes.missing(name);
                 let (name, path) = (name.to_owned(), value);
-                notes.found(SettingError::NoSecret {
+                notes.found(UnsetVariable::NoSecret {
                     name,
                     path,
                     reason,
@@ -274,7 +285,7 @@ impl<'s> Scope<'s> {
             | Value::Record(_) => None,
         };
         let Some(number) = number else {
-            notes.found(SettingError::WrongType {
+            notes.found(InvalidSetting::WrongType {
                 name: name.to_owned(),
                 wanted: "a whole number".to_owned(),
                 found: value.describe(),
@@ -285,7 +296,7 @@ impl<'s> Scope<'s> {
         };
         if !range.contains(&number) {
             let (min, max) = (Some(*range.start() as f64), Some(*range.end() as f64));
-            notes.found(SettingError::OutOfRange {
+            notes.found(SettingOutOfRange {
                 name: name.to_owned(),
                 value: number.to_string(),
                 range: Range {

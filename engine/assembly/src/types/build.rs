@@ -1,11 +1,16 @@
 //! Puts schemas together out of descriptions.
 
+use crate::codes::c110::UnknownType;
+use crate::codes::c111::RecursiveType;
+use crate::codes::c112::ConflictingTypes;
+use crate::codes::c113::TypeDiffersFromBuild;
+use crate::codes::c116::TypesTooLarge;
 use std::collections::BTreeMap;
 
 use asmotion_datum::{Field, Schema, Shape};
 use asmotion_diagnostics::{Report, Span};
 
-use super::{Definition, PRIMITIVES, TypeError, TypeText, many, primitive};
+use super::{Definition, PRIMITIVES, TypeText, many, primitive};
 use crate::At;
 use crate::catalogue::Catalogue;
 use crate::finding::Findings;
@@ -28,7 +33,7 @@ impl<'d> Builder<'d, '_, '_> {
         self.fields += definition.fields.len();
         if self.fields > MAX_FIELDS || self.open.len() > MAX_DEPTH {
             if before <= MAX_FIELDS {
-                self.report.found(TypeError::TooLarge {
+                self.report.found(TypesTooLarge {
                     at: definition.name.span,
                 });
                 self.fields = MAX_FIELDS + 1;
@@ -63,7 +68,7 @@ impl<'d> Builder<'d, '_, '_> {
 
     fn described(&mut self, name: &'d str, all: &[&'d Definition], at: Span) -> Schema {
         if self.open.contains(&name) {
-            self.report.found(TypeError::Recursive {
+            self.report.found(RecursiveType {
                 name: name.to_owned(),
                 at,
             });
@@ -85,7 +90,7 @@ impl<'d> Builder<'d, '_, '_> {
             value: name,
             span: at,
         } = text.base.clone();
-        self.report.found(TypeError::Unknown {
+        self.report.found(UnknownType {
             name: name.clone(),
             at,
             nearest,
@@ -101,7 +106,7 @@ impl<'d> Builder<'d, '_, '_> {
         let name = &first.name.value;
         for (other, second) in others {
             if let Err(difference) = schema.compare(second) {
-                self.report.found(TypeError::Twice {
+                self.report.found(ConflictingTypes {
                     name: name.clone(),
                     at: other.name.span,
                     first: first.name.span,
@@ -113,7 +118,7 @@ impl<'d> Builder<'d, '_, '_> {
             && let Err(difference) = schema.compare(&built)
         {
             let (at, difference) = (first.name.span, difference.to_string());
-            self.report.found(TypeError::Differs {
+            self.report.found(TypeDiffersFromBuild {
                 name: name.clone(),
                 at,
                 difference,
@@ -123,7 +128,7 @@ impl<'d> Builder<'d, '_, '_> {
 }
 
 /// Schemas are trees, so a few lines can describe a tree of any size.
-pub(super) const MAX_FIELDS: usize = 100_000;
+pub(crate) const MAX_FIELDS: usize = 100_000;
 
 /// Deeper messages are nobody's intention.
-pub(super) const MAX_DEPTH: usize = 32;
+pub(crate) const MAX_DEPTH: usize = 32;

@@ -1,9 +1,10 @@
 //! Message types: those of the build, and those that a composite describes in a file.
 
 mod alone;
-mod build;
-mod error;
+pub(crate) mod build;
 
+use crate::codes::c114::TypeNotInBuild;
+use crate::codes::c115::UnknownField;
 use std::collections::BTreeMap;
 
 use asmotion_component::BusHealth;
@@ -12,7 +13,6 @@ use asmotion_diagnostics::{Report, Span};
 
 pub use self::alone::open_types;
 use self::build::Builder;
-pub(crate) use self::error::TypeError;
 use crate::At;
 use crate::catalogue::Catalogue;
 use crate::finding::Findings;
@@ -143,7 +143,7 @@ impl<'c> Types<'c> {
             let messages = self.catalogue.messages();
             let known = self.described.keys().chain(&messages).map(String::as_str);
             let nearest = nearest_name(name, known);
-            report.found(TypeError::NotInBuild {
+            report.found(TypeNotInBuild {
                 name: name.to_owned(),
                 at,
                 nearest,
@@ -156,7 +156,7 @@ impl<'c> Types<'c> {
         &self,
         name: &str,
         path: &crate::model::Path,
-    ) -> Result<Option<Schema>, TypeError> {
+    ) -> Result<Option<Schema>, UnknownField> {
         self.steps(name, &path.steps)
     }
 
@@ -165,7 +165,7 @@ impl<'c> Types<'c> {
         &self,
         name: &str,
         steps: &[At<String>],
-    ) -> Result<Option<Schema>, TypeError> {
+    ) -> Result<Option<Schema>, UnknownField> {
         match self.schema(name) {
             Some(schema) => self.within(schema, steps),
             None => Ok(None),
@@ -177,7 +177,7 @@ impl<'c> Types<'c> {
         &self,
         mut schema: Schema,
         steps: &[At<String>],
-    ) -> Result<Option<Schema>, TypeError> {
+    ) -> Result<Option<Schema>, UnknownField> {
         for step in steps {
             schema = match &schema.shape {
                 Shape::Any => return Ok(None),
@@ -202,8 +202,8 @@ impl<'c> Types<'c> {
         Ok(Some(schema))
     }
 
-    fn no_field(&self, schema: &Schema, step: &At<String>, fields: &[Field]) -> TypeError {
-        TypeError::NoField {
+    fn no_field(&self, schema: &Schema, step: &At<String>, fields: &[Field]) -> UnknownField {
+        UnknownField {
             name: schema.to_string(),
             field: step.value.clone(),
             at: step.span,

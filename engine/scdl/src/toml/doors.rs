@@ -1,9 +1,10 @@
 //! Over what those outside reach what is promoted.
 
+use crate::codes::x014::MovedAddress;
+use asmotion_diagnostics::Finding;
 use toml_edit::{Table, Value, value as item};
 
 use super::{Writer, broker_name};
-use crate::finding::ScdlError;
 use crate::model::{Binding, Bound, Composite, Contract};
 use crate::{gateway, tca, value};
 
@@ -56,7 +57,7 @@ impl Writer<'_> {
             && !gateway::is_same(uri, &here)
         {
             let (of, at) = (name.to_owned(), uri.span);
-            let moved = ScdlError::Moved { of, here, at };
+            let moved = MovedAddress { of, here, at };
             self.report.push(moved.diagnostic());
         }
         let known = self.gateways.iter().position(|known| *known == listen);

@@ -1,9 +1,9 @@
 //! What an update of an out function does: calls and messages.
 
+use crate::codes::c091::WrongFunctionKind;
 use asmotion_datum::Schema;
 use asmotion_diagnostics::{Report, Span};
 
-use super::error::BindingError;
 use super::{Bound, argument, function};
 use crate::At;
 use crate::check::component::unknown;
@@ -72,7 +72,7 @@ fn call(bound: &Bound<'_>, call: &Call, report: &mut Report) {
     };
     if !matches!(told.kind, FunctionKind::Monitored | FunctionKind::Shared) {
         let at: Span = event.span;
-        report.found(BindingError::WrongKind {
+        report.found(WrongFunctionKind {
             function: told,
             reason: "a reply cannot change it",
             help: "name a monitored function",

@@ -1,15 +1,16 @@
 //! Messages and arguments that are put together.
 
+use crate::codes::c099::UnknownKept;
+use crate::codes::c100::WrongArgument;
+use crate::codes::c115::UnknownField;
 use asmotion_datum::{Schema, Shape};
 use asmotion_diagnostics::Report;
 
-use super::error::BindingError;
 use super::{Bound, action, function};
 use crate::At;
 use crate::finding::Findings;
 use crate::model::binding::{Argument, Source};
 use crate::tree::{Branch, Node};
-use crate::types::TypeError;
 
 /// Checks that a message can be put together for `what`, whose type is `wanted`.
 pub(super) fn check(
@@ -52,7 +53,7 @@ fn kept(
                     .filter_map(|call| call.keep.as_ref())
                     .map(|it| it.value.clone());
                 let known = inputs.iter().map(|port| port.name.text.clone()).chain(kept);
-                report.found(BindingError::UnknownKept {
+                report.found(UnknownKept {
                     name: name.value.clone(),
                     at: name.span,
                     known: known.collect(),
@@ -114,7 +115,7 @@ fn record(
         };
         match known.iter().find(|field| field.name == name.value.as_str()) {
             Some(field) => check(bound, name, argument, Some(&field.schema), report),
-            None => report.found(TypeError::NoField {
+            None => report.found(UnknownField {
                 name: wanted.map(Schema::to_string).unwrap_or_default(),
                 field: name.value.clone(),
                 at: name.span,
@@ -169,7 +170,7 @@ fn wrong(
     at: asmotion_diagnostics::Span,
     report: &mut Report,
 ) {
-    report.found(BindingError::WrongArgument {
+    report.found(WrongArgument {
         what: what.value.clone(),
         wanted: wanted.to_string(),
         given: given.to_owned(),

@@ -1,9 +1,15 @@
 //! Functions and the fields of messages that are their values.
 
+use crate::codes::c090::UnknownBoundFunction;
+use crate::codes::c091::WrongFunctionKind;
+use crate::codes::c092::BoundFunctionHasArguments;
+use crate::codes::c093::UnknownLiteral;
+use crate::codes::c094::WrongLiteralType;
+use crate::codes::c095::WrongFieldType;
+use crate::codes::c096::AmbiguousField;
 use asmotion_datum::{Schema, Shape};
 use asmotion_diagnostics::{Report, Span};
 
-use super::error::BindingError;
 use super::{Bound, action};
 use crate::At;
 use crate::check::component::unknown;
@@ -39,7 +45,7 @@ pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut R
             .as_ref()
             .filter(|it| it.codomain != Codomain::Boolean);
         if let Some(function) = truth {
-            report.found(BindingError::WrongField {
+            report.found(WrongFieldType {
                 function: function.clone(),
                 found: "what is true for some texts".to_owned(),
                 at: first.span,
@@ -90,7 +96,7 @@ fn read_by_asm(function: &FunctionInfo, at: Span, report: &mut Report) -> bool {
         FunctionKind::Monitored | FunctionKind::Shared
     );
     if !monitored {
-        report.found(BindingError::WrongKind {
+        report.found(WrongFunctionKind {
             function: function.clone(),
             reason: "the environment cannot write it",
             help: "declare it `monitored`, or bind another function",
@@ -104,7 +110,7 @@ fn nullary(function: &FunctionInfo, at: Span, report: &mut Report) -> bool {
     if function.domain.is_empty() {
         return true;
     }
-    report.found(BindingError::HasArguments {
+    report.found(BoundFunctionHasArguments {
         function: function.clone(),
         at,
     });
@@ -121,7 +127,7 @@ fn edge(function: Option<&FunctionInfo>, at: Span, path: Option<Span>, report: &
         let found = "an edge, which is true or false,".to_owned();
         let at = path.filter(|_| truth).unwrap_or(at);
         let function = function.clone();
-        report.found(BindingError::WrongField {
+        report.found(WrongFieldType {
             function,
             found,
             at,
@@ -168,7 +174,7 @@ pub(super) fn out(bound: &Bound<'_>, out: &Out, report: &mut Report) {
 fn written_by_asm(function: &FunctionInfo, at: Span, report: &mut Report) -> bool {
     let out = matches!(function.kind, FunctionKind::Out | FunctionKind::Shared);
     if !out {
-        report.found(BindingError::WrongKind {
+        report.found(WrongFunctionKind {
             function: function.clone(),
             reason: "the environment does not see it",
             help: "declare it `out`, or bind another function",
@@ -190,7 +196,7 @@ pub(super) fn function(
         let known = all.iter().map(|it| (it.name.as_str(), Some(it.declared)));
         let nearest = nearest(name, known);
         let (name, at) = (name.value.clone(), name.span);
-        report.found(BindingError::UnknownFunction { name, at, nearest });
+        report.found(UnknownBoundFunction { name, at, nearest });
     }
     found
 }
@@ -255,7 +261,7 @@ fn field(
                 Chosen::Whole => Some(whole),
                 Chosen::Field(_, schema) => Some(schema),
                 Chosen::None(fields) => {
-                    report.found(BindingError::WhichField {
+                    report.found(AmbiguousField {
                         function: name.value.clone(),
                         message: message.to_owned(),
                         fields,
@@ -269,7 +275,7 @@ fn field(
     if let (Some(function), Some(schema)) = (function, schema)
         && !fits(&function.codomain, &schema.shape)
     {
-        report.found(BindingError::WrongField {
+        report.found(WrongFieldType {
             function: function.clone(),
             found: format!("`{schema}`"),
             at: path.map_or(name.span, |path| path.span),
@@ -358,7 +364,7 @@ fn value(function: &FunctionInfo, node: &Node, report: &mut Report) {
     };
     if !fits {
         let found = node.value.describe().to_owned();
-        report.found(BindingError::WrongValue {
+        report.found(WrongLiteralType {
             function: function.clone(),
             found,
             at: node.span,
@@ -382,7 +388,7 @@ pub(super) fn literal(function: &FunctionInfo, literal: &At<String>, report: &mu
         Codomain::Integer if literal.parse::<i64>().is_ok() => return,
         Codomain::Integer | Codomain::Real | Codomain::Text => {
             let (found, at) = (format!("the literal `{}`", literal.value), literal.span);
-            report.found(BindingError::WrongValue {
+            report.found(WrongLiteralType {
                 function: function.clone(),
                 found,
                 at,
@@ -392,7 +398,7 @@ pub(super) fn literal(function: &FunctionInfo, literal: &At<String>, report: &mu
         Codomain::Other(_) => return,
     };
     if !literals.contains(&literal.value) {
-        report.found(BindingError::UnknownLiteral {
+        report.found(UnknownLiteral {
             literal: literal.value.clone(),
             domain,
             literals,

@@ -2,12 +2,13 @@
 
 mod action;
 mod argument;
-mod error;
 mod function;
 
+use crate::codes::c097::UnboundMonitored;
+use crate::codes::c098::UnboundOut;
+use crate::codes::c101::OtherMainRule;
 use asmotion_diagnostics::Report;
 
-use self::error::BindingError;
 use super::annotation;
 use super::scene::{Part, Scene};
 use crate::finding::Findings;
@@ -30,7 +31,7 @@ pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) {
         if let (Some(signature), Some(main)) = (signature, main) {
             let found = signature.main_rule();
             if found.as_ref().is_none_or(|(name, _)| *name != main.value) {
-                report.found(BindingError::MainRule {
+                report.found(OtherMainRule {
                     name: main.value.clone(),
                     at: main.span,
                     found,
@@ -72,12 +73,12 @@ fn unbound(
             FunctionKind::Monitored => {
                 let bound = bind.monitored.iter().any(|it| it.function.value == name);
                 if !bound && !events.contains(&name) {
-                    report.found(BindingError::UnboundMonitored { function, at: file });
+                    report.found(UnboundMonitored { function, at: file });
                 }
             }
             FunctionKind::Out => {
                 if !bind.out.iter().any(|it| it.function.value == name) {
-                    report.found(BindingError::UnboundOut { function, at: file });
+                    report.found(UnboundOut { function, at: file });
                 }
             }
             FunctionKind::Shared

@@ -1,0 +1,50 @@
+use crate::codes::with_similar;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// An unknown rule
+///
+/// No rule of this name is declared in this file or in what it imports.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   rule r_set = n := 1
+///   main rule r_Main = r_sett[]
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   rule r_set = n := 1
+///   main rule r_Main = r_set[]
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(A003, error)]
+#[error("unknown rule `{name}`")]
+pub(crate) struct UnknownRule {
+    pub name: Arc<str>,
+    pub at: Span,
+    pub similar: Option<(Arc<str>, Span)>,
+}
+
+impl Finding for UnknownRule {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { similar, .. } = self;
+        let finding = diagnostic.label(self.at, "no rule has this name");
+        with_similar(
+            finding,
+            self.at,
+            similar,
+            "rules are declared under `definitions:`",
+        )
+    }
+}

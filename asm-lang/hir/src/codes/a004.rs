@@ -1,0 +1,51 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// An unknown domain
+///
+/// No domain of this name is declared in this file or in what it imports.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled at: Robott -> Integer
+///   abstract domain Robot
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   abstract domain Robot
+///   controlled at: Robot -> Integer
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(A004, error)]
+#[error("unknown domain `{name}`")]
+pub(crate) struct UnknownDomain {
+    pub name: Arc<str>,
+    pub at: Span,
+    pub similar: Option<Arc<str>>,
+}
+
+impl Finding for UnknownDomain {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { similar, .. } = self;
+        let finding = diagnostic.label(self.at, "no domain has this name");
+        match similar {
+            Some(name) => {
+                finding.guess(format!("did you mean `{name}`?"), self.at, name.to_string())
+            }
+            None => {
+                finding.help("declare it in the signature, or import the module that declares it")
+            }
+        }
+    }
+}

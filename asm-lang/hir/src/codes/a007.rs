@@ -1,0 +1,80 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A value of another domain
+///
+/// What stands here must be of a certain domain, and is of another. Integer, Natural and Real are
+/// different domains; functions such as `itor` and `rtoi` lead from one to the other.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled x: Real
+/// definitions:
+///   main rule r_Main = x := 1
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled x: Real
+/// definitions:
+///   main rule r_Main = x := 1.0
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(A007, error)]
+#[error("{what} expects {wanted}, this is {actual}")]
+pub(crate) struct TypeMismatch {
+    pub what: String,
+    pub wanted: String,
+    pub actual: String,
+    pub at: Span,
+    /// Where the wanted type comes from, and how to say so.
+    pub because: Option<(Span, &'static str)>,
+    /// How a number that stands here is written in the wanted domain.
+    pub number: Option<String>,
+}
+
+impl Finding for TypeMismatch {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self {
+            actual,
+            wanted,
+            because,
+            number,
+            ..
+        } = self;
+        let finding = diagnostic.label(self.at, format!("this is {actual}"));
+        let finding = match because {
+            Some((because, how)) => finding.label(*because, format!("{how} {wanted}")),
+            None => finding,
+        };
+        match (number, conversion(wanted, actual)) {
+            (Some(number), _) => finding.fix(
+                format!("a number of {wanted} is written so"),
+                self.at,
+                number.clone(),
+            ),
+            (None, Some(help)) => finding.help(help),
+            (None, None) => finding.help(format!("write a term whose value is in {wanted}")),
+        }
+    }
+}
+
+/// The standard function that leads from one type to the other.
+fn conversion(wanted: &str, actual: &str) -> Option<String> {
+    let function = match (actual, wanted) {
+        ("Integer", "Real") => "itor",
+        ("Integer", "Natural") => "iton",
+        ("Natural", "Real") => "ntor",
+        ("Natural", "Integer") => "ntoi",
+        ("Real", "Integer") => "rtoi",
+        ("Real", "Natural") => "rton",
+        (_, "String") => "toString",
+        _ => return None,
+    };
+    Some(format!("convert it: `{function}(…)`"))
+}

@@ -1,0 +1,48 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// The wrong number of arguments
+///
+/// A rule or function gets one argument for each of its parameters.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   rule r_set($x in Integer) = n := $x
+///   main rule r_Main = r_set[1, 2]
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   rule r_set($x in Integer) = n := $x
+///   main rule r_Main = r_set[1]
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(A008, error)]
+#[error("`{name}` takes {wanted} argument{}, not {actual}", if *wanted == 1 { "" } else { "s" })]
+pub(crate) struct WrongArity {
+    pub name: Arc<str>,
+    pub wanted: usize,
+    pub actual: usize,
+    pub at: Span,
+    pub declared: Span,
+}
+
+impl Finding for WrongArity {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { actual, .. } = self;
+        diagnostic
+            .label(self.at, format!("{actual} given"))
+            .label(self.declared, "declared here")
+            .help("give one argument for each parameter")
+    }
+}

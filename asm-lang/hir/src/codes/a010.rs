@@ -1,0 +1,54 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// An import that is not found
+///
+/// A path is taken from the folder of the importing file; `.asm` may be left out. The standard
+/// libraries are part of asmotion, whatever path names them.
+///
+/// ```asm wrong
+/// asm example
+/// import shapes/sqare
+/// signature:
+/// definitions:
+///   main rule r_Main = skip
+/// //--- shapes/square.asm
+/// module square
+/// export *
+/// signature:
+/// definitions:
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import shapes/square
+/// signature:
+/// definitions:
+///   main rule r_Main = skip
+/// //--- shapes/square.asm
+/// module square
+/// export *
+/// signature:
+/// definitions:
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(A010, error)]
+#[error("cannot find `{path}`")]
+pub(crate) struct ImportNotFound {
+    pub path: String,
+    pub at: Span,
+}
+
+impl Finding for ImportNotFound {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { path, .. } = self;
+        diagnostic
+            .label(self.at, "no such file")
+            .note("a path is taken from the folder of the importing file; `.asm` may be left out")
+            .help(format!(
+                "check the spelling, or create `{path}.asm`",
+                path = path.trim_end_matches(".asm")
+            ))
+    }
+}

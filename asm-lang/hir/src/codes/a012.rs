@@ -1,0 +1,21 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Imports that nest too deep
+///
+/// Imports nest at most 64 files deep. A chain of that length is a mistake, or can be cut by importing
+/// the last module directly.
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(A012, error)]
+#[error("imports nest deeper than {limit} files")]
+pub(crate) struct ImportsTooDeep {
+    pub at: Span,
+    pub limit: usize,
+}
+
+impl Finding for ImportsTooDeep {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "one import too many")
+            .help("import the module you need directly")
+    }
+}

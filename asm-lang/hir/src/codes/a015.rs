@@ -1,0 +1,60 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// An import of what is not exported
+///
+/// A module gives away what its `export` clause names.
+///
+/// ```asm wrong
+/// asm example
+/// import other(limit)
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := 1
+/// //--- other.asm
+/// module other
+/// export start
+/// signature:
+///   static limit: Integer
+///   static start: Integer
+/// definitions:
+///   function limit = 9
+///   function start = 0
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import other(limit)
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := limit
+/// //--- other.asm
+/// module other
+/// export start, limit
+/// signature:
+///   static limit: Integer
+///   static start: Integer
+/// definitions:
+///   function limit = 9
+///   function start = 0
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(A015, error)]
+#[error("`{module}` exports no `{name}`")]
+pub(crate) struct NotExported {
+    pub module: Arc<str>,
+    pub name: Arc<str>,
+    pub at: Span,
+}
+
+impl Finding for NotExported {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "asked for here")
+            .help("add it to the `export` clause of the module, or drop it here")
+    }
+}

@@ -1,0 +1,49 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// A rule that updates a static or derived function
+///
+/// A static function never changes, and a derived one follows from others. What rules update is
+/// `controlled`, `shared` or `out`.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   static limit: Integer
+/// definitions:
+///   function limit = 9
+///   main rule r_Main = limit := 8
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled limit: Integer
+/// definitions:
+///   main rule r_Main = limit := 8
+/// default init s0:
+///   function limit = 9
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(A016, error)]
+#[error("`{function}` is {kind}, so no rule may update it")]
+pub(crate) struct WritesFixed {
+    pub function: Arc<str>,
+    pub kind: &'static str,
+    pub at: Span,
+    pub declared: Span,
+}
+
+impl Finding for WritesFixed {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { kind, .. } = self;
+        diagnostic
+            .label(self.at, "updated here")
+            .label(self.declared, format!("declared {kind} here"))
+            .help("declare it `controlled` to let rules write it")
+    }
+}

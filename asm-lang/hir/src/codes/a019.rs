@@ -1,0 +1,50 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Parts of different domains
+///
+/// The branches of a conditional term, and the elements of a collection, are of one domain.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := size({1, "two"})
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := size({1, 2})
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(A019, error)]
+#[error("{what} are of different domains: {first} and {second}")]
+pub(crate) struct DisagreeingDomains {
+    pub what: &'static str,
+    pub first: String,
+    pub second: String,
+    pub first_at: Span,
+    pub second_at: Span,
+}
+
+impl Finding for DisagreeingDomains {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { first, second, .. } = self;
+        diagnostic
+            .label(self.second_at, format!("this is {second}"))
+            .label(self.first_at, format!("this is {first}"))
+            .help(match (first.as_str(), second.as_str()) {
+                ("Integer", "Real") | ("Real", "Integer") => {
+                    "write the whole numbers with a point, as in `1.0`, or convert with `itor(…)`"
+                }
+                _ => "let all of them be of one domain",
+            })
+    }
+}

@@ -1,0 +1,52 @@
+use crate::codes::with_similar;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// A definition without declaration
+///
+/// What is defined under `definitions:` or in an initial state is declared in the signature.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = skip
+/// default init s0:
+///   function m = 1
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = skip
+/// default init s0:
+///   function n = 1
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(A020, error)]
+#[error("`{name}` is defined here, but not declared in the signature")]
+pub(crate) struct DefinesUndeclared {
+    pub name: Arc<str>,
+    pub at: Span,
+    pub similar: Option<(Arc<str>, Span)>,
+}
+
+impl Finding for DefinesUndeclared {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { similar, .. } = self;
+        let finding = diagnostic.label(self.at, "defined here");
+        with_similar(
+            finding,
+            self.at,
+            similar,
+            "declare it in the signature first",
+        )
+    }
+}

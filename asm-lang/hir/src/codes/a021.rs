@@ -1,0 +1,53 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// A definition of the wrong kind
+///
+/// Static and derived functions are defined under `definitions:`; the others have a first value in an
+/// initial state. Only a domain that is a subset of another one is defined by its elements.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   function n = 1
+///   main rule r_Main = skip
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = skip
+/// default init s0:
+///   function n = 1
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(A021, error)]
+#[error("`{name}` is {kind}; {why}")]
+pub(crate) struct DefinesWrongKind {
+    pub name: Arc<str>,
+    pub kind: &'static str,
+    pub why: &'static str,
+    pub help: &'static str,
+    pub at: Span,
+    /// Where, if not in a library.
+    pub declared: Option<Span>,
+}
+
+impl Finding for DefinesWrongKind {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { declared, .. } = self;
+        let finding = diagnostic.label(self.at, "defined here").help(self.help);
+        match declared {
+            Some(declared) => finding.label(*declared, "declared here"),
+            None => finding,
+        }
+    }
+}

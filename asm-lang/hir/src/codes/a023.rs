@@ -1,0 +1,39 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A main rule with parameters
+///
+/// Nobody calls the main rule, so it gets no arguments. It binds what it needs itself.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main($x in Integer) = n := $x
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = choose $x in {1 : 9} do n := $x
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(A023, error)]
+#[error("the main rule takes no arguments")]
+pub(crate) struct MainParameters {
+    pub at: Span,
+}
+
+impl Finding for MainParameters {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "declared with parameters")
+            .help("bind what it needs with `let`, `choose` or `forall` inside the rule")
+    }
+}

@@ -1,0 +1,45 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// The result of a rule that has none
+///
+/// Only a turbo rule returns something: it updates `result`. A macro stands for its body.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   rule r_one = skip
+///   main rule r_Main = n <- r_one()
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   turbo rule r_one in Integer = result := 1
+///   main rule r_Main = n <- r_one()
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(A024, error)]
+#[error("`{name}` returns nothing")]
+pub(crate) struct RuleWithoutResult {
+    pub name: Arc<str>,
+    pub at: Span,
+    pub declared: Span,
+}
+
+impl Finding for RuleWithoutResult {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "its result is wanted here")
+            .label(self.declared, "a macro, which has none")
+            .help("declare `turbo rule r_x(…) in D = …` and update `result` in it")
+    }
+}

@@ -1,0 +1,57 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// A call in the other form
+///
+/// A macro rule is called with square brackets, a turbo rule with round ones. The brackets say whether
+/// terms or values are passed.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   turbo rule r_set($x in Integer) = n := $x
+///   main rule r_Main = r_set[1]
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   turbo rule r_set($x in Integer) = n := $x
+///   main rule r_Main = r_set(1)
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(A025, error)]
+#[error("`{name}` is a {is} rule")]
+pub(crate) struct WrongCallForm {
+    pub name: Arc<str>,
+    pub is: &'static str,
+    pub want: &'static str,
+    pub at: Span,
+    pub declared: Span,
+}
+
+impl Finding for WrongCallForm {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { is, .. } = self;
+        diagnostic
+            .label(self.at, format!("called as a {}", other_form(is)))
+            .label(self.declared, "declared here")
+            .help(self.want)
+    }
+}
+
+/// What a rule was taken for that is called in the other form.
+fn other_form(is: &str) -> &'static str {
+    match is {
+        "turbo" => "macro rule",
+        _ => "turbo rule",
+    }
+}

@@ -1,0 +1,46 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// A domain that cannot be extended
+///
+/// `extend` makes new elements of abstract domains and of their subsets. Numbers and literals are all
+/// there from the beginning.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   enum domain Mode = {IDLE | BUSY}
+/// definitions:
+///   main rule r_Main = extend Mode with $x do skip
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   abstract domain Robot
+/// definitions:
+///   main rule r_Main = extend Robot with $x do skip
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(A026, error)]
+#[error("`{domain}` cannot be extended: it is {kind}")]
+pub(crate) struct CannotExtend {
+    pub domain: Arc<str>,
+    pub kind: &'static str,
+    pub at: Span,
+    pub declared: Span,
+}
+
+impl Finding for CannotExtend {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { kind, .. } = self;
+        diagnostic
+            .label(self.at, "extended here")
+            .label(self.declared, format!("{kind}, declared here"))
+            .help("only abstract domains, and subsets of them, take new elements")
+    }
+}

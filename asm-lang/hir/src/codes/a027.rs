@@ -1,0 +1,44 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// No default initial state
+///
+/// Of several initial states one is the `default`: the machine starts from it.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := n + 1
+/// init s0:
+///   function n = 0
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := n + 1
+/// default init s0:
+///   function n = 0
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(A027, error)]
+#[error("none of the initial states is {wanted}")]
+pub(crate) struct NoSuchInit {
+    pub wanted: String,
+    pub at: Span,
+    pub help: String,
+}
+
+impl Finding for NoSuchInit {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { help, .. } = self;
+        diagnostic.label(self.at, "an initial state").help(help)
+    }
+}

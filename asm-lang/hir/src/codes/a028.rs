@@ -1,0 +1,44 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A term where a rule is wanted
+///
+/// A rule changes the state: an update, a call, a block. A term only has a value.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n + 1
+/// default init s0:
+///   function n = 0
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := n + 1
+/// default init s0:
+///   function n = 0
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(A028, error)]
+#[error("this is not a rule: its value is {actual}")]
+pub(crate) struct NotARule {
+    pub actual: String,
+    pub at: Span,
+}
+
+impl Finding for NotARule {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "stands where a rule is wanted")
+            .help("an update is written `location := term`, a macro call `r_name[…]`")
+    }
+}

@@ -1,0 +1,56 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// `not` in front of a comparison
+///
+/// `not` binds tighter than a comparison: `not a = b` means `(not a) = b`.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled a: Boolean
+///   controlled b: Boolean
+/// definitions:
+///   main rule r_Main = if not a = b then a := b endif
+/// default init s0:
+///   function a = true
+///   function b = true
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled a: Boolean
+///   controlled b: Boolean
+/// definitions:
+///   main rule r_Main = if not (a = b) then a := b endif
+/// default init s0:
+///   function a = true
+///   function b = true
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(W001, warning)]
+#[error("`not` binds tighter than `{operator}`: this reads `(not …) {operator} …`")]
+pub(crate) struct NotBinds {
+    pub operator: &'static str,
+    pub at: Span,
+    pub operand: Span,
+}
+
+impl Finding for NotBinds {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { operator, .. } = self;
+        diagnostic
+            .label(
+                self.at,
+                format!("applies to the left of `{operator}` alone"),
+            )
+            .label(self.operand, "not to all of this")
+            .help(format!(
+                "write `not (… {operator} …)` to negate the comparison"
+            ))
+    }
+}

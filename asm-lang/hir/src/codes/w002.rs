@@ -1,0 +1,54 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// A file with another name than its specification
+///
+/// AsmetaS wants `asm counter` to stand in `counter.asm`. Here both are read; `asmotion check --fix`
+/// names the specification after its file.
+///
+/// ```asm wrong
+/// asm counter
+/// import StandardLibrary
+/// signature:
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(W002, warning)]
+#[error("the file is called `{stem}`, the specification `{name}`")]
+pub(crate) struct FileNameDiffers {
+    pub name: Arc<str>,
+    pub stem: String,
+    pub at: Span,
+}
+
+impl Finding for FileNameDiffers {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { name, stem, .. } = self;
+        let found = diagnostic.label(self.at, "this name").help(format!(
+            "or call the file `{name}.asm`: the reference tools insist on it"
+        ));
+        match is_word(stem) {
+            true => found.fix("name it after the file", self.at, stem.clone()),
+            false => found,
+        }
+    }
+}
+
+/// Whether the file's name can be a name of the language.
+fn is_word(stem: &str) -> bool {
+    let mut letters = stem.chars();
+    let first = letters.next();
+    first.is_some_and(|first| first.is_ascii_alphabetic() || first == '_')
+        && letters.all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
+}

@@ -1,0 +1,52 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// An import that brings nothing
+///
+/// A module without `export` keeps all its names to itself.
+///
+/// ```asm wrong
+/// asm example
+/// import other
+/// signature:
+/// definitions:
+///   main rule r_Main = skip
+/// //--- other.asm
+/// module other
+/// signature:
+///   static limit: Integer
+/// definitions:
+///   function limit = 9
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import other
+/// signature:
+/// definitions:
+///   main rule r_Main = skip
+/// //--- other.asm
+/// module other
+/// export *
+/// signature:
+///   static limit: Integer
+/// definitions:
+///   function limit = 9
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(W003, warning)]
+#[error("`{module}` exports nothing, so this import brings no name")]
+pub(crate) struct ImportsNothing {
+    pub module: Arc<str>,
+    pub at: Span,
+}
+
+impl Finding for ImportsNothing {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "imported here")
+            .help("add `export *` to the module")
+    }
+}

@@ -1,0 +1,48 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// A domain without elements
+///
+/// A subset of Integer, or of an enumeration, has the elements that its definition gives; without one
+/// no value is in it, and every update with it fails.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   domain Speed subsetof Integer
+///   controlled speed: Speed
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   domain Speed subsetof Integer
+///   controlled speed: Speed
+/// definitions:
+///   domain Speed = {0 : 9}
+///   main rule r_Main = speed := 3
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(W004, warning)]
+#[error("`{domain}` has no elements: it is not defined")]
+pub(crate) struct EmptyDomain {
+    pub domain: Arc<str>,
+    pub at: Span,
+}
+
+impl Finding for EmptyDomain {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { domain, .. } = self;
+        diagnostic
+            .label(self.at, "declared here, defined nowhere")
+            .help(format!(
+                "add `domain {domain} = {{…}}` under `definitions:`"
+            ))
+    }
+}

@@ -1,0 +1,42 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// An `asm` without main rule
+///
+/// An `asm` is run, and each step runs its main rule. What others import is a `module`.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   rule r_set = n := 1
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   rule r_set = n := 1
+///   main rule r_Main = r_set[]
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(W005, warning)]
+#[error("`{name}` has no main rule")]
+pub(crate) struct NoMainRule {
+    pub name: Arc<str>,
+    pub at: Span,
+}
+
+impl Finding for NoMainRule {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "this `asm` cannot run")
+            .help("add `main rule r_Main = …`, or make it a `module`")
+    }
+}

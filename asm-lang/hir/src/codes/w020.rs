@@ -1,0 +1,50 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// A variable that is assigned
+///
+/// The rules that follow in a `seq` see the new value; after the rule it is forgotten. A controlled
+/// function keeps it.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = let ($x = 1) in seq $x := 2 n := $x endseq endlet
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = seq n := 1 n := 2 endseq
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(W020, warning)]
+#[error("`{name}` is assigned: it becomes a location of the rule that binds it")]
+pub(crate) struct WritesVariable {
+    pub name: Arc<str>,
+    pub at: Span,
+    pub bound: Span,
+}
+
+impl Finding for WritesVariable {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(
+                self.at,
+                "assigned here, for the rules that follow in a `seq`",
+            )
+            .label(
+                self.bound,
+                "bound here to its first value, and forgotten after the rule",
+            )
+            .help("update a controlled function if the value is to last")
+    }
+}

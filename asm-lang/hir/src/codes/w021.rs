@@ -1,0 +1,44 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// A variable that is read where it is not bound
+///
+/// AsmetaS accepts a variable that was bound somewhere else in the rule. A run that reads it there has
+/// no value for it and fails with R017.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = par choose $x in {1 : 3} do n := $x if $x = 1 then skip endif endpar
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = choose $x in {1 : 3} do par n := $x if $x = 1 then skip endif endpar
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(W021, warning)]
+#[error("`{name}` is not bound here")]
+pub(crate) struct OutOfScope {
+    pub name: Arc<str>,
+    pub at: Span,
+    pub bound: Span,
+}
+
+impl Finding for OutOfScope {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+                .label(self.at, "a run that comes here fails")
+                .label(self.bound, "bound here, for the rule or term that follows it and no further")
+                .help("move what needs it into that rule, or bind it again with `let`, `forall` or `choose`")
+    }
+}

@@ -1,0 +1,45 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// A turbo rule whose result is not declared
+///
+/// A turbo rule that returns something says of which domain, so that what it returns is checked.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   turbo rule r_one = result := 1
+///   main rule r_Main = n <- r_one()
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   turbo rule r_one in Integer = result := 1
+///   main rule r_Main = n <- r_one()
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(W022, warning)]
+#[error("`{name}` does not say what it returns")]
+pub(crate) struct ResultUndeclared {
+    pub name: Arc<str>,
+    pub at: Span,
+    pub declared: Span,
+}
+
+impl Finding for ResultUndeclared {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "its result is wanted here")
+            .label(self.declared, "declared without `in Domain`")
+            .help("declare `turbo rule r_x(…) in D = …`, so that the result is checked")
+    }
+}

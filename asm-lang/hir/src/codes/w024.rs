@@ -1,0 +1,44 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// A definition that says nothing
+///
+/// A constant that is defined as itself is already there: an element of its domain.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   abstract domain Robot
+///   static rob1: Robot
+/// definitions:
+///   function rob1 = rob1
+///   main rule r_Main = skip
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   abstract domain Robot
+///   static rob1: Robot
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(W024, warning)]
+#[error("`{name}` is defined as itself: it is an element of its domain")]
+pub(crate) struct DefinesItself {
+    pub name: Arc<str>,
+    pub at: Span,
+}
+
+impl Finding for DefinesItself {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "this says nothing")
+            .help("drop the definition")
+    }
+}

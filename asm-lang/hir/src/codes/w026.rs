@@ -1,0 +1,42 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// `local` in a signature
+///
+/// A local function belongs to the body of a turbo rule. In a signature it is taken for a controlled
+/// function; AsmetaS refuses it.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   local n: Integer
+/// definitions:
+///   main rule r_Main = n := 1
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := 1
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(W026, warning)]
+#[error("`{name}` is local, but no rule declares it")]
+pub(crate) struct LocalInSignature {
+    pub name: Arc<str>,
+    pub at: Span,
+}
+
+impl Finding for LocalInSignature {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+                .label(self.at, "taken for a controlled function")
+                .help("declare it `controlled`, or in front of the body of a turbo rule, as in `local f: Integer [f := 0]`")
+    }
+}

@@ -1,0 +1,44 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// `extend` of a domain that is not dynamic
+///
+/// `extend` makes new elements, so the domain changes from step to step, and AsmetaS wants `dynamic` in
+/// front of its declaration.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   abstract domain Robot
+/// definitions:
+///   main rule r_Main = extend Robot with $x do skip
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   dynamic abstract domain Robot
+/// definitions:
+///   main rule r_Main = extend Robot with $x do skip
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(W027, warning)]
+#[error("`{domain}` is extended, but not declared dynamic")]
+pub(crate) struct ExtendsStatic {
+    pub domain: Arc<str>,
+    pub at: Span,
+    pub declared: Span,
+}
+
+impl Finding for ExtendsStatic {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "extended here")
+            .label(self.declared, "declared here")
+            .help("write `dynamic` in front of the declaration: the reference tools insist on it")
+    }
+}

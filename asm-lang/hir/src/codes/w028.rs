@@ -1,0 +1,53 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// An argument of a larger domain
+///
+/// The function is declared for a smaller domain than its argument ranges over, so some values may not
+/// belong to it.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   abstract domain Animal
+///   domain Dog subsetof Animal
+///   static cow: Animal
+///   controlled barks: Dog -> Boolean
+/// definitions:
+///   main rule r_Main = forall $a in Animal do barks($a) := true
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   abstract domain Animal
+///   domain Dog subsetof Animal
+///   static cow: Animal
+///   controlled barks: Dog -> Boolean
+/// definitions:
+///   main rule r_Main = forall $a in Dog do barks($a) := true
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(W028, warning)]
+#[error("`{name}` is declared for {wanted}, this is any {actual}")]
+pub(crate) struct ArgumentTooWide {
+    pub name: Arc<str>,
+    pub wanted: String,
+    pub actual: String,
+    pub at: Span,
+    pub declared: Span,
+}
+
+impl Finding for ArgumentTooWide {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { wanted, .. } = self;
+        diagnostic
+            .label(self.at, format!("may be no element of {wanted}"))
+            .label(self.declared, "declared here")
+            .help("range over the smaller domain, or declare the function for the larger one")
+    }
+}

@@ -1,0 +1,66 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// A macro that calls itself with a term that grows
+///
+/// A macro's parameters stand for the terms it is called with. Where a macro passes itself a larger
+/// term each time, its text has no end. A turbo rule is given values instead.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   rule r_more($x in Integer) =
+///     seq
+///       n := 0
+///       if $x < 9 then r_more[$x + n] endif
+///       n := $x
+///     endseq
+///   main rule r_Main = r_more[n]
+/// default init s0:
+///   function n = 0
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   turbo rule r_more($x in Integer) =
+///     seq
+///       n := 0
+///       if $x < 9 then r_more($x + 1) endif
+///       n := $x
+///     endseq
+///   main rule r_Main = r_more(n)
+/// default init s0:
+///   function n = 0
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(A031, error)]
+pub(crate) enum MacroGrows {
+    #[error("`{rule}` calls itself with an argument that grows with every call")]
+    Argument { rule: Arc<str>, declared: Span },
+    #[error("a term passed by name becomes too large")]
+    Term { at: Span },
+}
+
+impl Finding for MacroGrows {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let diagnostic = match self {
+            Self::Argument { declared, .. } => diagnostic.label(
+                *declared,
+                "this macro takes a term by name that grows with each call",
+            ),
+            Self::Term { at } => diagnostic.label(*at, "passed on by one macro after the other"),
+        };
+        diagnostic.help(
+            "make the macro a `turbo rule`, which takes values, or bind the value with `let` before the call",
+        )
+    }
+}

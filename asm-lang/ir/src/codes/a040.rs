@@ -1,0 +1,59 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// A partner without such an operation
+///
+/// A message goes to an agent whose domain is declared with its operations: the out functions beside it.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// import CommonBehavior
+/// signature:
+///   domain Planner subsetof Agent
+///   static planner: Planner
+///   out plan: Prod(Agent, Integer) -> Integer
+/// definitions:
+///   main rule r_Main = r_wsend[planner, "pln", 3]
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// import CommonBehavior
+/// signature:
+///   domain Planner subsetof Agent
+///   static planner: Planner
+///   out plan: Prod(Agent, Integer) -> Integer
+/// definitions:
+///   main rule r_Main = r_wsend[planner, "plan", 3]
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(A040, error)]
+#[error("`{domain}` has no operation `{name}`")]
+pub(crate) struct UnknownOperation {
+    pub domain: Arc<str>,
+    pub name: String,
+    pub at: Span,
+    pub declared: Span,
+    /// The operations of the domain.
+    pub known: Vec<Arc<str>>,
+}
+
+impl Finding for UnknownOperation {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let diagnostic = diagnostic
+            .label(self.at, "not declared there")
+            .label(self.declared, "its operations are the out functions here");
+        match asmotion_diagnostics::similar(&self.name, &self.known) {
+            Some(known) => diagnostic.help(format!("did you mean `{known}`?")),
+            None => {
+                let known: Vec<String> =
+                    self.known.iter().map(|name| format!("`{name}`")).collect();
+                diagnostic.help(format!("it has {}", known.join(", ")))
+            }
+        }
+    }
+}

@@ -1,0 +1,50 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// What is said does not fit the operation
+///
+/// The data of a message is of the domain that the operation takes, and its reply of the codomain.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// import CommonBehavior
+/// signature:
+///   domain Planner subsetof Agent
+///   static planner: Planner
+///   out plan: Prod(Agent, Integer) -> Integer
+/// definitions:
+///   main rule r_Main = r_wsend[planner, "plan", "kitchen"]
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// import CommonBehavior
+/// signature:
+///   domain Planner subsetof Agent
+///   static planner: Planner
+///   out plan: Prod(Agent, Integer) -> Integer
+/// definitions:
+///   main rule r_Main = r_wsend[planner, "plan", 3]
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(A041, error)]
+#[error("{expectation}, and this is {actual}")]
+pub(crate) struct MessageMismatch {
+    /// Which domain is expected where.
+    pub expectation: String,
+    pub actual: String,
+    pub at: Span,
+    pub declared: Span,
+}
+
+impl Finding for MessageMismatch {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, format!("this is {}", self.actual))
+            .label(self.declared, "the operation is declared here")
+            .help("give it what the operation takes, or change the declaration where all partners agree")
+    }
+}

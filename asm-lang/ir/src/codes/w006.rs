@@ -1,0 +1,57 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// A static function whose value may change
+///
+/// A static function has the same value in every state. This one reads something that changes, so it is
+/// derived. AsmetaS refuses it.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled speed: Integer
+///   static fast: Boolean
+/// definitions:
+///   function fast = speed > 5
+///   main rule r_Main = if fast then speed := 0 endif
+/// default init s0:
+///   function speed = 9
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled speed: Integer
+///   derived fast: Boolean
+/// definitions:
+///   function fast = speed > 5
+///   main rule r_Main = if fast then speed := 0 endif
+/// default init s0:
+///   function speed = 9
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(W006, warning)]
+#[error("`{name}` is static, but its value may change")]
+pub(crate) struct StaticChanges {
+    pub name: Arc<str>,
+    pub declared: Span,
+    /// The word `static` of the declaration.
+    pub keyword: Span,
+    /// The part that depends on the state, if a single one does.
+    pub at: Option<Span>,
+}
+
+impl Finding for StaticChanges {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let diagnostic = diagnostic.label(self.declared, "declared static here");
+        let diagnostic = match self.at {
+            Some(at) => diagnostic.label(at, "this may change from step to step"),
+            None => diagnostic,
+        };
+        diagnostic.fix("declare it `derived`", self.keyword, "derived")
+    }
+}

@@ -1,0 +1,51 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// A derived function whose value never changes
+///
+/// A derived function follows from what changes. This one reads nothing of the state, so it is static.
+/// AsmetaS refuses it.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled speed: Integer
+///   derived twice: Integer -> Integer
+/// definitions:
+///   function twice($x in Integer) = $x + $x
+///   main rule r_Main = speed := twice(3)
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled speed: Integer
+///   static twice: Integer -> Integer
+/// definitions:
+///   function twice($x in Integer) = $x + $x
+///   main rule r_Main = speed := twice(3)
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(W007, warning)]
+#[error("`{name}` is derived, but its value never changes")]
+pub(crate) struct DerivedNeverChanges {
+    pub name: Arc<str>,
+    pub declared: Span,
+    /// The word `derived` of the declaration.
+    pub keyword: Span,
+    /// The definition.
+    pub body: Span,
+}
+
+impl Finding for DerivedNeverChanges {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.declared, "declared derived here")
+            .label(self.body, "nothing here depends on the state")
+            .fix("declare it `static`", self.keyword, "static")
+    }
+}

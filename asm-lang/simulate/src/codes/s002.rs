@@ -1,0 +1,43 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A table that a script does not have
+///
+/// Inputs stand under `[default]`, for all steps, or under one `[[step]]` for each step.
+///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   enum domain Mode = {IDLE | BUSY}
+///   monitored mode: Mode
+///   monitored speed: Integer
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = if mode = BUSY then n := speed endif
+/// ```
+///
+/// ```toml wrong
+/// [defaults]
+/// speed = 3
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// [default]
+/// speed = 3
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(S002, error)]
+#[error("this is neither `[default]` nor a `[[step]]`")]
+pub(crate) struct UnknownSection {
+    pub at: Span,
+}
+
+impl Finding for UnknownSection {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "unknown here")
+            .help("write inputs under `[default]`, or under one `[[step]]` for each step")
+    }
+}

@@ -1,0 +1,51 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// A name that is no input
+///
+/// Only monitored and shared functions of the specification take values from outside.
+///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   enum domain Mode = {IDLE | BUSY}
+///   monitored mode: Mode
+///   monitored speed: Integer
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = if mode = BUSY then n := speed endif
+/// ```
+///
+/// ```toml wrong
+/// [default]
+/// sped = 3
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// [default]
+/// speed = 3
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(S003, error)]
+#[error("`{name}` is no input of this specification")]
+pub(crate) struct UnknownInput {
+    pub name: String,
+    pub at: Span,
+    pub similar: Option<Arc<str>>,
+}
+
+impl Finding for UnknownInput {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let diagnostic = diagnostic.label(
+            self.at,
+            "not a monitored or shared function with so many arguments",
+        );
+        match &self.similar {
+            Some(known) => diagnostic.help(format!("did you mean `{known}`?")),
+            None => diagnostic.help("only monitored and shared functions take values from outside"),
+        }
+    }
+}

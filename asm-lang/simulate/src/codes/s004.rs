@@ -1,0 +1,61 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// A value of another domain
+///
+/// Booleans and numbers stand for themselves, literals and texts in quotes, sequences, sets and tuples
+/// as arrays.
+///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   enum domain Mode = {IDLE | BUSY}
+///   monitored mode: Mode
+///   monitored speed: Integer
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = if mode = BUSY then n := speed endif
+/// ```
+///
+/// ```toml wrong
+/// [default]
+/// mode = "IDEL"
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// [default]
+/// mode = "IDLE"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(S004, error)]
+#[error("{what} is not {wanted}")]
+pub(crate) struct WrongInputValue {
+    pub what: String,
+    pub wanted: String,
+    pub at: Span,
+    pub similar: Option<Arc<str>>,
+    /// The elements of the domain, if they have names.
+    pub elements: Vec<Arc<str>>,
+}
+
+/// How values are written in a script.
+const FORMS: &str = "booleans and numbers stand for themselves, literals and texts in quotes, sequences, sets and tuples as arrays";
+
+impl Finding for WrongInputValue {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let help = match (&self.similar, self.elements.as_slice()) {
+            (Some(name), _) => format!("did you mean `{name}`?"),
+            (None, []) => FORMS.to_owned(),
+            (None, names) => {
+                let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+                format!("its elements are {}", names.join(", "))
+            }
+        };
+        diagnostic
+            .label(self.at, format!("expected {}", self.wanted))
+            .help(help)
+    }
+}

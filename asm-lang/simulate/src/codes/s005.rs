@@ -1,0 +1,44 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// What no partner answers
+///
+/// A partner answers an operation with a reply that fits it, or with a fault, some steps later.
+///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// import CommonBehavior
+/// signature:
+///   domain Planner subsetof Agent
+///   static planner: Planner
+///   out plan: Prod(Agent, Integer) -> Integer
+///   controlled length: Integer
+/// definitions:
+///   main rule r_Main = r_wcall[planner, "plan", 7, 2000, length]
+/// ```
+///
+/// ```toml wrong
+/// [partner.planner]
+/// plan = { reply = "soon" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// [partner.planner]
+/// plan = { reply = 3, after = 2 }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(S005, error)]
+#[error("this is not what a partner answers")]
+pub(crate) struct NotAnAnswer {
+    pub at: Span,
+}
+
+impl Finding for NotAnAnswer {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "expected a reply that fits the operation, or a fault")
+            .help("write `{ reply = …, after = 2 }` or `{ fault = \"CALL_TIMEOUT\" }`, also `CALL_UNAVAILABLE`, `CALL_FAILED`, `CALL_CANCELLED`; `after` counts steps from 1")
+    }
+}

@@ -1,0 +1,49 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// A partner that is no agent
+///
+/// A script plays the agents that the specification declares.
+///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// import CommonBehavior
+/// signature:
+///   domain Planner subsetof Agent
+///   static planner: Planner
+///   out plan: Prod(Agent, Integer) -> Integer
+///   controlled length: Integer
+/// definitions:
+///   main rule r_Main = r_wcall[planner, "plan", 7, 2000, length]
+/// ```
+///
+/// ```toml wrong
+/// [partner.planer]
+/// plan = { reply = 3 }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// [partner.planner]
+/// plan = { reply = 3 }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(S006, error)]
+#[error("the specification has no agent `{name}`")]
+pub(crate) struct UnknownPartner {
+    pub name: String,
+    pub at: Span,
+    pub similar: Option<Arc<str>>,
+}
+
+impl Finding for UnknownPartner {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let diagnostic = diagnostic.label(self.at, "no element of this name");
+        match &self.similar {
+            Some(known) => diagnostic.help(format!("did you mean `{known}`?")),
+            None => diagnostic.help("declare it, as in `static planner: Planner`"),
+        }
+    }
+}

@@ -1,0 +1,60 @@
+use crate::codes::meant;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// An unknown block
+///
+/// `execblock` runs a block that `begin … end` declares in this scenario, or in another one: `execblock
+/// other:block`.
+///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   monitored wish: Integer
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = choose $x in {1 : 3} with $x != wish do n := $x
+/// ```
+///
+/// ```avalla wrong
+/// scenario example
+/// load example.asm
+///
+/// execblock first;
+/// ```
+///
+/// Mended:
+///
+/// ```avalla mended
+/// scenario example
+/// load example.asm
+///
+/// begin first
+///   step
+/// end
+/// execblock first;
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(V011, error)]
+#[error("there is no block `{name}`")]
+pub(crate) struct UnknownBlock {
+    pub name: String,
+    pub at: Span,
+    pub scenario: Option<String>,
+    pub similar: Option<Arc<str>>,
+}
+
+impl Finding for UnknownBlock {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self {
+            scenario, similar, ..
+        } = self;
+        let place = match scenario {
+            Some(scenario) => format!("not in the scenario `{scenario}`"),
+            None => "not in this scenario".to_owned(),
+        };
+        meant(diagnostic.label(self.at, place), self.at, similar)
+                    .help("declare it with `begin name … end`; `execblock scenario:block` runs one of another file")
+    }
+}

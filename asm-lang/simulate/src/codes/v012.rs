@@ -1,0 +1,49 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A scenario that is not found
+///
+/// `execblock other:block` looks for `other.avalla` beside this scenario.
+///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   monitored wish: Integer
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = choose $x in {1 : 3} with $x != wish do n := $x
+/// ```
+///
+/// ```avalla wrong
+/// scenario example
+/// load example.asm
+///
+/// execblock other:first;
+/// ```
+///
+/// Mended:
+///
+/// ```avalla mended
+/// scenario example
+/// load example.asm
+///
+/// begin first
+///   step
+/// end
+/// execblock first;
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(V012, error)]
+#[error("the scenario `{name}` cannot be read")]
+pub(crate) struct UnknownScenario {
+    pub name: String,
+    pub at: Span,
+}
+
+impl Finding for UnknownScenario {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "there is no such file beside this one")
+            .help("write the name of the file without `.avalla`")
+    }
+}

@@ -1,0 +1,52 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A block that runs itself
+///
+/// A scenario has an end, so a block does not run itself, not even through others.
+///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   monitored wish: Integer
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = choose $x in {1 : 3} with $x != wish do n := $x
+/// ```
+///
+/// ```avalla wrong
+/// scenario example
+/// load example.asm
+///
+/// begin first
+///   step
+///   execblock first;
+/// end
+/// ```
+///
+/// Mended:
+///
+/// ```avalla mended
+/// scenario example
+/// load example.asm
+///
+/// begin first
+///   step
+/// end
+/// execblock first;
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(V013, error)]
+#[error("the block `{name}` runs itself")]
+pub(crate) struct CircularBlock {
+    pub name: String,
+    pub at: Span,
+}
+
+impl Finding for CircularBlock {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "here, directly or over other blocks")
+            .help("blocks run once; write the commands out where they repeat")
+    }
+}

@@ -1,0 +1,52 @@
+use crate::codes::meant;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::sync::Arc;
+
+/// A pick in an unknown rule
+///
+/// `pick $x in r_rule := …` names the rule in which the `choose` stands.
+///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   monitored wish: Integer
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = choose $x in {1 : 3} with $x != wish do n := $x
+/// ```
+///
+/// ```avalla wrong
+/// scenario example
+/// load example.asm
+///
+/// pick $x in r_Mian := 1;
+/// step
+/// ```
+///
+/// Mended:
+///
+/// ```avalla mended
+/// scenario example
+/// load example.asm
+///
+/// set wish := 2;
+/// pick $x in r_Main := 1;
+/// step
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(V015, error)]
+#[error("there is no rule `{name}`")]
+pub(crate) struct UnknownChooseRule {
+    pub name: String,
+    pub at: Span,
+    pub similar: Option<Arc<str>>,
+}
+
+impl Finding for UnknownChooseRule {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { similar, .. } = self;
+        meant(diagnostic.label(self.at, "not declared"), self.at, similar)
+            .help("name the rule in which the `choose` stands")
+    }
+}

@@ -1,0 +1,21 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Blocks that run each other too deep
+///
+/// `execblock` in a block that is itself run by `execblock`, and so on. Run the blocks one after the
+/// other instead.
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(V019, error)]
+#[error("blocks run blocks, more than {limit} deep")]
+pub(crate) struct BlockCallsTooDeep {
+    pub at: Span,
+    pub limit: usize,
+}
+
+impl Finding for BlockCallsTooDeep {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "one more here")
+            .help("run the blocks one after the other instead")
+    }
+}

@@ -1,0 +1,53 @@
+use crate::codes::{holds, when};
+use crate::scenario::Seen;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding};
+
+/// A check that does not hold
+///
+/// The condition of a `check` is false or undef at this place; the message shows the values it reads
+/// and what the last step wrote.
+///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   monitored wish: Integer
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = choose $x in {1 : 3} with $x != wish do n := $x
+/// ```
+///
+/// ```avalla wrong
+/// scenario example
+/// load example.asm
+///
+/// set wish := 1;
+/// pick $x in r_Main := 2;
+/// step
+/// check n = 3;
+/// ```
+///
+/// Mended:
+///
+/// ```avalla mended
+/// scenario example
+/// load example.asm
+///
+/// set wish := 1;
+/// pick $x in r_Main := 2;
+/// step
+/// check n = 2;
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(V020, error)]
+#[error("the check {} {}", holds(seen), when(*steps))]
+pub(crate) struct CheckFailed<'a> {
+    pub seen: &'a Seen,
+    pub steps: u64,
+}
+
+impl Finding for CheckFailed<'_> {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        self.seen.explain(diagnostic)
+    }
+}

@@ -1,0 +1,54 @@
+use crate::codes::{holds, when};
+use crate::scenario::Seen;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// An invariant of a scenario that does not hold
+///
+/// An invariant of the scenario holds after each of its steps.
+///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   monitored wish: Integer
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = choose $x in {1 : 3} with $x != wish do n := $x
+/// ```
+///
+/// ```avalla wrong
+/// scenario example
+/// load example.asm
+///
+/// invariant small: isUndef(n) or n < 2;
+/// set wish := 1;
+/// pick $x in r_Main := 2;
+/// step
+/// ```
+///
+/// Mended:
+///
+/// ```avalla mended
+/// scenario example
+/// load example.asm
+///
+/// invariant small: isUndef(n) or n < 3;
+/// set wish := 1;
+/// pick $x in r_Main := 2;
+/// step
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(V021, error)]
+#[error("the invariant `{name}` {} {}", holds(seen), when(*steps))]
+pub(crate) struct ScenarioInvariantFailed<'a> {
+    pub name: &'a str,
+    pub seen: &'a Seen,
+    pub steps: u64,
+    pub at: Span,
+}
+
+impl Finding for ScenarioInvariantFailed<'_> {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        self.seen.explain(diagnostic).label(self.at, "found here")
+    }
+}

@@ -1,0 +1,23 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding};
+
+use crate::scenario::Seen;
+
+/// A `step until` without end
+///
+/// `step until` does steps until its condition holds, and no more than `--max-steps`. The message shows
+/// the values the condition reads at the end.
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(V022, error)]
+#[error("`step until` did not end within {limit} steps")]
+pub(crate) struct UntilDidNotEnd<'a> {
+    pub limit: u64,
+    pub seen: &'a Seen,
+}
+
+impl Finding for UntilDidNotEnd<'_> {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        self.seen
+            .explain(diagnostic)
+            .help("check the condition, set the inputs that lead to it, or raise `--max-steps`")
+    }
+}

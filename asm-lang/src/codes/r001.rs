@@ -1,0 +1,51 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Two rules that write different values at once
+///
+/// A step applies all its updates at once, so each location gets one value. This update set is
+/// inconsistent: there is no next state, and the run stops in the state before. The message shows both
+/// rules, both values, and what the rules around them read.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = par n := 1 n := 2 endpar
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = seq n := 1 n := 2 endseq
+/// ```
+///
+/// `seq` does one after the other, and the later one wins; `if … else …` does one of them.
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(R001, error)]
+#[error("inconsistent update of `{location}` {when}")]
+pub(crate) struct Clash {
+    pub location: String,
+    pub when: String,
+    pub at: Span,
+    pub value: String,
+    /// The other writer.
+    pub first_at: Span,
+    pub first: String,
+}
+
+impl Finding for Clash {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, format!("this writes {}", self.value))
+            .label(self.first_at, format!("and in the same step this writes {}", self.first))
+            .note("a step applies all updates at once, so a location gets one value; the state is kept")
+            .help("put one of them in the `else` of the other, or both in `seq … endseq` if the later one wins")
+    }
+}

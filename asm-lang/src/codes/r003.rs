@@ -1,0 +1,44 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A guard that is undef
+///
+/// A guard is true or false. `undef` spreads: a comparison with an undef side is undef; only `=` and
+/// `!=` are always true or false.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = if n > 3 then n := 0 endif
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = if isDef(n) and n > 3 then n := 0 endif
+/// ```
+///
+/// Or give the location a first value in `default init`.
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(R003, error)]
+#[error("a guard is undef {when}")]
+pub(crate) struct UndefinedGuard {
+    pub when: String,
+    pub at: Span,
+}
+
+impl Finding for UndefinedGuard {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "neither true nor false")
+            .note("`undef` spreads: a comparison with an undef side is undef, `=` and `!=` are not")
+            .help("initialise the locations it reads, or test them with `isDef(…)` first")
+    }
+}

@@ -1,0 +1,46 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A library function without a value
+///
+/// A function of the library has no value for these arguments: an overflow, a division by zero, a
+/// position that a sequence does not have.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := idiv(1, n)
+/// default init s0:
+///   function n = 0
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = if n != 0 then n := idiv(1, n) endif
+/// default init s0:
+///   function n = 0
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(R004, error)]
+#[error("{reason}, {when}")]
+pub(crate) struct LibraryFault {
+    /// Why the function of the library has no value, and what to do.
+    pub reason: String,
+    pub help: &'static str,
+    pub when: String,
+    pub at: Span,
+}
+
+impl Finding for LibraryFault {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic.label(self.at, "evaluated here").help(self.help)
+    }
+}

@@ -1,0 +1,40 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A variable that ranges over a domain without end
+///
+/// The elements of Integer, Real or String cannot be listed, so nothing can be done for each of them.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled ok: Boolean
+/// definitions:
+///   main rule r_Main = ok := (forall $x in Integer with $x > 0)
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled ok: Boolean
+/// definitions:
+///   main rule r_Main = ok := (forall $x in {1 : 9} with $x > 0)
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(R005, error)]
+#[error("a variable ranges over a domain without end, {when}")]
+pub(crate) struct InfiniteRange {
+    pub when: String,
+    pub at: Span,
+}
+
+impl Finding for InfiniteRange {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "its elements cannot be listed")
+            .help("range over a subset, as in `domain Small subsetof Integer` with `domain Small = {0 : 9}`")
+    }
+}

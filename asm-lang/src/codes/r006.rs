@@ -1,0 +1,45 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A variable that ranges over no collection
+///
+/// The range is undef or a single value when the rule runs.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled open: Powerset(Integer)
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = forall $x in open do n := $x
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled open: Powerset(Integer)
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = forall $x in open do n := $x
+/// default init s0:
+///   function open = {1}
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(R006, error)]
+#[error("a variable ranges over {value}, {when}")]
+pub(crate) struct RangeIsNoCollection {
+    pub value: String,
+    pub when: String,
+    pub at: Span,
+}
+
+impl Finding for RangeIsNoCollection {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "a set, sequence or bag is wanted")
+            .help("initialise the location it reads")
+    }
+}

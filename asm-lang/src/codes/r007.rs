@@ -1,0 +1,44 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A value that is run and is no rule
+///
+/// A location of domain Rule holds a rule only after somebody stored one in it.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled act: Rule
+/// definitions:
+///   main rule r_Main = act
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled act: Rule
+/// definitions:
+///   rule r_act = skip
+///   main rule r_Main = act
+/// default init s0:
+///   function act = <<r_act>>
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(R007, error)]
+#[error("{value} is run as a rule, {when}")]
+pub(crate) struct RunsNoRule {
+    pub value: String,
+    pub when: String,
+    pub at: Span,
+}
+
+impl Finding for RunsNoRule {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "a rule is wanted")
+            .help("give the location a rule, as in `<<r_x>>`")
+    }
+}

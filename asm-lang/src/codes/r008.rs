@@ -1,0 +1,50 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A rule value with the wrong number of arguments
+///
+/// A rule that is stored in a location is run with as many arguments as it has parameters.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled act: Rule(Integer)
+///   controlled n: Integer
+/// definitions:
+///   rule r_set($x in Integer) = n := $x
+///   main rule r_Main = act[1, 2]
+/// default init s0:
+///   function act = <<r_set(Integer)>>
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled act: Rule(Integer)
+///   controlled n: Integer
+/// definitions:
+///   rule r_set($x in Integer) = n := $x
+///   main rule r_Main = act[1]
+/// default init s0:
+///   function act = <<r_set(Integer)>>
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(R008, error)]
+#[error("the rule takes {wanted} argument{}, not {actual}, {when}", if *wanted == 1 { "" } else { "s" })]
+pub(crate) struct WrongRuleArity {
+    pub wanted: u32,
+    pub actual: u32,
+    pub when: String,
+    pub at: Span,
+}
+
+impl Finding for WrongRuleArity {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "run here")
+            .help("give one argument for each parameter")
+    }
+}

@@ -1,0 +1,45 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Calls that nest too deep
+///
+/// A function or turbo rule calls itself, and does not come to an end.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+///   static down: Integer -> Integer
+/// definitions:
+///   function down($x in Integer) = down($x + 1)
+///   main rule r_Main = n := down(0)
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+///   static down: Integer -> Integer
+/// definitions:
+///   function down($x in Integer) = if $x >= 9 then $x else down($x + 1) endif
+///   main rule r_Main = n := down(0)
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(R010, error)]
+#[error("calls nest deeper than {limit}, {when}")]
+pub(crate) struct CallsTooDeep {
+    pub limit: u32,
+    pub when: String,
+    pub at: Span,
+}
+
+impl Finding for CallsTooDeep {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "called once more")
+            .help("check that the recursion ends for every argument")
+    }
+}

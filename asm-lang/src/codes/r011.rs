@@ -1,0 +1,46 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A loop without end
+///
+/// `while` goes on while its guard holds and its body changes something. All loops of a step together
+/// run 10,000,000 times at most. The message shows what the loop read after some thousand rounds.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = while n >= 0 do n := 1 - n
+/// default init s0:
+///   function n = 0
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = while n < 9 do n := n + 1
+/// default init s0:
+///   function n = 0
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(R011, error)]
+#[error("the loops ran {limit} times {when}")]
+pub(crate) struct EndlessLoop {
+    pub limit: u32,
+    pub when: String,
+    pub at: Span,
+}
+
+impl Finding for EndlessLoop {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "this loop did not end")
+            .help("check that its body makes the guard false")
+    }
+}

@@ -1,0 +1,41 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A collection that is too large
+///
+/// An interval or a domain has more elements than can be listed.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := size({1 : 99999999})
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := 99999999
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(R012, error)]
+#[error("a collection of {count} elements would be built, {when}")]
+pub(crate) struct CollectionTooLarge {
+    pub count: u64,
+    pub when: String,
+    pub at: Span,
+}
+
+impl Finding for CollectionTooLarge {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "built here")
+            .help("range over a smaller domain")
+    }
+}

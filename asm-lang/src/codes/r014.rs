@@ -1,0 +1,57 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// An invariant that does not hold
+///
+/// An invariant holds in every state. One that reads inputs is an assumption on them, checked before
+/// the step; any other is checked in the state the step leads to, and the message shows the updates
+/// that led there.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   invariant inv_small over n: n < 3
+///   main rule r_Main = n := n + 1
+/// default init s0:
+///   function n = 2
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   invariant inv_small over n: n < 3
+///   main rule r_Main = if n < 2 then n := n + 1 endif
+/// default init s0:
+///   function n = 2
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(R014, error)]
+#[error("the invariant `{name}` {} {when}", if *is_undef { "is undef" } else { "does not hold" })]
+pub(crate) struct InvariantViolated {
+    pub name: String,
+    pub is_undef: bool,
+    /// Whether it is an assumption on inputs.
+    pub assumes: bool,
+    pub step: u64,
+    pub when: String,
+    pub at: Span,
+}
+
+impl Finding for InvariantViolated {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let help = match (self.is_undef, self.assumes, self.step) {
+            (true, ..) => "initialise the locations it reads, or test them with `isDef(…)` first",
+            (false, true, _) => "it is an assumption on the inputs of the step, and these break it",
+            (false, false, 0) => "let the initial values satisfy it",
+            (false, false, _) => "find the rule that broke it among the updates of the step",
+        };
+        diagnostic.label(self.at, "this condition").help(help)
+    }
+}

@@ -1,0 +1,36 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding};
+
+/// No main rule to run
+///
+/// A module has no main rule, so there is nothing to do in a step.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   rule r_set = n := 1
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   rule r_set = n := 1
+///   main rule r_Main = r_set[]
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(R015, error)]
+#[error("there is no main rule to run")]
+pub(crate) struct NoMainToRun;
+
+impl Finding for NoMainToRun {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic.help("add `main rule r_Main = …`")
+    }
+}

@@ -1,0 +1,41 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A variable that is not bound
+///
+/// The rule or term that binds the variable is not the one that runs: it has no value here. `asmotion
+/// check` warns about the place with W021.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = par choose $x in {1 : 3} do n := $x if $x = 1 then skip endif endpar
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = choose $x in {1 : 3} do par n := $x if $x = 1 then skip endif endpar
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(R017, error)]
+#[error("a variable is not bound, {when}")]
+pub(crate) struct UnboundVariable {
+    pub when: String,
+    pub at: Span,
+}
+
+impl Finding for UnboundVariable {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "read here, outside the rule or term that binds it")
+            .help("bind it here with `let`, `forall` or `choose`")
+    }
+}

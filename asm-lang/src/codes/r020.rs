@@ -1,0 +1,52 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A picked value that is no candidate
+///
+/// A scenario picked a value for a `choose` that is not in its range, or for which its guard does not
+/// hold.
+///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   monitored wish: Integer
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = choose $x in {1 : 3} with $x != wish do n := $x
+/// ```
+///
+/// ```avalla wrong
+/// scenario example
+/// load example.asm
+///
+/// pick $x in r_Main := 7;
+/// step
+/// ```
+///
+/// Mended:
+///
+/// ```avalla mended
+/// scenario example
+/// load example.asm
+///
+/// set wish := 1;
+/// pick $x in r_Main := 2;
+/// step
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(R020, error)]
+#[error("{values} was picked, and is no candidate, {when}")]
+pub(crate) struct PickedNoCandidate {
+    /// The values that were picked, with commas between.
+    pub values: String,
+    pub when: String,
+    pub at: Span,
+}
+
+impl Finding for PickedNoCandidate {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "chosen here")
+            .help("pick a value in the range for which the guard holds")
+    }
+}

@@ -1,0 +1,46 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Calls without number
+///
+/// Functions and rules call each other 10,000,000 times in one step at most. A function that calls itself
+/// twice does twice as much with every level: 30 levels are a thousand million calls.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+///   static paths: Integer -> Integer
+/// definitions:
+///   function paths($x in Integer) = if $x = 0 then 1 else paths($x - 1) + paths($x - 1) endif
+///   main rule r_Main = n := paths(60)
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+///   static paths: Integer -> Integer
+/// definitions:
+///   function paths($x in Integer) = if $x = 0 then 1 else 2 * paths($x - 1) endif
+///   main rule r_Main = n := paths(60)
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(R021, error)]
+#[error("functions and rules were called {limit} times {when}")]
+pub(crate) struct TooManyCalls {
+    pub limit: u32,
+    pub when: String,
+    pub at: Span,
+}
+
+impl Finding for TooManyCalls {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "called once more")
+            .help("a recursion that calls itself twice doubles with every level: keep what it computes in a location")
+    }
+}

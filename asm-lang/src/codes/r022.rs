@@ -1,0 +1,62 @@
+use crate::explain::outside::Foreign;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// An input outside its domain
+///
+/// What a script, a recording, a scenario or a binding gives a monitored or shared function is an element
+/// of its codomain, or undef. That goes for the parts of tuples, sequences, sets, bags and maps, too.
+///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   domain Level subsetof Integer
+///   monitored level: Level
+///   controlled n: Integer
+/// definitions:
+///   domain Level = {0 : 9}
+///   main rule r_Main = n := level
+/// ```
+///
+/// ```avalla wrong
+/// scenario s
+/// load example.asm
+/// set level := 12;
+/// step
+/// ```
+///
+/// Mended:
+///
+/// ```avalla mended
+/// scenario s
+/// load example.asm
+/// set level := 3;
+/// step
+/// ```
+///
+/// AsmetaS holds only updates against their domain; `--compat asmeta` does the same.
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(R022, error)]
+#[error("{foreign}, {when}")]
+pub(crate) struct ReadsForeignValue {
+    pub location: String,
+    /// The domain of the function.
+    pub codomain: String,
+    pub foreign: Foreign,
+    /// Where the environment has it from.
+    pub given_by: String,
+    pub when: String,
+    pub at: Span,
+}
+
+impl Finding for ReadsForeignValue {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let place = format!("`{}` takes values of `{}`", self.location, self.codomain);
+        self.foreign
+            .explain(
+                diagnostic.label(self.at, place),
+                "let the environment give an element",
+            )
+            .note(format!("the value came from {}", self.given_by))
+    }
+}

@@ -1,0 +1,56 @@
+use crate::explain::outside::Foreign;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// An update of a location outside the domain of its function
+///
+/// A function over a subset has locations for the elements of that subset. A term that reads one outside
+/// is undef; an update of one fails.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   domain Seat subsetof Integer
+///   controlled taken: Seat -> Boolean
+///   controlled next: Integer
+/// definitions:
+///   domain Seat = {1 : 3}
+///   main rule r_Main = par taken(next) := true  next := next + 1 endpar
+/// default init s0:
+///   function next = 1
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   domain Seat subsetof Integer
+///   controlled taken: Seat -> Boolean
+///   controlled next: Integer
+/// definitions:
+///   domain Seat = {1 : 3}
+///   main rule r_Main = if next <= 3 then par taken(next) := true  next := next + 1 endpar endif
+/// default init s0:
+///   function next = 1
+/// ```
+///
+/// AsmetaS holds only the values of updates against their domain; `--compat asmeta` does the same.
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(R023, error)]
+#[error("{foreign}, {when}")]
+pub(crate) struct WritesNowhere {
+    pub location: String,
+    pub foreign: Foreign,
+    pub when: String,
+    pub at: Span,
+}
+
+impl Finding for WritesNowhere {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let place = format!("there is no location `{}` to write", self.location);
+        self.foreign
+            .explain(diagnostic.label(self.at, place), "guard the update")
+    }
+}

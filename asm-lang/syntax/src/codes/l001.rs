@@ -1,0 +1,38 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Characters that are not part of the language
+///
+/// The text has characters that begin no word, number or sign of AsmetaL.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := 1 # 2
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := 1 + 2
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L001, error)]
+#[error("`{characters}` is not part of the language")]
+pub(crate) struct UnknownCharacters {
+    pub characters: String,
+    pub at: Span,
+}
+
+impl Finding for UnknownCharacters {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic.label(self.at, "not understood")
+    }
+}

@@ -1,0 +1,41 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A name with letters a name cannot have
+///
+/// Names are written with the letters a to z, digits and `_`, so that every tool reads them alike.
+/// Comments and texts may hold any letter.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled größe: Integer
+/// definitions:
+///   main rule r_Main = größe := 1
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled size: Integer
+/// definitions:
+///   main rule r_Main = size := 1
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L002, error)]
+#[error("`{word}` has letters a name cannot have")]
+pub(crate) struct ForeignLetters {
+    pub word: String,
+    pub at: Span,
+}
+
+impl Finding for ForeignLetters {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "not a name")
+            .help("names are written with the letters a to z, digits and `_`")
+    }
+}

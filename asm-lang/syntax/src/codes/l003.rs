@@ -1,0 +1,40 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A comment without end
+///
+/// A comment that begins with `/*` ends with the next `*/`; without one it reaches to the end of the
+/// file.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := 1 /* the only rule
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := 1 /* the only rule */
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L003, error)]
+#[error("this comment has no end")]
+pub(crate) struct OpenComment {
+    pub open: Span,
+}
+
+impl Finding for OpenComment {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.open, "begins here and reaches to the end of the file")
+            .help("close it with `*/`")
+    }
+}

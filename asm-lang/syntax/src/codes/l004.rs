@@ -1,0 +1,43 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A text or character without its closing quote
+///
+/// A text stands in double quotes, a character in single ones. Neither goes on in the next line.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled s: String
+/// definitions:
+///   main rule r_Main = s := "hello
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled s: String
+/// definitions:
+///   main rule r_Main = s := "hello"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L004, error)]
+#[error("the closing `{quote}` is missing")]
+pub(crate) struct OpenQuote {
+    pub quote: char,
+    pub open: Span,
+}
+
+impl Finding for OpenQuote {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { quote, .. } = self;
+        diagnostic
+            .label(self.open, "reaches to the end of the line")
+            .help(format!(
+                "close it with `{quote}`; a text cannot go on in the next line"
+            ))
+    }
+}

@@ -1,0 +1,48 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// No character, or several, between single quotes
+///
+/// Single quotes hold one character; a text stands in double quotes.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled s: String
+/// definitions:
+///   main rule r_Main = s := 'hello'
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled s: String
+/// definitions:
+///   main rule r_Main = s := "hello"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L005, error)]
+#[error("a character stands between the quotes, neither none nor several")]
+pub(crate) struct CharLength {
+    pub text: String,
+    pub at: Span,
+}
+
+impl Finding for CharLength {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { text, .. } = self;
+        let found = diagnostic.label(self.at, "not one character");
+        if text.is_empty() {
+            found
+        } else {
+            found.guess(
+                "a text stands in double quotes",
+                self.at,
+                format!("\"{text}\""),
+            )
+        }
+    }
+}

@@ -1,0 +1,40 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A number that does not fit
+///
+/// Integers have 64 bits: the largest is 9223372036854775807.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := 99999999999999999999
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := 9223372036854775807
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L006, error)]
+#[error("`{digits}` does not fit into 64 bits")]
+pub(crate) struct IntegerTooLarge {
+    pub digits: String,
+    pub at: Span,
+}
+
+impl Finding for IntegerTooLarge {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "too large")
+            .note(format!("the largest number is {}", i64::MAX))
+    }
+}

@@ -1,0 +1,43 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A point without digits after it
+///
+/// A real number has digits on both sides of its point.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled x: Real
+/// definitions:
+///   main rule r_Main = x := 2.
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled x: Real
+/// definitions:
+///   main rule r_Main = x := 2.0
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L008, error)]
+#[error("digits are missing after the point")]
+pub(crate) struct BarePoint {
+    pub number: String,
+    pub at: Span,
+}
+
+impl Finding for BarePoint {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { number, .. } = self;
+        diagnostic.label(self.at, "not a number").fix(
+            "write at least one digit",
+            self.at,
+            format!("{number}0"),
+        )
+    }
+}

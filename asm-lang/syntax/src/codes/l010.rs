@@ -1,0 +1,43 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A semicolon
+///
+/// Nothing is separated by `;`: rules that belong together stand in `par … endpar`, which does them at
+/// once, or in `seq … endseq`, which does one after the other.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled a: Integer
+///   controlled b: Integer
+/// definitions:
+///   main rule r_Main = par a := 1; b := 2; endpar
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled a: Integer
+///   controlled b: Integer
+/// definitions:
+///   main rule r_Main = par a := 1 b := 2 endpar
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L010, error)]
+#[error("`;` separates nothing")]
+pub(crate) struct StraySemicolon {
+    pub at: Span,
+}
+
+impl Finding for StraySemicolon {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "not part of the language")
+            .help("`par … endpar` and `seq … endseq` hold several rules")
+            .fix("leave it out, here and elsewhere", self.at, "")
+    }
+}

@@ -1,0 +1,34 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// An empty file
+///
+/// There is nothing to run: a file begins with `asm` and a name, and has a `signature:` and
+/// `definitions:`.
+///
+/// ```asm wrong
+/// // nothing yet
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L020, warning)]
+#[error("the file is empty: it begins with `asm` and a name")]
+pub(crate) struct EmptyFile {
+    pub at: Span,
+}
+
+impl Finding for EmptyFile {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "nothing to run")
+            .help("the smallest file is `asm name signature: definitions:`")
+    }
+}

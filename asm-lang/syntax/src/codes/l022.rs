@@ -1,0 +1,38 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A file that is named twice
+///
+/// A file holds one `asm` or one `module`.
+///
+/// ```asm wrong
+/// asm example
+/// module other
+/// signature:
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// signature:
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L022, error)]
+#[error("the file is named a second time")]
+pub(crate) struct SecondHeading {
+    pub at: Span,
+    pub first: Span,
+}
+
+impl Finding for SecondHeading {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "named again")
+            .label(self.first, "named here")
+            .help("a file holds one `asm` or one `module`; put the other into its own file")
+    }
+}

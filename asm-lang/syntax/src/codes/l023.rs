@@ -1,0 +1,46 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A second `export`
+///
+/// All that a module exports is named in one clause; `export *` exports everything.
+///
+/// ```asm wrong
+/// module example
+/// export Speed
+/// export limit
+/// signature:
+///   domain Speed subsetof Integer
+///   static limit: Integer
+/// definitions:
+///   domain Speed = {0 : 9}
+///   function limit = 9
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// module example
+/// export Speed, limit
+/// signature:
+///   domain Speed subsetof Integer
+///   static limit: Integer
+/// definitions:
+///   domain Speed = {0 : 9}
+///   function limit = 9
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L023, error)]
+#[error("`export` stands twice")]
+pub(crate) struct SecondExport {
+    pub at: Span,
+    pub first: Span,
+}
+
+impl Finding for SecondExport {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "the second one")
+            .label(self.first, "the first one")
+            .help("name everything in one `export`, with commas between")
+    }
+}

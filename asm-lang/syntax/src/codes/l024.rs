@@ -1,0 +1,44 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A second main rule
+///
+/// A step of the machine is one run of the main rule, so there is one.
+///
+/// ```asm wrong
+/// asm example
+/// signature:
+/// definitions:
+///   main rule r_First = skip
+///   main rule r_Second = skip
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// signature:
+/// definitions:
+///   rule r_First = skip
+///   rule r_Second = skip
+///   main rule r_Main =
+///     par
+///       r_First[]
+///       r_Second[]
+///     endpar
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L024, error)]
+#[error("there are two main rules")]
+pub(crate) struct SecondMain {
+    pub at: Span,
+    pub first: Span,
+}
+
+impl Finding for SecondMain {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "the second one")
+            .label(self.first, "the first one")
+            .help("remove `main` from one of them")
+    }
+}

@@ -1,0 +1,49 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// `agent` outside an initial state
+///
+/// `agent Domain: r_rule[]` says what the agents of a domain run. It belongs to the initial state,
+/// after the functions.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   domain Robot subsetof Agent
+///   static rob1: Robot
+///   controlled done: Boolean
+/// definitions:
+///   rule r_work = done := true
+///   agent Robot: r_work[]
+///   main rule r_Main = program(rob1)
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   domain Robot subsetof Agent
+///   static rob1: Robot
+///   controlled done: Boolean
+/// definitions:
+///   rule r_work = done := true
+///   main rule r_Main = program(rob1)
+/// default init s0:
+///   agent Robot: r_work[]
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L025, error)]
+#[error("`agent` stands outside an initial state")]
+pub(crate) struct AgentOutsideInit {
+    pub at: Span,
+}
+
+impl Finding for AgentOutsideInit {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "belongs to no initial state")
+            .help("put it after `default init name:`")
+    }
+}

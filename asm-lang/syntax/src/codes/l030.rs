@@ -1,0 +1,44 @@
+use crate::codes::Place;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A file that ends too early
+///
+/// Something is still open at the end of the file; the message shows what.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = if true then n := 1
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = if true then n := 1 endif
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L030, error)]
+#[error("the file ends before {missing}")]
+pub(crate) struct FileCutOff {
+    pub missing: String,
+    pub at: Span,
+    pub open: Vec<Place>,
+}
+
+impl Finding for FileCutOff {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { missing, .. } = self;
+        let found = diagnostic.label(self.at, format!("expected {missing}, found the end"));
+        self.open.iter().fold(found, |found, (word, span)| {
+            found.label(*span, format!("this `{word}` is still open"))
+        })
+    }
+}

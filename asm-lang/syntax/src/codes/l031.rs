@@ -1,0 +1,72 @@
+use crate::codes::Place;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Something that is not closed
+///
+/// Every `par`, `seq`, `if`, `let`, `switch` and bracket has an end of its own. The end found here
+/// belongs to something further out.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main =
+///     par
+///       if true then
+///         n := 1
+///       skip
+///     endpar
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main =
+///     par
+///       if true then
+///         n := 1
+///       endif
+///       skip
+///     endpar
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L031, error)]
+#[error("`{missing}` is missing: this `{}` is still open", open.0)]
+pub(crate) struct UnclosedBlock {
+    pub missing: String,
+    pub at: Span,
+    pub open: Place,
+    pub misaligned: Option<(Place, Place)>,
+}
+
+impl Finding for UnclosedBlock {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self {
+            missing,
+            misaligned,
+            ..
+        } = self;
+        let unclosed = diagnostic
+            .label(self.at, format!("expected `{missing}` before this"))
+            .label(self.open.1, "opened here");
+        match misaligned {
+            Some((inner, end)) => unclosed
+                .label(
+                    inner.1,
+                    format!("perhaps it is this `{}` that was not closed", inner.0),
+                )
+                .label(
+                    end.1,
+                    format!("for the `{}` that closes it is indented otherwise", end.0),
+                ),
+            None => unclosed,
+        }
+    }
+}

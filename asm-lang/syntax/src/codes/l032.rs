@@ -1,0 +1,57 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// `else if` with one `endif` for both
+///
+/// `else if` begins an `if` of its own inside the `else`, so each needs its `endif`.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main =
+///     if n = 1 then n := 2
+///     else if n = 2 then n := 3
+///     endif
+///   rule r_other = skip
+/// default init s0:
+///   function n = 1
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   rule r_other = skip
+///   main rule r_Main =
+///     if n = 1 then n := 2
+///     else if n = 2 then n := 3 endif
+///     endif
+/// default init s0:
+///   function n = 1
+/// ```
+///
+/// `switch n case 1: … case 2: … endswitch` says the same with one end.
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L032, error)]
+#[error("`else if` needs one `endif` for each `if`")]
+pub(crate) struct UnclosedElseIf {
+    pub at: Span,
+    pub outer: Span,
+    pub inner: Span,
+}
+
+impl Finding for UnclosedElseIf {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "expected another `endif` before this")
+            .label(self.outer, "this `if` is still open")
+            .label(self.inner, "this one is an `if` of its own")
+            .help("end both: `if … else if … endif endif`")
+    }
+}

@@ -1,0 +1,38 @@
+use crate::codes::Place;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding};
+
+/// An end that closes nothing
+///
+/// What this word closes was never opened, or is closed already.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := 1 endif
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := 1
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L033, error)]
+#[error("`{}` closes nothing", found.0)]
+pub(crate) struct ClosesNothing {
+    pub found: Place,
+}
+
+impl Finding for ClosesNothing {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic.label(self.found.1, "nothing is open that this could close")
+    }
+}

@@ -1,0 +1,54 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Several rules where one belongs
+///
+/// A rule, a branch and the body of `do` hold one rule. Several are done at once in `par … endpar`, or
+/// one after the other in `seq … endseq`.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled a: Integer
+///   controlled b: Integer
+/// definitions:
+///   main rule r_Main = if true then a := 1 b := 2 endif
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled a: Integer
+///   controlled b: Integer
+/// definitions:
+///   main rule r_Main = if true then par a := 1 b := 2 endpar endif
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L034, error)]
+#[error("several rules stand where one belongs")]
+pub(crate) struct SeveralRules {
+    pub first: Span,
+    pub second: Span,
+    pub all: Option<(Span, String)>,
+}
+
+impl Finding for SeveralRules {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { all, .. } = self;
+        let found = diagnostic.label(self.second, "the second rule");
+        let found = match all {
+            Some(_) => found.label(self.first, "the first rule"),
+            None => found.label(self.first, "declares one rule"),
+        };
+        let found = found.help("put them into `par … endpar` or `seq … endseq`");
+        match all {
+            Some((span, text)) => {
+                found.guess("do them in parallel", *span, format!("par {text} endpar"))
+            }
+            None => found,
+        }
+    }
+}

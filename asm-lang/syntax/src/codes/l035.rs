@@ -1,0 +1,49 @@
+use crate::codes::Place;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding};
+
+/// A missing rule
+///
+/// A rule is wanted here. `skip` is the rule that does nothing.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = if n = 1 then else n := 1 endif
+/// default init s0:
+///   function n = 1
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = if n = 1 then skip else n := 1 endif
+/// default init s0:
+///   function n = 1
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L035, error)]
+#[error("a rule is missing before `{}`", found.0)]
+pub(crate) struct MissingRule {
+    pub found: Place,
+    pub after: Option<Place>,
+}
+
+impl Finding for MissingRule {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { after, .. } = self;
+        let missing = diagnostic.label(self.found.1, "expected a rule before this");
+        let missing = match after {
+            Some((word, span)) => missing.label(*span, format!("`{word}` wants a rule")),
+            None => missing,
+        };
+        missing.help("`skip` is the rule that does nothing")
+    }
+}

@@ -1,0 +1,39 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Brackets around rules
+///
+/// Round brackets hold terms. Rules are held together by `par … endpar` or `seq … endseq`.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = (n := 1)
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := 1
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L036, error)]
+#[error("rules stand without brackets")]
+pub(crate) struct BracketedRule {
+    pub at: Span,
+}
+
+impl Finding for BracketedRule {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "not the beginning of a rule")
+            .help("leave the brackets out, or write `par … endpar`")
+    }
+}

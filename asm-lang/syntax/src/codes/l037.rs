@@ -1,0 +1,44 @@
+use crate::codes::Place;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding};
+
+/// A rule called without brackets
+///
+/// A macro rule is called with square brackets, a turbo rule with round ones, even without arguments.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   rule r_set = n := 1
+///   main rule r_Main = par r_set skip endpar
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   rule r_set = n := 1
+///   main rule r_Main = par r_set[] skip endpar
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L037, error)]
+#[error("`{}` is called without brackets", call.0)]
+pub(crate) struct CallWithoutBrackets {
+    pub call: Place,
+}
+
+impl Finding for CallWithoutBrackets {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { call: (rule, at) } = self;
+        diagnostic
+            .label(*at, "expected `[` after this")
+            .help("a turbo rule is called with round brackets")
+            .fix("call it", *at, format!("{rule}[]"))
+    }
+}

@@ -1,0 +1,41 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A quantifier without brackets
+///
+/// `forall` and `exists` as terms stand in round brackets of their own.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled ok: Boolean
+/// definitions:
+///   main rule r_Main = ok := forall $x in {1 : 3} with $x > 0
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled ok: Boolean
+/// definitions:
+///   main rule r_Main = ok := (forall $x in {1 : 3} with $x > 0)
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L038, error)]
+#[error("`{word}` stands in brackets of its own")]
+pub(crate) struct BareQuantifier {
+    pub word: &'static str,
+    pub at: Span,
+}
+
+impl Finding for BareQuantifier {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { word, .. } = self;
+        diagnostic
+            .label(self.at, "not the beginning of a term")
+            .help(format!("write `({word} $x in D with …)`"))
+    }
+}

@@ -1,0 +1,41 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A comma between rules
+///
+/// Rules follow each other without a sign between them.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled a: Integer
+///   controlled b: Integer
+/// definitions:
+///   main rule r_Main = par a := 1, b := 2 endpar
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled a: Integer
+///   controlled b: Integer
+/// definitions:
+///   main rule r_Main = par a := 1 b := 2 endpar
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L040, error)]
+#[error("`,` does not separate rules")]
+pub(crate) struct CommaBetweenRules {
+    pub at: Span,
+}
+
+impl Finding for CommaBetweenRules {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "not expected here")
+            .fix("leave it out", self.at, "")
+    }
+}

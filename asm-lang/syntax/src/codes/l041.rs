@@ -1,0 +1,39 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Square brackets around the arguments of a function
+///
+/// Square brackets call a rule; the arguments of a function stand in round ones.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled at: Integer -> Integer
+/// definitions:
+///   main rule r_Main = at[1] := 5
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled at: Integer -> Integer
+/// definitions:
+///   main rule r_Main = at(1) := 5
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L041, error)]
+#[error("the arguments of a function stand in round brackets")]
+pub(crate) struct SquareArguments {
+    pub at: Span,
+}
+
+impl Finding for SquareArguments {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "square brackets call a rule")
+            .help("write `f(x) := …`")
+    }
+}

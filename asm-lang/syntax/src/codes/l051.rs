@@ -1,0 +1,43 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// `:=` where a comparison is meant
+///
+/// `:=` gives a location its next value; whether two values are equal asks `=`.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = if n := 1 then skip endif
+/// default init s0:
+///   function n = 1
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = if n = 1 then skip endif
+/// default init s0:
+///   function n = 1
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L051, error)]
+#[error("`:=` updates; a comparison is written `=`")]
+pub(crate) struct UpdateForEquals {
+    pub at: Span,
+}
+
+impl Finding for UpdateForEquals {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "updates")
+            .fix("write a comparison", self.at, "=")
+    }
+}

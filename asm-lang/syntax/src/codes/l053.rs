@@ -1,0 +1,44 @@
+use crate::codes::Place;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding};
+
+/// A word that is not known here
+///
+/// No word of the language is written so; one that is written nearly so fits.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controled n: Integer
+/// definitions:
+///   main rule r_Main = n := 1
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := 1
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L053, error)]
+#[error("unknown word `{}`", found.0)]
+pub(crate) struct UnknownWord {
+    pub found: Place,
+    pub meant: String,
+}
+
+impl Finding for UnknownWord {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { meant, .. } = self;
+        diagnostic.label(self.found.1, "not understood here").guess(
+            format!("did you mean `{meant}`?"),
+            self.found.1,
+            meant.clone(),
+        )
+    }
+}

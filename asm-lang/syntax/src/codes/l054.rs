@@ -1,0 +1,41 @@
+use crate::codes::Place;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding};
+
+/// A reserved word as a name
+///
+/// The words of the language, such as `do`, `in` and `out`, name nothing else.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled do: Integer
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled todo: Integer
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L054, error)]
+#[error("`{}` is a reserved word and cannot name {what}", found.0)]
+pub(crate) struct ReservedName {
+    pub found: Place,
+    pub what: &'static str,
+}
+
+impl Finding for ReservedName {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.found.1, "reserved")
+            .help("take another name")
+    }
+}

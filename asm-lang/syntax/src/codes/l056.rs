@@ -1,0 +1,51 @@
+use crate::codes::Place;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding};
+
+/// A name with the wrong beginning
+///
+/// How a name begins says what it names: `$x` a variable, `r_x` a rule, a small letter a function, a
+/// capital a domain, two capitals a literal of an enumeration.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   rule set = n := 1
+///   main rule r_Main = skip
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   rule r_set = n := 1
+///   main rule r_Main = r_set[]
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L056, error)]
+#[error("the name of {what} begins with {beginning}")]
+pub(crate) struct Misnamed {
+    pub what: &'static str,
+    pub beginning: &'static str,
+    pub found: Place,
+    pub better: Option<String>,
+}
+
+impl Finding for Misnamed {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { better, .. } = self;
+        let misnamed = diagnostic.label(self.found.1, "not such a name");
+        match better {
+            Some(better) => {
+                misnamed.guess(format!("call it `{better}`"), self.found.1, better.clone())
+            }
+            None => misnamed,
+        }
+    }
+}

@@ -1,0 +1,50 @@
+use crate::codes::Place;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding};
+
+/// A reserved word without meaning
+///
+/// AsmetaL reserves `try`, `catch`, `endcase` and `FAIRNESS`, and uses them nowhere.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = try n := 1 catch n := 2
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := 1
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L057, error)]
+#[error("`{}` is reserved and means nothing", found.0)]
+pub(crate) struct UnusedWord {
+    pub found: Place,
+}
+
+impl Finding for UnusedWord {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { found } = self;
+        unused(diagnostic, found)
+    }
+}
+
+fn unused(diagnostic: Diagnostic, found: &Place) -> Diagnostic {
+    let diagnostic = diagnostic.label(found.1, "AsmetaL reserves this word and never uses it");
+    match found.0.as_str() {
+        "endcase" => {
+            diagnostic.help("a case ends where the next one begins, the last at `endswitch`")
+        }
+        "FAIRNESS" | "fairness" => diagnostic.help("write `JUSTICE` or `COMPASSION`"),
+        _ => diagnostic,
+    }
+}

@@ -1,0 +1,58 @@
+use crate::codes::Place;
+use crate::lexer::Keyword;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding};
+
+/// Something else was expected
+///
+/// What stands here does not fit what is before it; the message says what would.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled at: Integer Integer
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled at: Integer -> Integer
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L058, error)]
+#[error("expected {what}, found `{}`", found.0)]
+pub(crate) struct UnexpectedToken {
+    pub what: String,
+    pub found: Place,
+    pub after: Option<Place>,
+    pub open: Option<Place>,
+}
+
+impl Finding for UnexpectedToken {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self {
+            what,
+            found,
+            after,
+            open,
+        } = self;
+        let mut expected = diagnostic.label(found.1, "not expected here");
+        if let Some((_, span)) = after {
+            expected = expected.label(*span, format!("expected {what} after this"));
+        }
+        if let Some((word, span)) = open {
+            expected = expected.label(*span, format!("this `{word}` is still open"));
+        }
+        if after.is_none() && Keyword::spelled(&found.0).is_some() {
+            expected = expected.note(format!("`{}` is a reserved word", found.0));
+        }
+        expected
+    }
+}

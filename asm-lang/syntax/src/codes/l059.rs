@@ -1,0 +1,39 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// `*` between domains
+///
+/// `*` multiplies numbers. The domain of a function with two arguments is a product, `Prod(A, B)`.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled at: Integer * Integer -> Integer
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled at: Prod(Integer, Integer) -> Integer
+/// definitions:
+///   main rule r_Main = at(1, 2) := 3
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L059, error)]
+#[error("a product of domains is written `Prod(A, B)`")]
+pub(crate) struct ProductSign {
+    pub at: Span,
+}
+
+impl Finding for ProductSign {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "multiplies numbers")
+            .help("write `Prod(A, B) -> C` for a function of two arguments")
+    }
+}

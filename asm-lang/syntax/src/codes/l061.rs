@@ -1,0 +1,39 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// `<-` without a turbo rule
+///
+/// `location <- r_x(…)` runs a turbo rule and stores its result. The value of a term is stored by `:=`.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n <- 1
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := 1
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L061, error)]
+#[error("`<-` takes the result of a rule, `r_x(…)`")]
+pub(crate) struct ReturnOfNoRule {
+    pub at: Span,
+}
+
+impl Finding for ReturnOfNoRule {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "expected the name of a rule after this")
+            .help("the value of a function is written by `:=`")
+    }
+}

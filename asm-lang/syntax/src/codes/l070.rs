@@ -1,0 +1,40 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// `exist`
+///
+/// AsmetaL writes `exists` since AsmetaS 26.06. Both are read; `asmotion check --fix` writes the new
+/// one.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled ok: Boolean
+/// definitions:
+///   main rule r_Main = ok := (exist $x in {1 : 3} with $x > 2)
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled ok: Boolean
+/// definitions:
+///   main rule r_Main = ok := (exists $x in {1 : 3} with $x > 2)
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L070, warning)]
+#[error("`exist` is now written `exists`")]
+pub(crate) struct OldExists {
+    pub at: Span,
+}
+
+impl Finding for OldExists {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "the spelling before AsmetaS 26.06")
+            .fix("write it the new way", self.at, "exists")
+    }
+}

@@ -1,0 +1,45 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// `..` in an interval
+///
+/// Intervals are written with a colon. Both are read; `asmotion check --fix` writes the colon.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   domain Small subsetof Integer
+///   controlled n: Small
+/// definitions:
+///   domain Small = {1..3}
+///   main rule r_Main = n := 2
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   domain Small subsetof Integer
+///   controlled n: Small
+/// definitions:
+///   domain Small = {1 : 3}
+///   main rule r_Main = n := 2
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L071, warning)]
+#[error("`..` is now written `:`")]
+pub(crate) struct OldInterval {
+    pub at: Span,
+    /// With the blanks that it needs.
+    pub new: &'static str,
+}
+
+impl Finding for OldInterval {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "an old spelling, AsmetaS refuses it")
+            .fix("write it the new way", self.at, self.new)
+    }
+}

@@ -1,0 +1,51 @@
+use crate::codes::all_sure;
+use asmotion_diagnostics::{Coded, Diagnostic, Edit, Finding, Span};
+
+/// A block with fewer than two rules
+///
+/// `par` and `seq` hold several rules together. AsmetaS refuses a block with one rule or none; here it
+/// is read, and `asmotion check --fix` takes it apart.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = par n := 1 endpar
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := 1
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L072, warning)]
+#[error("`{block}` with {count}")]
+pub(crate) struct FewRules {
+    pub block: &'static str,
+    pub count: &'static str,
+    pub at: Span,
+    /// How the text reads without the block; empty where that is hard to say.
+    pub without: Vec<Edit>,
+}
+
+impl Finding for FewRules {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let few = diagnostic.label(self.at, "AsmetaS wants at least two rules here");
+        let help = match self.count {
+            "no rule" => "`skip` is the rule that does nothing",
+            _ => "a rule alone needs no block",
+        };
+        match self.without.as_slice() {
+            [] => few.help(help),
+            edits => few.with_fix(all_sure(help, edits)),
+        }
+    }
+}

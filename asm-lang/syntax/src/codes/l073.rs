@@ -1,0 +1,53 @@
+use crate::codes::all_sure;
+use asmotion_diagnostics::{Coded, Diagnostic, Edit, Finding, Span};
+
+/// Declarations out of order
+///
+/// AsmetaS wants domains before functions, functions before rules, rules before invariants, these
+/// before the main rule, and initial states last. Here any order is read; `asmotion check --fix` moves
+/// what stands too late, with the comments above it.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled mode: Mode
+///   enum domain Mode = {IDLE | BUSY}
+/// definitions:
+///   main rule r_Main = mode := IDLE
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   enum domain Mode = {IDLE | BUSY}
+///   controlled mode: Mode
+/// definitions:
+///   main rule r_Main = mode := IDLE
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L073, warning)]
+#[error("{what} after {before}")]
+pub(crate) struct OutOfOrder {
+    pub what: &'static str,
+    pub before: &'static str,
+    pub at: Span,
+    pub earlier: Span,
+    /// How it is put into its place; empty where that is hard to say.
+    pub moved: Vec<Edit>,
+}
+
+impl Finding for OutOfOrder {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let found = diagnostic
+            .label(self.at, "AsmetaS wants this first")
+            .label(self.earlier, "and this after it");
+        match self.moved.as_slice() {
+            [] => found.help("put it before the other"),
+            edits => found.with_fix(all_sure("put it before the other", edits)),
+        }
+    }
+}

@@ -1,0 +1,43 @@
+use crate::codes::all_sure;
+use asmotion_diagnostics::{Coded, Diagnostic, Edit, Finding, Span};
+
+/// A missing heading
+///
+/// `signature:` opens the declarations and `definitions:` the rules. AsmetaS wants both, even where
+/// nothing follows.
+///
+/// ```asm wrong
+/// asm example
+/// signature:
+///   controlled n: Integer
+///   main rule r_Main = n := 1
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = n := 1
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L074, warning)]
+#[error("`{section}:` is missing before {what}")]
+pub(crate) struct NoSection {
+    pub section: &'static str,
+    pub what: &'static str,
+    pub at: Span,
+    /// How the heading is written there.
+    pub written: Edit,
+}
+
+impl Finding for NoSection {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { written, .. } = self;
+        diagnostic
+            .label(self.at, "AsmetaS wants the heading before this")
+            .with_fix(all_sure("write the heading", std::slice::from_ref(written)))
+    }
+}

@@ -1,0 +1,52 @@
+use crate::codes::all_sure;
+use asmotion_diagnostics::{Coded, Diagnostic, Edit, Finding, Span};
+
+/// A rule that is called before it is declared
+///
+/// AsmetaS reads a file once from top to bottom and knows only the rules it has met. Here any order is
+/// read; `asmotion check --fix` moves the rule. Turbo rules that call each other have no such order,
+/// and nothing is said about them.
+///
+/// ```asm wrong
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   rule r_first = r_second[]
+///   rule r_second = n := 1
+///   main rule r_Main = r_first[]
+/// ```
+///
+/// Mended:
+///
+/// ```asm mended
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   controlled n: Integer
+/// definitions:
+///   rule r_second = n := 1
+///   rule r_first = r_second[]
+///   main rule r_Main = r_first[]
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(L076, warning)]
+#[error("`{rule}` is called before it is declared")]
+pub(crate) struct CalledEarly {
+    pub rule: String,
+    pub at: Span,
+    pub declared: Span,
+    /// How it is declared first.
+    pub moved: Vec<Edit>,
+}
+
+impl Finding for CalledEarly {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { moved, .. } = self;
+        diagnostic
+            .label(self.at, "AsmetaS does not know it yet")
+            .label(self.declared, "declared here")
+            .with_fix(all_sure("declare it first", moved))
+    }
+}

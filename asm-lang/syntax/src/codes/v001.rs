@@ -1,0 +1,43 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A scenario without its heading
+///
+/// A scenario begins with `scenario` and its name.
+///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   monitored wish: Integer
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = choose $x in {1 : 3} with $x != wish do n := $x
+/// ```
+///
+/// ```avalla wrong
+/// load example.asm
+/// step
+/// ```
+///
+/// Mended:
+///
+/// ```avalla mended
+/// scenario example
+/// load example.asm
+///
+/// step
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(V001, error)]
+#[error("a scenario begins with `scenario` and its name")]
+pub(crate) struct NoScenarioHeading {
+    pub at: Span,
+}
+
+impl Finding for NoScenarioHeading {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "not `scenario`")
+            .help("begin with `scenario name` and `load specification.asm`")
+    }
+}

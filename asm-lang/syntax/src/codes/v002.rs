@@ -1,0 +1,43 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A scenario without a specification
+///
+/// `load` says which specification the scenario is about; its path begins at the scenario.
+///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   monitored wish: Integer
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = choose $x in {1 : 3} with $x != wish do n := $x
+/// ```
+///
+/// ```avalla wrong
+/// scenario example
+/// step
+/// ```
+///
+/// Mended:
+///
+/// ```avalla mended
+/// scenario example
+/// load example.asm
+///
+/// step
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(V002, error)]
+#[error("a scenario says which specification it is about")]
+pub(crate) struct NoLoadCommand {
+    pub at: Span,
+}
+
+impl Finding for NoLoadCommand {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "`load` is missing here")
+            .help("write `load specification.asm`; the path is relative to the scenario")
+    }
+}

@@ -1,0 +1,53 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// An incomplete command
+///
+/// A command lacks one of its parts; the message shows its form.
+///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   monitored wish: Integer
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = choose $x in {1 : 3} with $x != wish do n := $x
+/// ```
+///
+/// ```avalla wrong
+/// scenario example
+/// load example.asm
+///
+/// execblock;
+/// step
+/// ```
+///
+/// Mended:
+///
+/// ```avalla mended
+/// scenario example
+/// load example.asm
+///
+/// begin first
+///   step
+/// end
+/// execblock first;
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(V004, error)]
+#[error("`{command}` wants {wanted}")]
+pub(crate) struct IncompleteCommand {
+    pub command: &'static str,
+    pub wanted: &'static str,
+    pub form: &'static str,
+    pub at: Span,
+}
+
+impl Finding for IncompleteCommand {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { form, wanted, .. } = self;
+        diagnostic
+            .label(self.at, format!("{wanted} should follow"))
+            .help(format!("write `{form}`"))
+    }
+}

@@ -1,0 +1,53 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A command without `;`
+///
+/// `set`, `check`, `exec`, `pick` and `step until` end with `;`, so that their terms have an end;
+/// `asmotion check --fix` and `asmotion fmt` add it.
+///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   monitored wish: Integer
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = choose $x in {1 : 3} with $x != wish do n := $x
+/// ```
+///
+/// ```avalla wrong
+/// scenario example
+/// load example.asm
+///
+/// set wish := 1
+/// step
+/// ```
+///
+/// Mended:
+///
+/// ```avalla mended
+/// scenario example
+/// load example.asm
+///
+/// set wish := 1;
+/// step
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(V005, warning)]
+#[error("`;` is missing at the end of a command")]
+pub(crate) struct UnendedCommand {
+    pub command: Span,
+    /// What stands behind it.
+    pub next: Span,
+    /// Where the `;` belongs.
+    pub end: Span,
+}
+
+impl Finding for UnendedCommand {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.next, "the command ends before this")
+            .label(self.command, "it begins here")
+            .fix("end it with `;`", self.end, ";")
+    }
+}

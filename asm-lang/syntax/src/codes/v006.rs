@@ -1,0 +1,52 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A block that does not end
+///
+/// What `begin name` opens is closed by `end`.
+///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   monitored wish: Integer
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = choose $x in {1 : 3} with $x != wish do n := $x
+/// ```
+///
+/// ```avalla wrong
+/// scenario example
+/// load example.asm
+///
+/// begin first
+///   step
+/// ```
+///
+/// Mended:
+///
+/// ```avalla mended
+/// scenario example
+/// load example.asm
+///
+/// begin first
+///   step
+/// end
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(V006, error)]
+#[error("the block `{name}` does not end")]
+pub(crate) struct OpenBlock {
+    pub name: String,
+    pub at: Span,
+}
+
+impl Finding for OpenBlock {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(
+                self.at,
+                "begins here, and goes on to the end of the scenario",
+            )
+            .help("write `end` behind its last command")
+    }
+}

@@ -1,0 +1,58 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Two blocks of one name
+///
+/// `execblock` calls a block by its name, so only the first of these can be called.
+///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// signature:
+///   monitored wish: Integer
+///   controlled n: Integer
+/// definitions:
+///   main rule r_Main = choose $x in {1 : 3} with $x != wish do n := $x
+/// ```
+///
+/// ```avalla wrong
+/// scenario example
+/// load example.asm
+///
+/// begin first
+///   step
+/// end
+/// begin first
+///   step
+/// end
+/// ```
+///
+/// Mended:
+///
+/// ```avalla mended
+/// scenario example
+/// load example.asm
+///
+/// begin first
+///   step
+/// end
+/// begin second
+///   step
+/// end
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(V008, warning)]
+#[error("two blocks are called `{name}`")]
+pub(crate) struct DuplicateBlock {
+    pub name: String,
+    pub at: Span,
+    pub first: Span,
+}
+
+impl Finding for DuplicateBlock {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "this one cannot be called by its name")
+            .label(self.first, "this one is")
+            .help("give one of them another name")
+    }
+}

@@ -1,0 +1,49 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// The file is not TOML, or has a key or a table twice
+///
+/// Composites are TOML: every bracket and quote is closed, and a key or a `[table]` stands once. What stands
+/// behind the place is not read.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer"
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C001, error)]
+#[error("this is not TOML: {message}")]
+pub(crate) struct InvalidToml {
+    pub message: String,
+    pub at: Span,
+    pub earlier: Option<Span>,
+}
+
+impl Finding for InvalidToml {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { earlier, .. } = self;
+        let diagnostic = diagnostic.label(self.at, "found here");
+        match earlier {
+            Some(earlier) => diagnostic
+                .label(*earlier, "it already stands here")
+                .help("give the second one another name, or merge the two"),
+            None => diagnostic,
+        }
+    }
+}

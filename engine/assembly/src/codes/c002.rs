@@ -1,0 +1,55 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A file cannot be read, or is too large
+///
+/// A specification, a nested composite or a file of types is named by its path, from the folder of the
+/// composite. It must be there, and have less than some megabytes.
+///
+/// ```asm
+/// asm example
+/// signature:
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Coordinator]
+/// implementation = { asm = "exmaple.asm" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Coordinator]
+/// implementation = { asm = "example.asm" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C002, error)]
+#[error("`{path}` cannot be read: {reason}")]
+pub(crate) struct UnreadableComposite {
+    pub path: String,
+    pub reason: String,
+    pub at: Option<Span>,
+}
+
+impl Finding for UnreadableComposite {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { at, .. } = self;
+        match at {
+            Some(at) => diagnostic
+                .label(*at, "named here")
+                .help("write its path, from the folder of this file"),
+            None => diagnostic.help("check the path"),
+        }
+    }
+}

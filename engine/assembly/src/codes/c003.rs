@@ -1,0 +1,52 @@
+use crate::codes::enumerate;
+use crate::nearest::Nearest;
+use crate::nearest::Suggest;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A key that the dialect does not have
+///
+/// A key that is not known would do nothing, so it is an error.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// task = { perod_ms = 50 }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// task = { period_ms = 50 }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C003, error)]
+#[error("{of} has no key `{key}`")]
+pub(crate) struct UnknownKey {
+    pub key: String,
+    pub of: &'static str,
+    pub at: Span,
+    pub known: Vec<&'static str>,
+    pub nearest: Option<Nearest>,
+}
+
+impl Finding for UnknownKey {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { known, nearest, .. } = self;
+        let keys = format!("the keys are {}", enumerate(known));
+        diagnostic
+            .label(self.at, "unknown key")
+            .suggest_or(self.at, nearest, keys)
+    }
+}

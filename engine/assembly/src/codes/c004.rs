@@ -1,0 +1,46 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A key that must be there is missing
+///
+/// Nothing sensible stands in for this key. The message shows an example of it.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// services = { maps = "nav/MapService" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C004, error)]
+#[error("{of} needs the key `{key}`")]
+pub(crate) struct MissingKey {
+    pub key: &'static str,
+    pub of: &'static str,
+    pub at: Span,
+    pub example: String,
+}
+
+impl Finding for MissingKey {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { key, example, .. } = self;
+        diagnostic
+            .label(self.at, format!("`{key}` is missing here"))
+            .help(format!("for example `{key} = {example}`"))
+    }
+}

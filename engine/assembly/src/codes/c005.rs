@@ -1,0 +1,53 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A value of another type
+///
+/// Numbers and truth values stand without quotes, texts in quotes, tables in braces.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// task = { period_ms = "50" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// task = { period_ms = 50 }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C005, error)]
+#[error("`{key}` takes {expected}, not {found}")]
+pub(crate) struct WrongKeyType {
+    pub key: String,
+    pub expected: &'static str,
+    pub found: &'static str,
+    pub at: Span,
+    pub example: String,
+}
+
+impl Finding for WrongKeyType {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self {
+            key,
+            expected,
+            example,
+            ..
+        } = self;
+        diagnostic
+            .label(self.at, format!("expected {expected}"))
+            .help(format!("write it as in `{key} = {example}`"))
+    }
+}

@@ -1,0 +1,70 @@
+use crate::codes::enumerate;
+use crate::nearest::Nearest;
+use crate::nearest::Suggest;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A word that is none of those possible
+///
+/// The key takes one of a few words; the message lists them.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Joystick]
+/// implementation = { process = "joystick" }
+/// ports.out = { twist = "geometry_msgs/Twist" }
+///
+/// [components.Rover]
+/// implementation = { process = "rover" }
+/// ports.in = { twist = "geometry_msgs/Twist" }
+///
+/// [[connections]]
+/// from = "Joystick.twist"
+/// to = "Rover.twist"
+/// policy = { type = "data", lock = "lockfree" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Joystick]
+/// implementation = { process = "joystick" }
+/// ports.out = { twist = "geometry_msgs/Twist" }
+///
+/// [components.Rover]
+/// implementation = { process = "rover" }
+/// ports.in = { twist = "geometry_msgs/Twist" }
+///
+/// [[connections]]
+/// from = "Joystick.twist"
+/// to = "Rover.twist"
+/// policy = { type = "data", lock = "lock_free" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C006, error)]
+#[error("`{key}` cannot be `{word}`")]
+pub(crate) struct UnknownOption {
+    pub key: String,
+    pub word: String,
+    pub at: Span,
+    pub known: Vec<&'static str>,
+    pub nearest: Option<Nearest>,
+}
+
+impl Finding for UnknownOption {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { known, nearest, .. } = self;
+        diagnostic
+            .label(self.at, "unknown word")
+            .help(format!("it can be {}", enumerate(known)))
+            .suggest(self.at, nearest)
+    }
+}

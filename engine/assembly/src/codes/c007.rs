@@ -1,0 +1,50 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A number out of its range
+///
+/// Times, sizes and priorities have a least and a greatest value.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// task = { period_ms = -5 }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// task = { period_ms = 50 }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C007, error)]
+#[error("`{key}` is {value}, but must lie between {least} and {greatest}")]
+pub(crate) struct KeyOutOfRange {
+    pub key: String,
+    pub value: String,
+    pub least: String,
+    pub greatest: String,
+    pub at: Span,
+}
+
+impl Finding for KeyOutOfRange {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self {
+            least, greatest, ..
+        } = self;
+        diagnostic
+            .label(self.at, "out of range")
+            .help(format!("take a number from {least} to {greatest}"))
+    }
+}

@@ -1,0 +1,41 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Another dialect, or another version of it
+///
+/// The first line says in which dialect the file is written. Another version may mean other things by the
+/// same keys.
+///
+/// ```toml wrong
+/// schema = "composite/2"
+///
+/// [composite]
+/// name = "example"
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C008, error)]
+#[error("this file says it is `{found}`, which this version does not read")]
+pub(crate) struct UnknownSchema {
+    pub found: String,
+    pub wanted: &'static str,
+    pub at: Span,
+}
+
+impl Finding for UnknownSchema {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { wanted, .. } = self;
+        diagnostic.label(self.at, "not known here").guess(
+            format!("this version reads `{wanted}`"),
+            self.at,
+            *wanted,
+        )
+    }
+}

@@ -1,0 +1,63 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A text that cannot be a name, an end, a path or a type
+///
+/// Names have letters, digits, `_` and `-`, and begin with a letter; an end of a connection is written
+/// `Component.port` or `topic:name`.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Joystick]
+/// implementation = { process = "joystick" }
+/// ports.out = { twist = "geometry_msgs/Twist" }
+///
+/// [components.Rover]
+/// implementation = { process = "rover" }
+/// ports.in = { twist = "geometry_msgs/Twist" }
+///
+/// [[connections]]
+/// from = "twist"
+/// to = "Rover.twist"
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Joystick]
+/// implementation = { process = "joystick" }
+/// ports.out = { twist = "geometry_msgs/Twist" }
+///
+/// [components.Rover]
+/// implementation = { process = "rover" }
+/// ports.in = { twist = "geometry_msgs/Twist" }
+///
+/// [[connections]]
+/// from = "Joystick.twist"
+/// to = "Rover.twist"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C009, error)]
+#[error("`{text}` cannot be {what}")]
+pub(crate) struct InvalidName {
+    pub text: String,
+    pub what: &'static str,
+    pub rule: &'static str,
+    pub at: Span,
+}
+
+impl Finding for InvalidName {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "not of this form")
+            .help(self.rule)
+    }
+}

@@ -1,0 +1,50 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Two keys that exclude each other
+///
+/// A component is made of one thing, and cycles by one table: `task`, where it is reached over a broker, or
+/// `activity`.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// task = { period_ms = 50 }
+/// activity = { period_ms = 50 }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// activity = { period_ms = 50 }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C010, error)]
+#[error("`{second}` cannot stand beside `{first}`")]
+pub(crate) struct ExclusiveKeys {
+    pub first: String,
+    pub first_at: Span,
+    pub second: String,
+    pub at: Span,
+    pub reason: &'static str,
+}
+
+impl Finding for ExclusiveKeys {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { first, .. } = self;
+        diagnostic
+            .label(self.at, self.reason)
+            .label(self.first_at, format!("`{first}` stands here"))
+    }
+}

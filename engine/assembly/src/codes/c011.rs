@@ -1,0 +1,50 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A substitution where nothing is substituted
+///
+/// What is run is decided when the composite is checked, so it is written out. Substitution works in values of
+/// properties, in times and in endpoints.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [properties]
+/// server = { type = "string", default = "nav::MapServer" }
+///
+/// [components.Map]
+/// implementation = { rust = "${properties.server}" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [properties]
+/// folder = { type = "string", default = "maps" }
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// properties = { source = "${properties.folder}" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C011, error)]
+#[error("nothing is substituted in `{key}`")]
+pub(crate) struct SubstitutionNotAllowed {
+    pub key: String,
+    pub at: Span,
+}
+
+impl Finding for SubstitutionNotAllowed {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "this would be taken as it stands")
+            .help("substitution works in values of properties, in times and in endpoints")
+    }
+}

@@ -1,0 +1,52 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A substitution that cannot be read
+///
+/// `${properties.name}` is a property of the composite, `${VARIABLE}` an environment variable, and
+/// `${VARIABLE:-default}` one with a default. `$$` is a dollar sign.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [properties]
+/// folder = { type = "string", default = "maps" }
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// properties = { source = "${properties.folder" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [properties]
+/// folder = { type = "string", default = "maps" }
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// properties = { source = "${properties.folder}" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C012, error)]
+#[error("this substitution cannot be read: {reason}")]
+pub(crate) struct InvalidSubstitution {
+    pub reason: &'static str,
+    pub at: Span,
+}
+
+impl Finding for InvalidSubstitution {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic.label(self.at, "begins here").help(
+            "write `${properties.name}`, `${VARIABLE}` or `${VARIABLE:-default}`; \
+                     `$$` is a dollar sign",
+        )
+    }
+}

@@ -1,0 +1,58 @@
+use crate::codes::label_or_outside;
+use crate::nearest::Nearest;
+use crate::nearest::Suggest;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A property that the composite does not have
+///
+/// `${properties.name}` and `--set name=value` speak of what stands under `[properties]`.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [properties]
+/// folder = { type = "string", default = "maps" }
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// properties = { source = "${properties.foldr}" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [properties]
+/// folder = { type = "string", default = "maps" }
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// properties = { source = "${properties.folder}" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C013, error)]
+#[error("the composite has no property `{name}`")]
+pub(crate) struct UnknownSetting {
+    pub name: String,
+    pub at: Option<Span>,
+    pub nearest: Option<Nearest>,
+}
+
+impl Finding for UnknownSetting {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { at, nearest, .. } = self;
+        let diagnostic = label_or_outside(diagnostic, *at, "no such property");
+        match (at, nearest) {
+            (Some(at), nearest) => diagnostic.suggest(*at, nearest),
+            (None, Some(nearest)) => diagnostic.help(format!("did you mean `{}`?", nearest.name)),
+            (None, None) => diagnostic.help("`[properties]` of the composite lists them"),
+        }
+    }
+}

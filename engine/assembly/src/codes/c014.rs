@@ -1,0 +1,58 @@
+use crate::environment::is_secret;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// An environment variable or a secret that is not there
+///
+/// The composite can be checked without it, but not started. A variable that ends in `_FILE` names a file
+/// with a secret in it.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [brokers.main]
+/// url = "amqp://guest:guest@${EXAMPLE_HOST}:5672"
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [brokers.main]
+/// url = "amqp://guest:guest@${EXAMPLE_HOST:-localhost}:5672"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C014, warning)]
+pub(crate) enum UnsetVariable {
+    #[error("the environment variable `{name}` is not set here")]
+    NotSet { name: String, at: Span },
+    #[error("`{path}`, which `{name}` names, cannot be read: {reason}")]
+    NoSecret {
+        name: String,
+        path: String,
+        reason: String,
+        at: Span,
+    },
+}
+
+impl Finding for UnsetVariable {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        match self {
+            Self::NotSet { name, at } => {
+                let help = match (name.ends_with("_FILE"), is_secret(name)) {
+                    (true, _) => "set it to the path of the file that holds the secret".to_owned(),
+                    (false, true) => "set it before the start".to_owned(),
+                    (false, false) => format!("set it, or give a default: `${{{name}:-default}}`"),
+                };
+                diagnostic.label(*at, "needed to start").help(help)
+            }
+            Self::NoSecret { at, .. } => diagnostic.label(*at, "needed to start"),
+        }
+    }
+}

@@ -1,0 +1,72 @@
+use crate::codes::label_or_outside;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A value that a property cannot have
+///
+/// A property takes values of its type; the components declare theirs, those of the composite stand under
+/// `[properties]`.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [properties]
+/// period_ms = { type = "u32", default = "often" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [properties]
+/// period_ms = { type = "u32", default = 50 }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C015, error)]
+pub(crate) enum InvalidSetting {
+    #[error("`{name}` takes {wanted}, not {found}")]
+    WrongType {
+        name: String,
+        wanted: String,
+        found: &'static str,
+        at: Option<Span>,
+        declared: Option<Span>,
+    },
+    #[error("`{name}` cannot be {value}")]
+    NoChoice {
+        name: String,
+        value: String,
+        choices: String,
+        at: Option<Span>,
+    },
+}
+
+impl Finding for InvalidSetting {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        match self {
+            Self::WrongType {
+                wanted,
+                at,
+                declared,
+                ..
+            } => {
+                let diagnostic = label_or_outside(diagnostic, *at, &format!("expected {wanted}"))
+                    .help(format!("give it {wanted}"));
+                match declared {
+                    Some(declared) => diagnostic.label(*declared, "declared here"),
+                    None => diagnostic,
+                }
+            }
+            Self::NoChoice { choices, at, .. } => {
+                label_or_outside(diagnostic, *at, "not one of its values")
+                    .help(format!("it can be {choices}"))
+            }
+        }
+    }
+}

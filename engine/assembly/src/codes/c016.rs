@@ -1,0 +1,56 @@
+use crate::codes::label_or_outside;
+use crate::scope::Range;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A value out of the range of a property
+///
+/// The type of a property has a range, and `min` and `max` may narrow it.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [properties]
+/// period_ms = { type = "u32", default = 3, min = 5, max = 2000 }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [properties]
+/// period_ms = { type = "u32", default = 50, min = 5, max = 2000 }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C016, error)]
+#[error("`{name}` is {value}, but must lie in {range}")]
+pub(crate) struct SettingOutOfRange {
+    pub name: String,
+    pub value: String,
+    pub range: Range,
+    pub at: Option<Span>,
+    pub declared: Option<Span>,
+}
+
+impl Finding for SettingOutOfRange {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self {
+            range,
+            at,
+            declared,
+            ..
+        } = self;
+        let diagnostic = label_or_outside(diagnostic, *at, "out of range")
+            .help(format!("take a value in {range}"));
+        match declared {
+            Some(declared) => diagnostic.label(*declared, "the range is declared here"),
+            None => diagnostic,
+        }
+    }
+}

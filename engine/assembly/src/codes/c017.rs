@@ -1,0 +1,44 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A property that must be set
+///
+/// A property without `default` has no value unless somebody sets it: `--set place=office`, or the composite
+/// around this one.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [properties]
+/// place = { type = "string" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [properties]
+/// place = { type = "string", default = "office" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C017, error)]
+#[error("the property `{name}` must be set")]
+pub(crate) struct MissingSetting {
+    pub name: String,
+    pub at: Span,
+}
+
+impl Finding for MissingSetting {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { name, .. } = self;
+        diagnostic
+            .label(self.at, "has no default")
+            .help(format!("give it a `default`, or set `{name}` from outside"))
+    }
+}

@@ -1,0 +1,57 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Two ports of one name
+///
+/// `ports.in` and `subscribe` share one set of names, and so do `ports.out` and `publish`.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Follower]
+/// implementation = { process = "follower" }
+/// subscribe = { path = "nav_msgs/Path" }
+/// ports.in = { path = "nav_msgs/Path" }
+///
+/// [[promote]]
+/// topic = "path"
+/// as = "path"
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Follower]
+/// implementation = { process = "follower" }
+/// subscribe = { path = "nav_msgs/Path" }
+///
+/// [[promote]]
+/// topic = "path"
+/// as = "path"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C018, error)]
+#[error("`{component}` has two {way}s `{name}`")]
+pub(crate) struct DuplicatePort {
+    pub way: &'static str,
+    pub component: String,
+    pub name: String,
+    pub at: Span,
+    pub first: Span,
+}
+
+impl Finding for DuplicatePort {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+                .label(self.at, "again here")
+                .label(self.first, "first here")
+                .help("`ports.in` and `subscribe` share one set of names, and so do `ports.out` and `publish`")
+    }
+}

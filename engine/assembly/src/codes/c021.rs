@@ -1,0 +1,85 @@
+use crate::codes::has;
+use crate::nearest::Nearest;
+use crate::nearest::Suggest;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A port, service, reference or property that a component does not have
+///
+/// What a component of this build has is known; `asmotion check` compares.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [components.User]
+/// implementation = { process = "user" }
+/// references = { maps = "nav/MapService" }
+///
+/// [[wires]]
+/// reference = "User.maps"
+/// service = "Map.map"
+/// timeout_ms = 1000
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [components.User]
+/// implementation = { process = "user" }
+/// references = { maps = "nav/MapService" }
+///
+/// [[wires]]
+/// reference = "User.maps"
+/// service = "Map.maps"
+/// timeout_ms = 1000
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C021, error)]
+#[error("`{component}` has no {what} `{name}`")]
+pub(crate) struct UnknownMember {
+    pub what: &'static str,
+    pub component: String,
+    pub name: String,
+    pub at: Span,
+    /// What it has by this name instead.
+    pub instead: Option<&'static str>,
+    pub nearest: Option<Nearest>,
+    pub known: Vec<String>,
+}
+
+impl Finding for UnknownMember {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self {
+            what,
+            instead,
+            nearest,
+            known,
+            name,
+            ..
+        } = self;
+        let known = has(what, known.iter().map(String::as_str));
+        match instead {
+            Some(instead) => diagnostic
+                .label(self.at, format!("`{name}` is {instead}"))
+                .help(known),
+            None => diagnostic
+                .label(self.at, "not known")
+                .suggest_or(self.at, nearest, known),
+        }
+    }
+}

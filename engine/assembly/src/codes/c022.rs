@@ -1,0 +1,57 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Something that goes over a broker, and no broker
+///
+/// A binding over AMQP needs a broker to go over.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [[promote]]
+/// service = "Map.maps"
+/// as = "maps"
+/// binding = "amqp"
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [brokers.main]
+/// url = "amqp://guest:guest@localhost:5672"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [[promote]]
+/// service = "Map.maps"
+/// as = "maps"
+/// binding = "amqp"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C022, error)]
+#[error("`amqp` needs a broker, and {reason}")]
+pub(crate) struct MissingBroker {
+    pub at: Span,
+    pub reason: &'static str,
+}
+
+impl Finding for MissingBroker {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "over which broker?")
+            .help("write `[brokers.main]` with its `url`, and `broker = \"main\"` here")
+    }
+}

@@ -1,0 +1,54 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Two components of one id
+///
+/// Messages, traces and the broker know a component by its id: the `id` of its task, or its name.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [components.Spare]
+/// implementation = { rust = "nav::MapServer" }
+/// task = { id = "Map", period_ms = 50 }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [components.Spare]
+/// implementation = { rust = "nav::MapServer" }
+/// task = { id = "Spare", period_ms = 50 }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C023, error)]
+#[error("two components have the id `{id}`")]
+pub(crate) struct DuplicateId {
+    pub id: String,
+    pub at: Span,
+    pub first: Span,
+}
+
+impl Finding for DuplicateId {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+                .label(self.at, "again here")
+                .label(self.first, "first here")
+                .help("the id names the component's queue, log and metrics; without `task.id` it is the component's name")
+    }
+}

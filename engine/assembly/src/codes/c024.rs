@@ -1,0 +1,47 @@
+use crate::nearest::Nearest;
+use crate::nearest::Suggest;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// An implementation whose name looks misspelt
+///
+/// A name that resembles one of this build is most likely that one.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServr" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C024, error)]
+#[error("this build has no {what} `{name}`")]
+pub(crate) struct UnknownImplementation {
+    pub what: &'static str,
+    pub name: String,
+    pub at: Span,
+    pub nearest: Option<Nearest>,
+}
+
+impl Finding for UnknownImplementation {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { nearest, .. } = self;
+        diagnostic
+            .label(self.at, "not known")
+            .suggest(self.at, nearest)
+    }
+}

@@ -1,0 +1,58 @@
+use crate::codes::has;
+use crate::nearest::Suggest;
+use crate::nearest::nearest_name;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Something listed that the component does not declare
+///
+/// The composite may list ports, services and references of a component, to be read; they are compared with
+/// what the component declares.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { map = "nav/MapService" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C026, error)]
+#[error("`{implementation}` has no {what} `{name}`")]
+pub(crate) struct UndeclaredMember {
+    pub implementation: String,
+    pub what: &'static str,
+    pub name: String,
+    pub at: Span,
+    pub made_of: Span,
+    pub known: Vec<String>,
+}
+
+impl Finding for UndeclaredMember {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { name, what, .. } = self;
+        diagnostic
+            .label(self.at, "not declared by the component")
+            .label(self.made_of, "the component")
+            .suggest_or(
+                self.at,
+                &nearest_name(name, self.known.iter().map(String::as_str)),
+                has(what, self.known.iter().map(String::as_str)),
+            )
+    }
+}

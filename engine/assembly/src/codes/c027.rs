@@ -1,0 +1,51 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Something listed otherwise than the component declares it
+///
+/// The type or interface that the composite lists is not the one that the component declares.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/PlanService" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C027, error)]
+#[error("{what} `{name}` of `{implementation}` is `{declared}`, not `{written}`")]
+pub(crate) struct DeclarationDiffers {
+    pub implementation: String,
+    pub what: &'static str,
+    pub name: String,
+    pub declared: String,
+    pub written: String,
+    pub at: Span,
+    pub made_of: Span,
+}
+
+impl Finding for DeclarationDiffers {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { declared, .. } = self;
+        diagnostic
+            .label(self.at, "written here")
+            .label(self.made_of, format!("the component declares `{declared}`"))
+            .fix("write what the component declares", self.at, declared)
+    }
+}

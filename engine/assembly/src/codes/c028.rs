@@ -1,0 +1,99 @@
+use crate::check::face::Named;
+use crate::codes::has;
+use crate::nearest::{Nearest, Suggest, nearest};
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A property set that the component does not have
+///
+/// A component of this build declares its properties with types, ranges and units.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// properties = { sorce = "maps" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// properties = { source = "maps" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C028, error)]
+#[error("`{component}` has no property `{name}`", component = self.component(), name = self.name())]
+pub(crate) enum UnknownProperty {
+    /// In a composite file.
+    OfComponent {
+        component: String,
+        name: String,
+        at: Span,
+        made_of: Span,
+        known: Vec<Named>,
+    },
+    /// In a file of properties.
+    InFile {
+        component: String,
+        name: String,
+        at: Span,
+        nearest: Option<Nearest>,
+        known: Vec<String>,
+    },
+}
+
+impl UnknownProperty {
+    fn component(&self) -> &str {
+        match self {
+            Self::OfComponent { component, .. } | Self::InFile { component, .. } => component,
+        }
+    }
+
+    fn name(&self) -> &str {
+        match self {
+            Self::OfComponent { name, .. } | Self::InFile { name, .. } => name,
+        }
+    }
+}
+
+impl Finding for UnknownProperty {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        match self {
+            Self::OfComponent {
+                name,
+                at,
+                made_of,
+                known,
+                ..
+            } => {
+                let names = known.iter().map(|it| it.text.as_str());
+                let all = known.iter().map(|it| (it.text.as_str(), it.at));
+                diagnostic
+                    .label(*at, "no such property")
+                    .label(*made_of, "the component")
+                    .suggest_or(*at, &nearest(name, all), has("property", names))
+            }
+            Self::InFile {
+                at, nearest, known, ..
+            } => {
+                let has = match known.is_empty() {
+                    true => "it has none".to_owned(),
+                    false => format!("it has `{}`", known.join("`, `")),
+                };
+                diagnostic
+                    .label(*at, "no such property")
+                    .suggest_or(*at, nearest, has)
+            }
+        }
+    }
+}

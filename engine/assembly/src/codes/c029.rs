@@ -1,0 +1,52 @@
+use crate::codes::has;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// An input listed that the component does not have
+///
+/// The component reads no such input: what arrives there is lost.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// subscribe = { weather = "std_msgs/String" }
+///
+/// [[promote]]
+/// topic = "weather"
+/// as = "weather"
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C029, warning)]
+#[error("`{implementation}` has no input `{name}`, so nobody reads what comes there")]
+pub(crate) struct SubscriptionNeverRead {
+    pub implementation: String,
+    pub name: String,
+    pub at: Span,
+    pub made_of: Span,
+    pub known: Vec<String>,
+}
+
+impl Finding for SubscriptionNeverRead {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "never read")
+            .label(self.made_of, "the component")
+            .help(has("input", self.known.iter().map(String::as_str)))
+    }
+}

@@ -1,0 +1,78 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A reference wired or promoted twice
+///
+/// A call goes to one service. To call one of several, write a reference for each.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [components.User]
+/// implementation = { process = "user" }
+/// references = { maps = "nav/MapService" }
+///
+/// [[wires]]
+/// reference = "User.maps"
+/// service = "Map.maps"
+/// timeout_ms = 1000
+///
+/// [[wires]]
+/// reference = "User.maps"
+/// service = "Map.maps"
+/// timeout_ms = 200
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [components.User]
+/// implementation = { process = "user" }
+/// references = { maps = "nav/MapService" }
+///
+/// [[wires]]
+/// reference = "User.maps"
+/// service = "Map.maps"
+/// timeout_ms = 1000
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C032, error)]
+#[error("reference `{reference}` is {how}")]
+pub(crate) struct ReferenceWiredTwice {
+    pub reference: String,
+    pub how: &'static str,
+    pub at: Span,
+    pub first: Span,
+}
+
+impl Finding for ReferenceWiredTwice {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "again here")
+            .label(self.first, "first here")
+            .help(match self.how {
+                WIRED_TWICE => {
+                    "one wire may lead to several services: `service = [\"A.x\", \"B.x\"]`"
+                }
+                _ => "leave one of the two out",
+            })
+    }
+}
+
+/// How a reference comes to be wired more than once: by two wires.
+pub(crate) const WIRED_TWICE: &str = "wired twice";

@@ -1,0 +1,81 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// An answer from several
+///
+/// A reference may have several services: each is told, and none answers. Whoever waits for an answer has one service.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [components.Spare]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [components.User]
+/// implementation = { process = "user" }
+/// references = { maps = "nav/MapService" }
+///
+/// [[wires]]
+/// reference = "User.maps"
+/// service = ["Map.maps", "Spare.maps"]
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [components.Spare]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [components.User]
+/// implementation = { process = "user" }
+/// references = { maps = "nav/MapService" }
+///
+/// [[wires]]
+/// reference = "User.maps"
+/// service = "Map.maps"
+/// timeout_ms = 1000
+/// ```
+///
+/// An operation has no answer where the wire says `oneway = true`; where its message is empty; or where the out function that
+/// declares it has the codomain `Rule`.
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C034, error)]
+#[error("`{reference}` has several services, and {who}")]
+pub(crate) struct AwaitsSeveral {
+    pub reference: String,
+    /// Who waits, for what.
+    pub who: String,
+    pub at: Span,
+    /// Where it says so.
+    pub place: Option<Span>,
+}
+
+impl Finding for AwaitsSeveral {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let diagnostic = diagnostic.label(self.at, "only one can answer");
+        let diagnostic = match self.place {
+            Some(place) => diagnostic.label(place, "an answer is awaited here"),
+            None => diagnostic,
+        };
+        diagnostic.help(
+            "wire it to one service; or wait for no answer, and say `oneway = true`: all are told",
+        )
+    }
+}

@@ -1,0 +1,66 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A component that would cycle after itself
+///
+/// A component with a `master` cycles in the master's thread, right after it. In a circle of masters nobody would be first.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Joystick]
+/// implementation = { process = "joystick" }
+/// ports.out = { twist = "geometry_msgs/Twist" }
+/// activity = { master = "Rover" }
+///
+/// [components.Rover]
+/// implementation = { process = "rover" }
+/// ports.in = { twist = "geometry_msgs/Twist" }
+/// activity = { master = "Joystick" }
+///
+/// [[connections]]
+/// from = "Joystick.twist"
+/// to = "Rover.twist"
+/// policy = { type = "data" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Joystick]
+/// implementation = { process = "joystick" }
+/// ports.out = { twist = "geometry_msgs/Twist" }
+/// activity = { period_ms = 20 }
+///
+/// [components.Rover]
+/// implementation = { process = "rover" }
+/// ports.in = { twist = "geometry_msgs/Twist" }
+/// activity = { master = "Joystick" }
+///
+/// [[connections]]
+/// from = "Joystick.twist"
+/// to = "Rover.twist"
+/// policy = { type = "data" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C035, error)]
+#[error("`{component}` would cycle after itself")]
+pub(crate) struct OwnMaster {
+    pub component: String,
+    pub at: Span,
+}
+
+impl Finding for OwnMaster {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "leads back to it")
+            .help("leave `master` out of one of them: it drives the others")
+    }
+}

@@ -1,0 +1,61 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A connection from a topic to a topic
+///
+/// A topic is a place, no component: nothing carries messages from one to another.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Laser]
+/// implementation = { process = "laser" }
+/// publish = { scan = "sensor_msgs/LaserScan" }
+///
+/// [[connections]]
+/// from = "topic:scan"
+/// to = "topic:laser"
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Laser]
+/// implementation = { process = "laser" }
+/// publish = { scan = "sensor_msgs/LaserScan" }
+/// rename = { scan = "laser" }
+/// ```
+///
+/// `rename` puts the output on the other topic.
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C041, error)]
+#[error("a connection from {from} to {to} joins no component")]
+pub(crate) struct NoComponentJoined {
+    pub from: &'static str,
+    pub from_at: Span,
+    pub to: &'static str,
+    pub to_at: Span,
+}
+
+impl Finding for NoComponentJoined {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { from, to, .. } = self;
+        diagnostic
+            .label(self.to_at, *to)
+            .label(
+                self.from_at,
+                format!("{from}{}", if from == to { ", too" } else { "" }),
+            )
+            .help(match (*from, *to) {
+                ("a topic", "a topic") => "rename the topic where it is published or subscribed",
+                _ => "put a component between, or join the port itself to the message queue",
+            })
+    }
+}

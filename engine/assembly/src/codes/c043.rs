@@ -1,0 +1,73 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Two writers of a last value
+///
+/// With `data`, a reader sees the last value alone: of two writers, now the one and now the other. A buffer
+/// keeps what both say; an arbiter component decides between them.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Joystick]
+/// implementation = { process = "joystick" }
+/// ports.out = { twist = "geometry_msgs/Twist" }
+///
+/// [components.Remote]
+/// implementation = { process = "remote" }
+/// ports.out = { twist = "geometry_msgs/Twist" }
+///
+/// [components.Rover]
+/// implementation = { process = "rover" }
+/// ports.in = { twist = "geometry_msgs/Twist" }
+///
+/// [[connections]]
+/// from = ["Joystick.twist", "Remote.twist"]
+/// to = "Rover.twist"
+/// policy = { type = "data" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Joystick]
+/// implementation = { process = "joystick" }
+/// ports.out = { twist = "geometry_msgs/Twist" }
+///
+/// [components.Remote]
+/// implementation = { process = "remote" }
+/// ports.out = { twist = "geometry_msgs/Twist" }
+///
+/// [components.Rover]
+/// implementation = { process = "rover" }
+/// ports.in = { twist = "geometry_msgs/Twist" }
+///
+/// [[connections]]
+/// from = ["Joystick.twist", "Remote.twist"]
+/// to = "Rover.twist"
+/// policy = { type = "circular_buffer", size = 8 }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C043, error)]
+#[error("`{port}` keeps the last value, and two write it")]
+pub(crate) struct TwoWriters {
+    pub port: String,
+    pub at: Span,
+    pub first: Span,
+}
+
+impl Finding for TwoWriters {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "the second writer")
+            .label(self.first, "the first writer")
+            .help("queue both with `type = \"buffer\"` and a `size`, or leave one out")
+    }
+}

@@ -1,0 +1,66 @@
+use crate::model::Flow;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A queue without a size
+///
+/// A buffer has room for so many messages; there is no number that is right for all.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Joystick]
+/// implementation = { process = "joystick" }
+/// ports.out = { twist = "geometry_msgs/Twist" }
+///
+/// [components.Rover]
+/// implementation = { process = "rover" }
+/// ports.in = { twist = "geometry_msgs/Twist" }
+///
+/// [[connections]]
+/// from = "Joystick.twist"
+/// to = "Rover.twist"
+/// policy = { type = "buffer" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Joystick]
+/// implementation = { process = "joystick" }
+/// ports.out = { twist = "geometry_msgs/Twist" }
+///
+/// [components.Rover]
+/// implementation = { process = "rover" }
+/// ports.in = { twist = "geometry_msgs/Twist" }
+///
+/// [[connections]]
+/// from = "Joystick.twist"
+/// to = "Rover.twist"
+/// policy = { type = "buffer", size = 8 }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C044, error)]
+#[error("a connection of type `{kind}` needs a `size`")]
+pub(crate) struct QueueWithoutSize {
+    pub kind: Flow,
+    pub at: Span,
+}
+
+impl Finding for QueueWithoutSize {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { kind, .. } = self;
+        diagnostic
+            .label(self.at, "how long is the queue?")
+            .help(format!(
+                "for example `policy = {{ type = \"{kind}\", size = 16 }}`"
+            ))
+    }
+}

@@ -1,0 +1,67 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// An input that nothing is connected to
+///
+/// The composite lists this input and nothing ever arrives there.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Rover]
+/// implementation = { process = "rover" }
+/// ports.in = { twist = "geometry_msgs/Twist" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Joystick]
+/// implementation = { process = "joystick" }
+/// ports.out = { twist = "geometry_msgs/Twist" }
+///
+/// [components.Rover]
+/// implementation = { process = "rover" }
+/// ports.in = { twist = "geometry_msgs/Twist" }
+///
+/// [[connections]]
+/// from = "Joystick.twist"
+/// to = "Rover.twist"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C045, error)]
+#[error("nothing is connected to input `{component}.{port}`")]
+pub(crate) struct UnconnectedInput {
+    pub component: String,
+    pub port: String,
+    pub kind: String,
+    pub nested: bool,
+    pub at: Span,
+}
+
+impl Finding for UnconnectedInput {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self {
+            component,
+            port,
+            kind,
+            nested,
+            ..
+        } = self;
+        let or = match nested {
+            true => "",
+            false => ", or move it to `subscribe`",
+        };
+        let help = format!("connect an output of type `{kind}` to `{component}.{port}`{or}");
+        diagnostic
+            .label(self.at, "would never see a message")
+            .help(help)
+    }
+}

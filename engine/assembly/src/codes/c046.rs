@@ -1,0 +1,66 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// An input that the composite does not mention
+///
+/// The component reads an input that the composite neither connects nor lists. It works, and never hears
+/// anything there.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Follower]
+/// implementation = { rust = "nav::TrajectoryFollower" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Follower]
+/// implementation = { rust = "nav::TrajectoryFollower" }
+/// subscribe = { path = "nav_msgs/Path", odom = "nav_msgs/Odometry", permit = "std_msgs/Bool" }
+///
+/// [[promote]]
+/// topic = "path"
+/// as = "path"
+///
+/// [[promote]]
+/// topic = "odom"
+/// as = "odom"
+///
+/// [[promote]]
+/// topic = "permit"
+/// as = "permit"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C046, warning)]
+#[error("`{component}` also has the input `{port}`, which the composite leaves open")]
+pub(crate) struct OpenInput {
+    pub component: String,
+    pub port: String,
+    pub kind: String,
+    pub at: Span,
+}
+
+impl Finding for OpenInput {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self {
+            component,
+            port,
+            kind,
+            ..
+        } = self;
+        diagnostic
+            .label(self.at, "would never see a message there")
+            .help(format!(
+                "connect an output of type `{kind}` to `{component}.{port}`"
+            ))
+    }
+}

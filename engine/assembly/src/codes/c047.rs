@@ -1,0 +1,69 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A connection without a lock between two threads
+///
+/// `unsync` takes no care of threads: both ends must cycle in one, by `activity = { master = … }`.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Joystick]
+/// implementation = { process = "joystick" }
+/// ports.out = { twist = "geometry_msgs/Twist" }
+///
+/// [components.Rover]
+/// implementation = { process = "rover" }
+/// ports.in = { twist = "geometry_msgs/Twist" }
+///
+/// [[connections]]
+/// from = "Joystick.twist"
+/// to = "Rover.twist"
+/// policy = { type = "data", lock = "unsync" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Joystick]
+/// implementation = { process = "joystick" }
+/// ports.out = { twist = "geometry_msgs/Twist" }
+///
+/// [components.Rover]
+/// implementation = { process = "rover" }
+/// ports.in = { twist = "geometry_msgs/Twist" }
+///
+/// [[connections]]
+/// from = "Joystick.twist"
+/// to = "Rover.twist"
+/// policy = { type = "data", lock = "lock_free" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C047, error)]
+#[error("`lock = \"unsync\"` needs both ends in one thread")]
+pub(crate) struct UnsyncAcrossThreads {
+    pub from: String,
+    pub to: String,
+    pub at: Span,
+    pub ends: Span,
+}
+
+impl Finding for UnsyncAcrossThreads {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { from, to, .. } = self;
+        diagnostic
+            .label(self.at, "not safe here")
+            .label(self.ends, "two threads meet")
+            .help(format!(
+                "use `lock_free`, or cycle one after the other: `activity.master` of `{to}` \
+                     or `{from}`"
+            ))
+    }
+}

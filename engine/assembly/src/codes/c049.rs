@@ -1,0 +1,63 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Two ends joined twice
+///
+/// The same two ends are joined once; a second connection would deliver everything twice.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Joystick]
+/// implementation = { process = "joystick" }
+/// ports.out = { twist = "geometry_msgs/Twist" }
+///
+/// [components.Rover]
+/// implementation = { process = "rover" }
+/// ports.in = { twist = "geometry_msgs/Twist" }
+///
+/// [[connections]]
+/// from = "Joystick.twist"
+/// to = ["Rover.twist", "Rover.twist"]
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Joystick]
+/// implementation = { process = "joystick" }
+/// ports.out = { twist = "geometry_msgs/Twist" }
+///
+/// [components.Rover]
+/// implementation = { process = "rover" }
+/// ports.in = { twist = "geometry_msgs/Twist" }
+///
+/// [[connections]]
+/// from = "Joystick.twist"
+/// to = "Rover.twist"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C049, error)]
+#[error("`{from}` and `{to}` are joined twice")]
+pub(crate) struct DuplicateConnection {
+    pub from: String,
+    pub to: String,
+    pub at: Span,
+    pub first: Span,
+}
+
+impl Finding for DuplicateConnection {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "again here")
+            .label(self.first, "first here")
+            .help("leave one of the two out")
+    }
+}

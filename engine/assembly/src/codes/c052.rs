@@ -1,0 +1,57 @@
+use crate::nearest::Suggest;
+use crate::nearest::nearest;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A rename of an unknown topic
+///
+/// `rename` gives another topic to what the component publishes or subscribes to.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Laser]
+/// implementation = { process = "laser" }
+/// publish = { scan = "sensor_msgs/LaserScan" }
+/// rename = { scn = "laser" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Laser]
+/// implementation = { process = "laser" }
+/// publish = { scan = "sensor_msgs/LaserScan" }
+/// rename = { scan = "laser" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C052, error)]
+#[error("`{component}` neither subscribes nor publishes `{name}`, so it cannot be renamed")]
+pub(crate) struct UnknownRename {
+    pub component: String,
+    pub name: String,
+    pub at: Span,
+    pub known: Vec<(String, Span)>,
+}
+
+impl Finding for UnknownRename {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { name, at, .. } = self;
+        let all = self
+            .known
+            .iter()
+            .map(|(name, at)| (name.as_str(), Some(*at)));
+        diagnostic.label(*at, "no such topic").suggest_or(
+            *at,
+            &nearest(name, all),
+            "left is the name in the component, right the topic",
+        )
+    }
+}

@@ -1,0 +1,69 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// More threads than a connection allows
+///
+/// Each component cycles in a thread of its own, unless it has a `master`. `max_threads` says how many threads the connection
+/// is to be used by.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Joystick]
+/// implementation = { process = "joystick" }
+/// ports.out = { twist = "geometry_msgs/Twist" }
+///
+/// [components.Rover]
+/// implementation = { process = "rover" }
+/// ports.in = { twist = "geometry_msgs/Twist" }
+///
+/// [[connections]]
+/// from = "Joystick.twist"
+/// to = "Rover.twist"
+/// policy = { type = "data", max_threads = 1 }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Joystick]
+/// implementation = { process = "joystick" }
+/// ports.out = { twist = "geometry_msgs/Twist" }
+///
+/// [components.Rover]
+/// implementation = { process = "rover" }
+/// ports.in = { twist = "geometry_msgs/Twist" }
+///
+/// [[connections]]
+/// from = "Joystick.twist"
+/// to = "Rover.twist"
+/// policy = { type = "data", max_threads = 2 }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C058, error)]
+#[error("{threads} threads would use a connection that allows {max}")]
+pub(crate) struct TooManyThreads {
+    pub threads: i64,
+    pub max: i64,
+    pub at: Span,
+    pub ends: Span,
+}
+
+impl Finding for TooManyThreads {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { threads, .. } = self;
+        diagnostic
+            .label(self.at, "too few")
+            .label(self.ends, "read in a thread of its own")
+            .help(format!(
+                "allow {threads}, or leave `max_threads` out: no connection of ours needs it"
+            ))
+    }
+}

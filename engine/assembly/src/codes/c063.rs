@@ -1,0 +1,61 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Something that is called over HTTP, and no gateway
+///
+/// A gateway says where those outside call. Of several, the promotion says through which.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [[promote]]
+/// service = "Map.maps"
+/// as = "maps"
+/// binding = "http"
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [gateways.main]
+/// listen = "127.0.0.1:8080"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [[promote]]
+/// service = "Map.maps"
+/// as = "maps"
+/// binding = "http"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C063, error)]
+#[error("`http` needs a gateway, and this composite has {}", match several { true => "several", false => "none" })]
+pub(crate) struct NoGateway {
+    pub several: bool,
+    pub at: Span,
+}
+
+impl Finding for NoGateway {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { several, .. } = self;
+        diagnostic
+            .label(self.at, "through which gateway?")
+            .help(match several {
+                true => "say which with `gateway = \"main\"`",
+                false => "write `[gateways.main]` with `listen = \"127.0.0.1:8080\"`",
+            })
+    }
+}

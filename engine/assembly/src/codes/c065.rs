@@ -1,0 +1,51 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+use std::net::SocketAddr;
+
+/// Two gateways at one address
+///
+/// Only one of them could listen there.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [gateways.main]
+/// listen = "127.0.0.1:8080"
+///
+/// [gateways.other]
+/// listen = "127.0.0.1:8080"
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [gateways.main]
+/// listen = "127.0.0.1:8080"
+///
+/// [gateways.other]
+/// listen = "127.0.0.1:8081"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C065, error)]
+#[error("two gateways listen at {address}")]
+pub(crate) struct DuplicateAddress {
+    pub address: SocketAddr,
+    pub at: Span,
+    pub first: Span,
+}
+
+impl Finding for DuplicateAddress {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "again here")
+            .label(self.first, "first here")
+            .help("give one of them another port, or promote everything through one")
+    }
+}

@@ -1,0 +1,98 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A gateway in two processes
+///
+/// A gateway is opened by the process whose services are called through it; two processes cannot listen at one address.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [gateways.main]
+/// listen = "127.0.0.1:8080"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [components.Archive]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [[promote]]
+/// service = "Map.maps"
+/// as = "maps"
+/// binding = "http"
+///
+/// [[promote]]
+/// service = "Archive.maps"
+/// as = "archive"
+/// binding = "http"
+///
+/// [deploy]
+/// processes = [
+///   { name = "onboard", components = ["Map"] },
+///   { name = "supervisor", components = ["Archive"] },
+/// ]
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [gateways.onboard]
+/// listen = "127.0.0.1:8080"
+///
+/// [gateways.supervisor]
+/// listen = "127.0.0.1:8081"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [components.Archive]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [[promote]]
+/// service = "Map.maps"
+/// as = "maps"
+/// binding = "http"
+/// gateway = "onboard"
+///
+/// [[promote]]
+/// service = "Archive.maps"
+/// as = "archive"
+/// binding = "http"
+/// gateway = "supervisor"
+///
+/// [deploy]
+/// processes = [
+///   { name = "onboard", components = ["Map"] },
+///   { name = "supervisor", components = ["Archive"] },
+/// ]
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C066, error)]
+#[error("gateway `{gateway}` is in process `{}` and in `{}`", processes.0, processes.1)]
+pub(crate) struct GatewayInTwoProcesses {
+    pub gateway: String,
+    pub processes: (String, String),
+    pub at: Span,
+    pub first: Span,
+}
+
+impl Finding for GatewayInTwoProcesses {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+                .label(self.at, format!("of a component in `{}`", self.processes.1))
+                .label(self.first, format!("of a component in `{}`", self.processes.0))
+                .help("only one process can listen at an address: give each a gateway of its own, and say which with `gateway`")
+    }
+}

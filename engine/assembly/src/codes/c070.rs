@@ -1,0 +1,57 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A component placed twice
+///
+/// A component runs in one process.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [deploy]
+/// processes = [
+///   { name = "robot", components = ["Map"] },
+///   { name = "station", components = ["Map"] },
+/// ]
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [deploy]
+/// processes = [
+///   { name = "robot", components = ["Map"] },
+/// ]
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C070, error)]
+#[error("`{component}` is placed twice")]
+pub(crate) struct PlacedTwice {
+    pub component: String,
+    pub at: Span,
+    pub first: Span,
+}
+
+impl Finding for PlacedTwice {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "again here")
+            .label(self.first, "first here")
+            .help("a component runs in one process")
+    }
+}

@@ -1,0 +1,61 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A component placed nowhere
+///
+/// Where processes are listed, every component belongs to one of them.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [components.Laser]
+/// implementation = { process = "laser" }
+/// publish = { scan = "sensor_msgs/LaserScan" }
+///
+/// [deploy]
+/// processes = [{ name = "robot", components = ["Map"] }]
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [components.Laser]
+/// implementation = { process = "laser" }
+/// publish = { scan = "sensor_msgs/LaserScan" }
+///
+/// [deploy]
+/// processes = [{ name = "robot", components = ["Map", "Laser"] }]
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C071, error)]
+#[error("`{component}` is placed in no process")]
+pub(crate) struct PlacedNowhere {
+    pub component: String,
+    pub at: Span,
+    pub deploy: Span,
+}
+
+impl Finding for PlacedNowhere {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { component, .. } = self;
+        diagnostic
+            .label(self.at, "declared here")
+            .label(self.deploy, format!("no process has `{component}`"))
+            .help("add it to the `components` of a process")
+    }
+}

@@ -1,0 +1,56 @@
+use crate::nearest::Nearest;
+use crate::nearest::Suggest;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A recorded topic that nobody has
+///
+/// Nothing is published on this topic, so nothing will be recorded.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Laser]
+/// implementation = { process = "laser" }
+/// publish = { scan = "sensor_msgs/LaserScan" }
+///
+/// [deploy]
+/// processes = [{ name = "robot", components = ["Laser"] }]
+/// record = { topics = ["scam"] }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Laser]
+/// implementation = { process = "laser" }
+/// publish = { scan = "sensor_msgs/LaserScan" }
+///
+/// [deploy]
+/// processes = [{ name = "robot", components = ["Laser"] }]
+/// record = { topics = ["scan"] }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C073, warning)]
+#[error("no topic matches `{topic}`, so nothing is recorded of it")]
+pub(crate) struct UnknownRecordedTopic {
+    pub topic: String,
+    pub at: Span,
+    pub nearest: Option<Nearest>,
+}
+
+impl Finding for UnknownRecordedTopic {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { nearest, .. } = self;
+        diagnostic
+            .label(self.at, "no such topic")
+            .suggest(self.at, nearest)
+    }
+}

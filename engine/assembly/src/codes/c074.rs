@@ -1,0 +1,77 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A local wire between two processes
+///
+/// A wire with `binding = "local"` stays within a process. Its reference and its service are placed in two.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [components.User]
+/// implementation = { process = "user" }
+/// references = { maps = "nav/MapService" }
+///
+/// [[wires]]
+/// reference = "User.maps"
+/// service = "Map.maps"
+/// binding = "local"
+/// timeout_ms = 1000
+///
+/// [deploy]
+/// processes = [
+///   { name = "robot", components = ["Map"] },
+///   { name = "desk", components = ["User"] },
+/// ]
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [components.User]
+/// implementation = { process = "user" }
+/// references = { maps = "nav/MapService" }
+///
+/// [[wires]]
+/// reference = "User.maps"
+/// service = "Map.maps"
+/// timeout_ms = 1000
+///
+/// [deploy]
+/// processes = [
+///   { name = "robot", components = ["Map"] },
+///   { name = "desk", components = ["User"] },
+/// ]
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C074, error)]
+#[error("`{from}` is in process `{}`, `{to}` in `{}`, and the wire is local", processes.0, processes.1)]
+pub(crate) struct LocalWireAcross {
+    pub from: String,
+    pub to: String,
+    pub processes: (String, String),
+    pub at: Span,
+}
+
+impl Finding for LocalWireAcross {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "only within a process")
+            .help("place both components in one process, or leave `binding` out")
+    }
+}

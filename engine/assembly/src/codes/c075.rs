@@ -1,0 +1,78 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// No broker between two processes
+///
+/// As soon as a component says on which broker it is, with `task.broker`, those that say nothing stay inside their
+/// process. What joins two processes needs a broker that both are on.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [brokers.main]
+/// url = "amqp://${ROBOT_USER}:${ROBOT_PASSWORD}@desk:5672/cell"
+///
+/// [components.Speaker]
+/// implementation = { process = "speaker" }
+/// task = { broker = "main" }
+/// publish = { word = "std_msgs/String" }
+///
+/// [components.Hearer]
+/// implementation = { process = "hearer" }
+/// subscribe = { word = "std_msgs/String" }
+///
+/// [deploy]
+/// processes = [
+///   { name = "robot", components = ["Speaker"] },
+///   { name = "desk", components = ["Hearer"] },
+/// ]
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [brokers.main]
+/// url = "amqp://${ROBOT_USER}:${ROBOT_PASSWORD}@desk:5672/cell"
+///
+/// [components.Speaker]
+/// implementation = { process = "speaker" }
+/// task = { broker = "main" }
+/// publish = { word = "std_msgs/String" }
+///
+/// [components.Hearer]
+/// implementation = { process = "hearer" }
+/// task = { broker = "main" }
+/// subscribe = { word = "std_msgs/String" }
+///
+/// [deploy]
+/// processes = [
+///   { name = "robot", components = ["Speaker"] },
+///   { name = "desk", components = ["Hearer"] },
+/// ]
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C075, error)]
+#[error("{what} does not get from process `{}` to `{}`", processes.0, processes.1)]
+pub(crate) struct NoCommonBroker {
+    /// What: `topic scan`, `the wire from A.x to B.y`.
+    pub what: String,
+    pub processes: (String, String),
+    /// The component without, or on which.
+    pub why: String,
+    pub at: Span,
+}
+
+impl Finding for NoCommonBroker {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, self.why.clone())
+            .help("say on which broker both are, with `task.broker`; or place them in one process")
+    }
+}

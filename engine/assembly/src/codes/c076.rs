@@ -1,0 +1,74 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Without effect in this build
+///
+/// The key is known, and nothing in this build acts on it.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [components.User]
+/// implementation = { process = "user" }
+/// references = { maps = "nav/MapService" }
+///
+/// [[wires]]
+/// reference = "User.maps"
+/// service = "Map.maps"
+/// timeout_ms = 1000
+///
+/// [deploy]
+/// processes = [
+///   { name = "robot", components = ["Map"] },
+///   { name = "desk", components = ["User"] },
+/// ]
+/// record = { dir = "runs/" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [components.User]
+/// implementation = { process = "user" }
+/// references = { maps = "nav/MapService" }
+///
+/// [[wires]]
+/// reference = "User.maps"
+/// service = "Map.maps"
+/// timeout_ms = 1000
+///
+/// [deploy]
+/// processes = [
+///   { name = "robot", components = ["Map"] },
+///   { name = "desk", components = ["User"] },
+/// ]
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C076, warning)]
+#[error("`record` is written, and this build does nothing with it")]
+pub(crate) struct RecordIgnored {
+    pub at: Span,
+}
+
+impl Finding for RecordIgnored {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "without effect")
+            .help("`asmotion run --record FILE --ports NAME` writes down what ports and topics had")
+    }
+}

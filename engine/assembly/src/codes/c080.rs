@@ -1,0 +1,61 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A composite that includes itself
+///
+/// A composite in itself has no end. Put what both need into a third file.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Inner]
+/// implementation = { composite = "example.toml" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Inner]
+/// implementation = { rust = "nav::MapServer" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C080, error)]
+pub(crate) enum CircularInclusion {
+    #[error("`{path}` includes itself: {}", chain.join(" → "))]
+    Composite {
+        path: String,
+        chain: Vec<String>,
+        places: Vec<Span>,
+    },
+    #[error("`{path}` lies over itself")]
+    Layer { path: String, at: Span },
+}
+
+impl Finding for CircularInclusion {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        match self {
+            Self::Composite { places, .. } => {
+                let diagnostic = diagnostic
+                    .help("leave one of these components out, or move it to a third file");
+                let mut places = places.iter().rev();
+                let diagnostic = match places.next() {
+                    Some(last) => diagnostic.label(*last, "this closes the circle"),
+                    None => diagnostic,
+                };
+                places.rev().fold(diagnostic, |diagnostic, place| {
+                    diagnostic.label(*place, "included here")
+                })
+            }
+            Self::Layer { at, .. } => diagnostic
+                .label(*at, "this closes the circle")
+                .help("name the file as its `base` that says what all sites have in common"),
+        }
+    }
+}

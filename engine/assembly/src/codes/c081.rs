@@ -1,0 +1,21 @@
+use crate::family::MAX_DEPTH;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Composites nested too deep
+///
+/// Composites stand in composites some levels deep and no deeper: deeper is nobody's intention. Join some of
+/// them in one file.
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C081, error)]
+#[error("composites nest deeper than {MAX_DEPTH}")]
+pub(crate) struct CompositesTooDeep {
+    pub at: Span,
+}
+
+impl Finding for CompositesTooDeep {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "given up here")
+            .help("join some of them in one file")
+    }
+}

@@ -1,0 +1,20 @@
+use crate::plan::flatten::MAX_COMPONENTS;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Too many components
+///
+/// Composites in composites multiply: of each component there is one for every time its file is included.
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C082, error)]
+#[error("opened up, this composite has more than {MAX_COMPONENTS} components")]
+pub(crate) struct TooManyComponents {
+    pub at: Span,
+}
+
+impl Finding for TooManyComponents {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "given up here")
+            .help("nest fewer composites: each stands here once for every time it is included")
+    }
+}

@@ -1,0 +1,99 @@
+use crate::signature::FunctionInfo;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A field that is not of the function's domain
+///
+/// The field has a type of its own: a Boolean function takes a Boolean field, an enumeration a text with
+/// `map`, a number a number.
+///
+/// ```asm
+/// asm example
+/// signature:
+///   enum domain Command = {NOTHING | GET_MAP | STOP}
+///   enum domain Reply = {NONE | MAP_OK | FAILED}
+///   monitored estop: Boolean
+///   monitored reply: Reply
+///   controlled tries: Integer
+///   out command: Command
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Coordinator]
+/// implementation = { asm = "example.asm" }
+/// subscribe = { estop = "std_msgs/Bool", event = "nav/Event" }
+/// publish = { command = "nav/Event" }
+///
+/// [components.Coordinator.bind.monitored]
+/// estop = { topic = "event", field = "code" }
+/// reply = { topic = "event", map = "code", none = "NONE" }
+///
+/// [components.Coordinator.bind.out]
+/// command = { topic = "command" }
+///
+/// [[promote]]
+/// topic = "estop"
+/// as = "estop"
+///
+/// [[promote]]
+/// topic = "event"
+/// as = "event"
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Coordinator]
+/// implementation = { asm = "example.asm" }
+/// subscribe = { estop = "std_msgs/Bool", event = "nav/Event" }
+/// publish = { command = "nav/Event" }
+///
+/// [components.Coordinator.bind.monitored]
+/// estop = { topic = "estop" }
+/// reply = { topic = "event", map = "code", none = "NONE" }
+///
+/// [components.Coordinator.bind.out]
+/// command = { topic = "command" }
+///
+/// [[promote]]
+/// topic = "estop"
+/// as = "estop"
+///
+/// [[promote]]
+/// topic = "event"
+/// as = "event"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C095, error)]
+#[error("`{}` is {}, and {found} does not fit it", function.name, function.codomain.name())]
+pub(crate) struct WrongFieldType {
+    pub function: FunctionInfo,
+    pub found: String,
+    pub at: Span,
+    pub typed: Option<Span>,
+}
+
+impl Finding for WrongFieldType {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { typed, .. } = self;
+        let diagnostic = diagnostic
+                    .label(self.at, "bound here")
+                    .label(self.function.declared, "declared here")
+                    .help("bind a field whose type the function takes; `map` reads a text as a literal, `edge = true` is for Booleans");
+        match typed {
+            Some(typed) => diagnostic.label(*typed, "the message is described here"),
+            None => diagnostic,
+        }
+    }
+}

@@ -1,0 +1,93 @@
+use crate::signature::FunctionInfo;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// An out function without a binding
+///
+/// The specification writes it and nobody hears of it.
+///
+/// ```asm
+/// asm example
+/// signature:
+///   enum domain Command = {NOTHING | GET_MAP | STOP}
+///   enum domain Reply = {NONE | MAP_OK | FAILED}
+///   monitored estop: Boolean
+///   monitored reply: Reply
+///   controlled tries: Integer
+///   out command: Command
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Coordinator]
+/// implementation = { asm = "example.asm" }
+/// subscribe = { estop = "std_msgs/Bool", event = "nav/Event" }
+/// publish = { command = "nav/Event" }
+///
+/// [components.Coordinator.bind.monitored]
+/// estop = { topic = "estop" }
+/// reply = { topic = "event", map = "code", none = "NONE" }
+///
+/// [components.Coordinator.bind.out]
+///
+/// [[promote]]
+/// topic = "estop"
+/// as = "estop"
+///
+/// [[promote]]
+/// topic = "event"
+/// as = "event"
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Coordinator]
+/// implementation = { asm = "example.asm" }
+/// subscribe = { estop = "std_msgs/Bool", event = "nav/Event" }
+/// publish = { command = "nav/Event" }
+///
+/// [components.Coordinator.bind.monitored]
+/// estop = { topic = "estop" }
+/// reply = { topic = "event", map = "code", none = "NONE" }
+///
+/// [components.Coordinator.bind.out]
+/// command = { topic = "command" }
+///
+/// [[promote]]
+/// topic = "estop"
+/// as = "estop"
+///
+/// [[promote]]
+/// topic = "event"
+/// as = "event"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C098, warning)]
+#[error("nobody hears of what the specification writes to `{}`", function.name)]
+pub(crate) struct UnboundOut {
+    pub function: FunctionInfo,
+    pub at: Span,
+}
+
+impl Finding for UnboundOut {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, format!("no binding for `{}`", self.function.name))
+            .label(self.function.declared, "declared `out` here")
+            .help(format!(
+                "add `{} = {{ topic = \"…\" }}` to `bind.out`",
+                self.function.name
+            ))
+    }
+}

@@ -1,0 +1,117 @@
+use crate::nearest::Suggest;
+use crate::nearest::nearest_name;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A kept reply that nothing keeps
+///
+/// `keep` names the reply of a call, and `@name` takes it.
+///
+/// ```asm
+/// asm example
+/// signature:
+///   enum domain Command = {NOTHING | GET_MAP | STOP}
+///   enum domain Reply = {NONE | MAP_OK | FAILED}
+///   monitored estop: Boolean
+///   monitored reply: Reply
+///   controlled tries: Integer
+///   out command: Command
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Coordinator]
+/// implementation = { asm = "example.asm" }
+/// subscribe = { estop = "std_msgs/Bool", event = "nav/Event" }
+/// publish = { map = "nav_msgs/OccupancyGrid" }
+/// references = { maps = "nav/MapService" }
+///
+/// [components.Coordinator.bind.monitored]
+/// estop = { topic = "estop" }
+/// reply = { topic = "event", map = "code", none = "NONE" }
+///
+/// [components.Coordinator.bind.out.command]
+/// GET_MAP = { call = "maps.getMap", with = { name = "office" }, keep = "map", ok = "MAP_OK", failed = "FAILED", timeout = "FAILED", event = "reply" }
+/// STOP = { publish = "map", value = "@mpa" }
+///
+/// [[promote]]
+/// topic = "estop"
+/// as = "estop"
+///
+/// [[promote]]
+/// topic = "event"
+/// as = "event"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [[wires]]
+/// reference = "Coordinator.maps"
+/// service = "Map.maps"
+/// timeout_ms = 1000
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Coordinator]
+/// implementation = { asm = "example.asm" }
+/// subscribe = { estop = "std_msgs/Bool", event = "nav/Event" }
+/// publish = { map = "nav_msgs/OccupancyGrid" }
+/// references = { maps = "nav/MapService" }
+///
+/// [components.Coordinator.bind.monitored]
+/// estop = { topic = "estop" }
+/// reply = { topic = "event", map = "code", none = "NONE" }
+///
+/// [components.Coordinator.bind.out.command]
+/// GET_MAP = { call = "maps.getMap", with = { name = "office" }, keep = "map", ok = "MAP_OK", failed = "FAILED", timeout = "FAILED", event = "reply" }
+/// STOP = { publish = "map", value = "@map" }
+///
+/// [[promote]]
+/// topic = "estop"
+/// as = "estop"
+///
+/// [[promote]]
+/// topic = "event"
+/// as = "event"
+///
+/// [components.Map]
+/// implementation = { rust = "nav::MapServer" }
+/// services = { maps = "nav/MapService" }
+///
+/// [[wires]]
+/// reference = "Coordinator.maps"
+/// service = "Map.maps"
+/// timeout_ms = 1000
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C099, error)]
+#[error("`@{name}` is neither an input nor kept from a reply")]
+pub(crate) struct UnknownKept {
+    pub name: String,
+    pub at: Span,
+    pub known: Vec<String>,
+}
+
+impl Finding for UnknownKept {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { name, .. } = self;
+        let nearest = nearest_name(name, self.known.iter().map(String::as_str));
+        diagnostic
+            .label(self.at, "not known")
+            .help("a call keeps its reply with `keep = \"name\"`; `@@` is an at sign")
+            .suggest(self.at, &nearest)
+    }
+}

@@ -1,0 +1,57 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Another main rule
+///
+/// The main rule is declared in the specification; `main` only repeats its name.
+///
+/// ```asm
+/// asm example
+/// signature:
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Coordinator]
+/// implementation = { asm = "example.asm", main = "r_Mian" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Coordinator]
+/// implementation = { asm = "example.asm", main = "r_Main" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C101, error)]
+#[error("the main rule of the specification is not `{name}`")]
+pub(crate) struct OtherMainRule {
+    pub name: String,
+    pub at: Span,
+    pub found: Option<(String, Span)>,
+}
+
+impl Finding for OtherMainRule {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { found, .. } = self;
+        let diagnostic = diagnostic.label(self.at, "named here");
+        match found {
+            Some((name, declared)) => diagnostic.label(*declared, "the main rule").guess(
+                format!("did you mean `{name}`?"),
+                self.at,
+                name,
+            ),
+            None => diagnostic.note("it has no main rule, so it is a module"),
+        }
+    }
+}

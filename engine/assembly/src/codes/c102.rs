@@ -1,0 +1,66 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// An annotated reference or service that the composite does not list
+///
+/// `//@Reference`, `//@MainService` and `//@Provided` say what a specification needs and serves. What the composite does not
+/// list leads nowhere.
+///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// import CommonBehavior
+/// signature:
+///   domain Maps subsetof Agent
+///   //@Reference
+///   shared maps: Agent -> Maps
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Guide]
+/// implementation = { asm = "example.asm" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Guide]
+/// implementation = { asm = "example.asm" }
+/// references = { maps = { interface = "nav/Maps", optional = true } }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C102, error)]
+#[error("the specification has a {what} `{name}`, which the composite does not list")]
+pub(crate) struct UnlistedAnnotation {
+    pub what: &'static str,
+    pub name: String,
+    pub interface: String,
+    pub at: Span,
+    pub declared: Span,
+}
+
+impl Finding for UnlistedAnnotation {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self {
+            what,
+            name,
+            interface,
+            ..
+        } = self;
+        diagnostic
+            .label(self.at, "not listed here")
+            .label(self.declared, "annotated here")
+            .help(format!("add `{what}s = {{ {name} = \"…/{interface}\" }}`"))
+    }
+}

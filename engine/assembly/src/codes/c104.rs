@@ -1,0 +1,63 @@
+use crate::nearest::Nearest;
+use crate::nearest::Suggest;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A reference or service that the specification does not annotate
+///
+/// A specification that annotates its references or services annotates them all; the others are only those that the
+/// composite itself calls in `bind.out`.
+///
+/// ```asm
+/// asm example
+/// import StandardLibrary
+/// import CommonBehavior
+/// signature:
+///   domain Maps subsetof Agent
+///   //@Reference
+///   shared maps: Agent -> Maps
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Guide]
+/// implementation = { asm = "example.asm" }
+/// references = { maps = { interface = "nav/Maps", optional = true }, plans = { interface = "nav/Plans", optional = true } }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Guide]
+/// implementation = { asm = "example.asm" }
+/// references = { maps = { interface = "nav/Maps", optional = true } }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C104, error)]
+#[error("the composite lists a {what} `{name}`, which the specification does not annotate")]
+pub(crate) struct Unannotated {
+    pub what: &'static str,
+    pub name: String,
+    pub at: Span,
+    pub nearest: Option<Nearest>,
+}
+
+impl Finding for Unannotated {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { nearest, .. } = self;
+        diagnostic
+            .label(self.at, "nobody uses it")
+            .help("leave it out, or annotate it in the specification")
+            .suggest(self.at, nearest)
+    }
+}

@@ -1,0 +1,48 @@
+use crate::nearest::Nearest;
+use crate::nearest::Suggest;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A type of a field that nobody knows
+///
+/// A field is a number, a text, a truth value, a time, or of a type that the build or a file describes;
+/// `name[]` is a list, `name[5]` an array.
+///
+/// ```toml wrong
+/// schema = "composite-types/1"
+///
+/// [type."arm/Status"]
+/// fields = { stamp = "time", position = "f46[5]" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite-types/1"
+///
+/// [type."arm/Status"]
+/// fields = { stamp = "time", position = "f64[5]" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C110, error)]
+#[error("`{name}` is no type")]
+pub(crate) struct UnknownType {
+    pub name: String,
+    pub at: Span,
+    pub nearest: Option<Nearest>,
+}
+
+impl Finding for UnknownType {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { nearest, .. } = self;
+        diagnostic
+            .label(
+                self.at,
+                "not described in any file of `types`, nor known to this build",
+            )
+            .suggest_or(
+                self.at,
+                nearest,
+                "for example `f64`, `u16[5]`, `string`, `time`, `geometry_msgs/Pose[]`",
+            )
+    }
+}

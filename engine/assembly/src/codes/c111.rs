@@ -1,0 +1,36 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A type that contains itself
+///
+/// A message with a message of its own type inside has no end.
+///
+/// ```toml wrong
+/// schema = "composite-types/1"
+///
+/// [type."arm/Tree"]
+/// fields = { name = "string", left = "arm/Tree" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite-types/1"
+///
+/// [type."arm/Tree"]
+/// fields = { name = "string", left = "string" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C111, error)]
+#[error("`{name}` contains itself")]
+pub(crate) struct RecursiveType {
+    pub name: String,
+    pub at: Span,
+}
+
+impl Finding for RecursiveType {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "so no message of this type ever ends")
+            .help("name the inner one by a number or a text instead")
+    }
+}

@@ -1,0 +1,37 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A type described otherwise than this build has it
+///
+/// The build already has this type, with other fields: messages of the two would not fit.
+///
+/// ```toml wrong
+/// schema = "composite-types/1"
+///
+/// [type."nav/Event"]
+/// fields = { code = "f64" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite-types/1"
+///
+/// [type."arm/Event"]
+/// fields = { code = "f64" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C113, error)]
+#[error("`{name}` looks otherwise in this build: {difference}")]
+pub(crate) struct TypeDiffersFromBuild {
+    pub name: String,
+    pub at: Span,
+    pub difference: String,
+}
+
+impl Finding for TypeDiffersFromBuild {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "described here")
+            .help("leave the description out: the build knows the type")
+    }
+}

@@ -1,0 +1,49 @@
+use crate::nearest::Nearest;
+use crate::nearest::Suggest;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A type that this build does not know
+///
+/// Its fields are not known here, so nothing in it is checked. Describe it in a file of types.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Joystick]
+/// implementation = { process = "joystick" }
+/// ports.out = { twist = "acme/Stick" }
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Joystick]
+/// implementation = { process = "joystick" }
+/// ports.out = { twist = "geometry_msgs/Twist" }
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C114, warning)]
+#[error("`{name}` is a type that this build does not know")]
+pub(crate) struct TypeNotInBuild {
+    pub name: String,
+    pub at: Span,
+    pub nearest: Option<Nearest>,
+}
+
+impl Finding for TypeNotInBuild {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { nearest, .. } = self;
+        diagnostic
+            .label(self.at, "its fields cannot be checked")
+            .help("describe it in a file under `composite.types`")
+            .suggest(self.at, nearest)
+    }
+}

@@ -1,0 +1,106 @@
+use crate::codes::has;
+use crate::nearest::Suggest;
+use crate::nearest::nearest_name;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A field that a message does not have
+///
+/// The message has no field of this name.
+///
+/// ```asm
+/// asm example
+/// signature:
+///   enum domain Command = {NOTHING | GET_MAP | STOP}
+///   enum domain Reply = {NONE | MAP_OK | FAILED}
+///   monitored estop: Boolean
+///   monitored reply: Reply
+///   controlled tries: Integer
+///   out command: Command
+/// definitions:
+///   main rule r_Main = skip
+/// ```
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Coordinator]
+/// implementation = { asm = "example.asm" }
+/// subscribe = { estop = "std_msgs/Bool", event = "nav/Event" }
+/// publish = { command = "nav/Event" }
+///
+/// [components.Coordinator.bind.monitored]
+/// estop = { topic = "estop" }
+/// reply = { topic = "event", map = "cod", none = "NONE" }
+///
+/// [components.Coordinator.bind.out]
+/// command = { topic = "command" }
+///
+/// [[promote]]
+/// topic = "estop"
+/// as = "estop"
+///
+/// [[promote]]
+/// topic = "event"
+/// as = "event"
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Coordinator]
+/// implementation = { asm = "example.asm" }
+/// subscribe = { estop = "std_msgs/Bool", event = "nav/Event" }
+/// publish = { command = "nav/Event" }
+///
+/// [components.Coordinator.bind.monitored]
+/// estop = { topic = "estop" }
+/// reply = { topic = "event", map = "code", none = "NONE" }
+///
+/// [components.Coordinator.bind.out]
+/// command = { topic = "command" }
+///
+/// [[promote]]
+/// topic = "estop"
+/// as = "estop"
+///
+/// [[promote]]
+/// topic = "event"
+/// as = "event"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C115, error)]
+#[error("`{name}` has no field `{field}`")]
+pub(crate) struct UnknownField {
+    pub name: String,
+    pub field: String,
+    pub at: Span,
+    pub known: Vec<String>,
+    pub declared: Option<Span>,
+}
+
+impl Finding for UnknownField {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self {
+            field,
+            known,
+            declared,
+            ..
+        } = self;
+        let nearest = nearest_name(field, known.iter().map(String::as_str));
+        let known = known.iter().map(String::as_str);
+        let diagnostic = diagnostic.label(self.at, "no such field");
+        let diagnostic = match declared {
+            Some(declared) => diagnostic.label(*declared, "the type is described here"),
+            None => diagnostic,
+        };
+        diagnostic.suggest_or(self.at, &nearest, has("fields", known))
+    }
+}

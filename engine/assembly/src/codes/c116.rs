@@ -1,0 +1,23 @@
+use crate::types::build::{MAX_DEPTH, MAX_FIELDS};
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Types that are too large
+///
+/// Types in types multiply: the fields of each are counted as often as it stands somewhere. Use lists
+/// (`name[]`) instead of many fields.
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C116, error)]
+#[error(
+    "the types of this composite have more than {MAX_FIELDS} fields, or nest deeper than {MAX_DEPTH}"
+)]
+pub(crate) struct TypesTooLarge {
+    pub at: Span,
+}
+
+impl Finding for TypesTooLarge {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "given up here")
+            .help("send what is that large as bytes, or by name")
+    }
+}

@@ -1,0 +1,72 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A mapped topic that is not listed
+///
+/// A bridge maps the topics that it subscribes to and publishes.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [bridges.ros]
+/// kind = "ros1"
+/// master = "http://127.0.0.1:11311"
+///
+/// [components.Bridge]
+/// implementation = { builtin = "ros-bridge", bridge = "ros" }
+/// subscribe = { plan = "nav_msgs/Path" }
+/// map = [
+///   { from = "scan", ros = "/trajectory", type = "nav_msgs/Path", direction = "to_ros" },
+/// ]
+///
+/// [[promote]]
+/// topic = "plan"
+/// as = "plan"
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [bridges.ros]
+/// kind = "ros1"
+/// master = "http://127.0.0.1:11311"
+///
+/// [components.Bridge]
+/// implementation = { builtin = "ros-bridge", bridge = "ros" }
+/// subscribe = { plan = "nav_msgs/Path" }
+/// map = [
+///   { from = "plan", ros = "/trajectory", type = "nav_msgs/Path", direction = "to_ros" },
+/// ]
+///
+/// [[promote]]
+/// topic = "plan"
+/// as = "plan"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C122, error)]
+#[error("`{name}` goes {direction}, so it must stand under `{list}`")]
+pub(crate) struct PortNotListed {
+    pub name: String,
+    pub direction: &'static str,
+    pub list: &'static str,
+    pub kind: String,
+    pub at: Span,
+}
+
+impl Finding for PortNotListed {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self {
+            name, list, kind, ..
+        } = self;
+        diagnostic
+            .label(self.at, format!("not under `{list}`"))
+            .help(format!("add `{list} = {{ {name} = \"{kind}\" }}`"))
+    }
+}

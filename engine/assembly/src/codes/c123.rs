@@ -1,0 +1,73 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A mapped topic of another type
+///
+/// A topic and its ROS topic have one type, unless `convert` makes one out of the other.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [bridges.ros]
+/// kind = "ros1"
+/// master = "http://127.0.0.1:11311"
+///
+/// [components.Bridge]
+/// implementation = { builtin = "ros-bridge", bridge = "ros" }
+/// subscribe = { plan = "nav_msgs/Path" }
+/// map = [
+///   { from = "plan", ros = "/trajectory", type = "std_msgs/String", direction = "to_ros" },
+/// ]
+///
+/// [[promote]]
+/// topic = "plan"
+/// as = "plan"
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [bridges.ros]
+/// kind = "ros1"
+/// master = "http://127.0.0.1:11311"
+///
+/// [components.Bridge]
+/// implementation = { builtin = "ros-bridge", bridge = "ros" }
+/// subscribe = { plan = "nav_msgs/Path" }
+/// map = [
+///   { from = "plan", ros = "/trajectory", type = "nav_msgs/Path", direction = "to_ros" },
+/// ]
+///
+/// [[promote]]
+/// topic = "plan"
+/// as = "plan"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C123, error)]
+#[error("`{name}` is `{here}` here and `{there}` there")]
+pub(crate) struct PortTypeDiffers {
+    pub name: String,
+    pub here: String,
+    pub there: String,
+    pub at: Span,
+    pub declared: Option<Span>,
+}
+
+impl Finding for PortTypeDiffers {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { declared, .. } = self;
+        let diagnostic = diagnostic.label(self.at, "the type there");
+        let diagnostic = match declared {
+            Some(declared) => diagnostic.label(*declared, "the type here"),
+            None => diagnostic,
+        };
+        diagnostic.help("name a converter with `convert`, or use one type on both sides")
+    }
+}

@@ -1,0 +1,94 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// An operation that is of another shape than its port
+///
+/// An argument becomes a message, and a message a result, by the names of their fields, or where one field only is of the
+/// right shape. Nothing gets lost and nothing is made up.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Arm]
+/// implementation = { process = "arm" }
+/// ports.in = { commands = "geometry_msgs/Twist" }
+/// ports.out = { status = "nav_msgs/Odometry" }
+///
+/// [components.Proxy]
+/// implementation = { builtin = "port-proxy", target = "Arm" }
+/// services = { sending = "nav/MapService", status = "arm/Status" }
+/// map = [
+///   { operation = "sending.getMap", port = "Arm.commands", mode = "oneway" },
+///   { operation = "status.get", port = "Arm.status", mode = "last" },
+/// ]
+///
+/// [[connections]]
+/// from = "Proxy.commands"
+/// to = "Arm.commands"
+///
+/// [[connections]]
+/// from = "Arm.status"
+/// to = "Proxy.status"
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Arm]
+/// implementation = { process = "arm" }
+/// ports.in = { commands = "geometry_msgs/Twist" }
+/// ports.out = { status = "nav_msgs/Odometry" }
+///
+/// [components.Proxy]
+/// implementation = { builtin = "port-proxy", target = "Arm" }
+/// services = { sending = "arm/Sending", status = "arm/Status" }
+/// map = [
+///   { operation = "sending.set", port = "Arm.commands", mode = "oneway" },
+///   { operation = "status.get", port = "Arm.status", mode = "last" },
+/// ]
+///
+/// [[connections]]
+/// from = "Proxy.commands"
+/// to = "Arm.commands"
+///
+/// [[connections]]
+/// from = "Arm.status"
+/// to = "Proxy.status"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C124, error)]
+#[error("{what} of `{operation}` is no {wanted}")]
+pub(crate) struct ShapeMismatch {
+    pub what: &'static str,
+    pub operation: String,
+    pub wanted: String,
+    pub here: String,
+    pub there: String,
+    pub at: Span,
+    pub declared: Option<Span>,
+}
+
+impl Finding for ShapeMismatch {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self {
+            here,
+            there,
+            declared,
+            ..
+        } = self;
+        let diagnostic = diagnostic.label(self.at, here).help(
+            "give the fields of both the same names, or name the part of the message with `field`",
+        );
+        match declared {
+            Some(declared) => diagnostic.label(*declared, there),
+            None => diagnostic,
+        }
+    }
+}

@@ -1,0 +1,91 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A condition that cannot be asked
+///
+/// What `refresh` and `fault` ask of a message, and what `idle` measures, must be in it.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Arm]
+/// implementation = { process = "arm" }
+/// ports.in = { commands = "geometry_msgs/Twist" }
+/// ports.out = { status = "nav_msgs/Odometry" }
+///
+/// [components.Proxy]
+/// implementation = { builtin = "port-proxy", target = "Arm" }
+/// services = { sending = "arm/Sending", status = "arm/Status" }
+/// references = { notifying = { interface = "arm/Notifying", optional = true } }
+/// map = [
+///   { operation = "sending.set", port = "Arm.commands", mode = "oneway" },
+///   { operation = "status.get", port = "Arm.status", mode = "last" },
+/// ]
+/// notify = { reference = "notifying", refresh = "status.new", fault = "status.child_frame_id > 0" }
+///
+/// [[connections]]
+/// from = "Proxy.commands"
+/// to = "Arm.commands"
+///
+/// [[connections]]
+/// from = "Arm.status"
+/// to = "Proxy.status"
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Arm]
+/// implementation = { process = "arm" }
+/// ports.in = { commands = "geometry_msgs/Twist" }
+/// ports.out = { status = "nav_msgs/Odometry" }
+///
+/// [components.Proxy]
+/// implementation = { builtin = "port-proxy", target = "Arm" }
+/// services = { sending = "arm/Sending", status = "arm/Status" }
+/// references = { notifying = { interface = "arm/Notifying", optional = true } }
+/// map = [
+///   { operation = "sending.set", port = "Arm.commands", mode = "oneway" },
+///   { operation = "status.get", port = "Arm.status", mode = "last" },
+/// ]
+/// notify = { reference = "notifying", refresh = "status.new", fault = "status.child_frame_id == \"lost\"" }
+///
+/// [[connections]]
+/// from = "Proxy.commands"
+/// to = "Arm.commands"
+///
+/// [[connections]]
+/// from = "Arm.status"
+/// to = "Proxy.status"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C125, error)]
+#[error("{reason}")]
+pub(crate) struct InvalidCondition {
+    pub reason: String,
+    pub found: String,
+    pub at: Span,
+    pub declared: Option<Span>,
+}
+
+impl Finding for InvalidCondition {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self {
+            found, declared, ..
+        } = self;
+        let diagnostic = diagnostic.label(self.at, found).help(
+            "write `port.new`, `port.flag`, or `port.field != 0` with one of == != < <= > >=",
+        );
+        match declared {
+            Some(declared) => diagnostic.label(*declared, "described here"),
+            None => diagnostic,
+        }
+    }
+}

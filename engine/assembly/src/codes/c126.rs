@@ -1,0 +1,86 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Nobody knows when the motion has ended
+///
+/// With `mode = "done"` a reply means that the motion has ended: `notify.idle` says when it has.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Arm]
+/// implementation = { process = "arm" }
+/// ports.in = { commands = "geometry_msgs/Twist" }
+/// ports.out = { status = "nav_msgs/Odometry" }
+///
+/// [components.Proxy]
+/// implementation = { builtin = "port-proxy", target = "Arm" }
+/// services = { sending = "arm/Sending", status = "arm/Status" }
+/// map = [
+///   { operation = "sending.set", port = "Arm.commands", mode = "done" },
+///   { operation = "status.get", port = "Arm.status", mode = "last" },
+/// ]
+///
+/// [[connections]]
+/// from = "Proxy.commands"
+/// to = "Arm.commands"
+///
+/// [[connections]]
+/// from = "Arm.status"
+/// to = "Proxy.status"
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Arm]
+/// implementation = { process = "arm" }
+/// ports.in = { commands = "geometry_msgs/Twist" }
+/// ports.out = { status = "nav_msgs/Odometry" }
+///
+/// [components.Proxy]
+/// implementation = { builtin = "port-proxy", target = "Arm" }
+/// services = { sending = "arm/Sending", status = "arm/Status" }
+/// map = [
+///   { operation = "sending.set", port = "Arm.commands", mode = "taken" },
+///   { operation = "status.get", port = "Arm.status", mode = "last" },
+/// ]
+///
+/// [[connections]]
+/// from = "Proxy.commands"
+/// to = "Arm.commands"
+///
+/// [[connections]]
+/// from = "Arm.status"
+/// to = "Proxy.status"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C126, error)]
+#[error("`mode = \"done\"` needs `notify.idle` to say when a motion by `{port}` has ended")]
+pub(crate) struct NoIdleNotification {
+    pub port: String,
+    pub at: Span,
+    pub idle: Option<Span>,
+}
+
+impl Finding for NoIdleNotification {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { port, idle, .. } = self;
+        let diagnostic = diagnostic
+            .label(self.at, "nobody would ever reply")
+            .help(format!(
+                "write `notify.idle` with `of = \"{port}.…\"`, or use `mode = \"taken\"`"
+            ));
+        match idle {
+            Some(idle) => diagnostic.label(*idle, "of another port"),
+            None => diagnostic,
+        }
+    }
+}

@@ -1,0 +1,85 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Nobody notices that nothing comes
+///
+/// A component without a period cycles when something comes. That nothing comes any more it does not notice.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Arm]
+/// implementation = { process = "arm" }
+/// ports.in = { commands = "geometry_msgs/Twist" }
+/// ports.out = { status = "nav_msgs/Odometry" }
+///
+/// [components.Proxy]
+/// implementation = { builtin = "port-proxy", target = "Arm" }
+/// services = { sending = "arm/Sending", status = "arm/Status" }
+/// references = { notifying = { interface = "arm/Notifying", optional = true } }
+/// map = [
+///   { operation = "sending.set", port = "Arm.commands", mode = "oneway" },
+///   { operation = "status.get", port = "Arm.status", mode = "last" },
+/// ]
+/// notify = { reference = "notifying", refresh = "status.new", stale_ms = 1000 }
+///
+/// [[connections]]
+/// from = "Proxy.commands"
+/// to = "Arm.commands"
+///
+/// [[connections]]
+/// from = "Arm.status"
+/// to = "Proxy.status"
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+///
+/// [composite]
+/// name = "example"
+///
+/// [components.Arm]
+/// implementation = { process = "arm" }
+/// ports.in = { commands = "geometry_msgs/Twist" }
+/// ports.out = { status = "nav_msgs/Odometry" }
+///
+/// [components.Proxy]
+/// implementation = { builtin = "port-proxy", target = "Arm" }
+/// activity = { period_ms = 20 }
+/// services = { sending = "arm/Sending", status = "arm/Status" }
+/// references = { notifying = { interface = "arm/Notifying", optional = true } }
+/// map = [
+///   { operation = "sending.set", port = "Arm.commands", mode = "oneway" },
+///   { operation = "status.get", port = "Arm.status", mode = "last" },
+/// ]
+/// notify = { reference = "notifying", refresh = "status.new", stale_ms = 1000 }
+///
+/// [[connections]]
+/// from = "Proxy.commands"
+/// to = "Arm.commands"
+///
+/// [[connections]]
+/// from = "Arm.status"
+/// to = "Proxy.status"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(C127, warning)]
+#[error("`stale_ms` needs a period: when nothing comes, nothing wakes `{component}`")]
+pub(crate) struct StaleWithoutPeriod {
+    pub component: String,
+    pub at: Span,
+    pub declared: Span,
+}
+
+impl Finding for StaleWithoutPeriod {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "nobody looks at the clock")
+            .label(self.declared, "cycles when something comes")
+            .help("write `activity = { period_ms = 20 }`")
+    }
+}

@@ -1,0 +1,36 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Not XML
+///
+/// An SCDL file is XML: every element is closed, every attribute has quotes, and `&` is written `&amp;`.
+///
+/// ```xml wrong
+/// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
+///   <component name="Planner">
+/// </composite>
+/// ```
+///
+/// Mended:
+///
+/// ```xml mended
+/// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
+///   <component name="Planner">
+///     <implementation.java class="nav.Planner"/>
+///   </component>
+/// </composite>
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(X001, error)]
+#[error("this is not XML: {reason}")]
+pub(crate) struct InvalidXml {
+    pub reason: String,
+    pub at: Span,
+}
+
+impl Finding for InvalidXml {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "here")
+            .help("mend the file with the tool that wrote it")
+    }
+}

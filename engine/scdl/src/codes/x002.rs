@@ -1,0 +1,31 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// No composite of the Service Component Architecture
+///
+/// The outermost element is `<composite>`, in the namespace of SCA 1.0 (`http://www.osoa.org/xmlns/sca/1.0`) or of
+/// SCA 1.1 (`http://docs.oasis-open.org/ns/opencsa/sca/200912`).
+///
+/// ```xml wrong
+/// <composite name="example"/>
+/// ```
+///
+/// Mended:
+///
+/// ```xml mended
+/// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example"/>
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(X002, error)]
+#[error("`<{name}>` is no composite of the Service Component Architecture")]
+pub(crate) struct NotScdl {
+    pub name: String,
+    pub at: Span,
+}
+
+impl Finding for NotScdl {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+                .label(self.at, "the outermost element")
+                .help("SCDL begins with `<composite xmlns=\"http://docs.oasis-open.org/ns/opencsa/sca/200912\" name=\"…\">`")
+    }
+}

@@ -1,0 +1,40 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A missing attribute
+///
+/// Without it nobody can say what the element means.
+///
+/// ```xml wrong
+/// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
+///   <component name="Planner">
+///     <implementation.java/>
+///   </component>
+/// </composite>
+/// ```
+///
+/// Mended:
+///
+/// ```xml mended
+/// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
+///   <component name="Planner">
+///     <implementation.java class="nav.Planner"/>
+///   </component>
+/// </composite>
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(X003, error)]
+#[error("`<{element}>` has no `{attribute}`")]
+pub(crate) struct MissingAttribute {
+    pub element: String,
+    pub attribute: &'static str,
+    pub at: Span,
+}
+
+impl Finding for MissingAttribute {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { attribute, .. } = self;
+        diagnostic
+            .label(self.at, "of this element")
+            .help(format!("add `{attribute}=\"…\"`"))
+    }
+}

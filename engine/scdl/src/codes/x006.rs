@@ -1,0 +1,54 @@
+use asmotion_assembly::At;
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A name that names nothing
+///
+/// A component, a property of the composite or a composite that is not there.
+///
+/// ```xml wrong
+/// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
+///   <component name="Planner">
+///     <implementation.java class="nav.Planner"/>
+///     <reference name="maps" target="MapServr"/>
+///   </component>
+///   <component name="MapServer">
+///     <implementation.java class="nav.MapServer"/>
+///   </component>
+/// </composite>
+/// ```
+///
+/// Mended:
+///
+/// ```xml mended
+/// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
+///   <component name="Planner">
+///     <implementation.java class="nav.Planner"/>
+///     <reference name="maps" target="MapServer"/>
+///   </component>
+///   <component name="MapServer">
+///     <implementation.java class="nav.MapServer"/>
+///   </component>
+/// </composite>
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(X006, error)]
+#[error("there is no {what} `{name}`")]
+pub(crate) struct UnknownScdlName {
+    pub what: &'static str,
+    pub name: String,
+    pub nearest: Option<At<String>>,
+    pub at: Span,
+}
+
+impl Finding for UnknownScdlName {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { nearest, .. } = self;
+        let error = diagnostic.label(self.at, "not to be found");
+        match nearest {
+            Some(near) => error
+                .label(near.span, "this one is there")
+                .help(format!("did you mean `{}`?", near.value)),
+            None => error.help("add it, or leave this out"),
+        }
+    }
+}

@@ -1,0 +1,37 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A value that is none of its type
+///
+/// A property with a `type`, a flag, a multiplicity, and the times and flags of a task take only certain values.
+///
+/// ```xml wrong
+/// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
+///   <property name="wheels" type="xsd:int">four</property>
+/// </composite>
+/// ```
+///
+/// Mended:
+///
+/// ```xml mended
+/// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
+///   <property name="wheels" type="xsd:int">4</property>
+/// </composite>
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(X007, error)]
+#[error("`{name}` cannot be `{value}`")]
+pub(crate) struct WrongAttributeValue {
+    pub name: String,
+    pub value: String,
+    pub wanted: &'static str,
+    pub at: Span,
+}
+
+impl Finding for WrongAttributeValue {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { wanted, .. } = self;
+        diagnostic
+            .label(self.at, format!("not {wanted}"))
+            .help(format!("write {wanted}"))
+    }
+}

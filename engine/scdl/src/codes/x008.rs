@@ -1,0 +1,52 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Something nobody says
+///
+/// In SCDL much may stand in the Java class. What stands neither in the file nor in a component of this build is
+/// assumed.
+///
+/// ```xml wrong
+/// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
+///   <component name="Planner">
+///     <implementation.java class="nav.Planner"/>
+///     <reference name="maps" target="MapServer"/>
+///   </component>
+///   <component name="MapServer">
+///     <implementation.java class="nav.Server"/>
+///   </component>
+/// </composite>
+/// ```
+///
+/// Mended:
+///
+/// ```xml mended
+/// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
+///   <component name="Planner">
+///     <implementation.java class="nav.Planner"/>
+///     <reference name="maps" target="MapServer">
+///       <interface.java interface="nav.MapService"/>
+///     </reference>
+///   </component>
+///   <component name="MapServer">
+///     <implementation.java class="nav.Server"/>
+///   </component>
+/// </composite>
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(X008, warning)]
+#[error("nothing says {what} of `{of}`")]
+pub(crate) struct AssumedValue {
+    pub what: &'static str,
+    pub of: String,
+    pub assumed: String,
+    pub at: Span,
+}
+
+impl Finding for AssumedValue {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { assumed, .. } = self;
+        diagnostic
+            .label(self.at, format!("`{assumed}` is assumed"))
+            .help("put the right one in the composite file")
+    }
+}

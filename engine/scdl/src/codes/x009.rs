@@ -1,0 +1,64 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Autowire without a choice, or with several
+///
+/// With `autowire` a reference takes the service that has its interface. There must be one.
+///
+/// ```xml wrong
+/// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
+///   <component name="Planner" autowire="true">
+///     <implementation.java class="nav.Planner"/>
+///     <reference name="maps">
+///       <interface.java interface="nav.MapService"/>
+///     </reference>
+///   </component>
+/// </composite>
+/// ```
+///
+/// Mended:
+///
+/// ```xml mended
+/// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
+///   <component name="Planner" autowire="true">
+///     <implementation.java class="nav.Planner"/>
+///     <reference name="maps">
+///       <interface.java interface="nav.MapService"/>
+///     </reference>
+///   </component>
+///   <component name="MapServer">
+///     <implementation.java class="nav.Server"/>
+///     <service name="maps">
+///       <interface.java interface="nav.MapService"/>
+///     </service>
+///   </component>
+/// </composite>
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(X009, error)]
+#[error("`{reference}` finds {} by itself", found(.services))]
+pub(crate) struct AmbiguousAutowire {
+    pub reference: String,
+    pub services: Vec<String>,
+    pub at: Span,
+}
+
+impl Finding for AmbiguousAutowire {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let error = diagnostic.label(self.at, "wired by itself");
+        match self.services.is_empty() {
+            true => error.help("no service has its interface; name one with `target`"),
+            false => error.help(format!(
+                "it could be {}; name one with `target`",
+                self.services.join(" or ")
+            )),
+        }
+    }
+}
+
+/// How many there are.
+fn found(services: &[String]) -> String {
+    match services {
+        [] => "no service".to_owned(),
+        several => format!("{} services", several.len()),
+    }
+}

@@ -1,0 +1,37 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// Something that SCDL cannot say
+///
+/// SCDL knows services, references and properties; it knows no ports, topics, bindings of specifications, deadlines or
+/// processes. What it cannot say stands in it as a comment.
+///
+/// ```toml wrong
+/// schema = "composite/1"
+/// [composite]
+/// name = "example"
+/// version = "1.0.0"
+/// ```
+///
+/// Mended:
+///
+/// ```toml mended
+/// schema = "composite/1"
+/// [composite]
+/// name = "example"
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(X010, warning)]
+#[error("SCDL cannot say {what} of `{of}`")]
+pub(crate) struct NoScdlForm {
+    pub what: String,
+    pub of: String,
+    pub at: Span,
+}
+
+impl Finding for NoScdlForm {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        diagnostic
+            .label(self.at, "left out")
+            .help("keep the composite file: it is the one that runs")
+    }
+}

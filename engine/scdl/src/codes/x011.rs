@@ -1,0 +1,40 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A name that a composite file cannot have
+///
+/// Names of XML may have dots; here a dot separates a component from its port.
+///
+/// ```xml wrong
+/// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
+///   <component name="nav.Planner">
+///     <implementation.java class="nav.Planner"/>
+///   </component>
+/// </composite>
+/// ```
+///
+/// Mended:
+///
+/// ```xml mended
+/// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
+///   <component name="Planner">
+///     <implementation.java class="nav.Planner"/>
+///   </component>
+/// </composite>
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(X011, warning)]
+#[error("`{name}` is no name in a composite file")]
+pub(crate) struct RenamedForToml {
+    pub name: String,
+    pub renamed: String,
+    pub at: Span,
+}
+
+impl Finding for RenamedForToml {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { renamed, .. } = self;
+        diagnostic
+            .label(self.at, format!("becomes `{renamed}`"))
+            .help("a name has letters, digits, `_` and `-`, and begins with a letter")
+    }
+}

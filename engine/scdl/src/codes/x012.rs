@@ -1,0 +1,54 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A renamed topic of which only the class knows the way
+///
+/// `topicRename` of the Task Component Architecture names topics; whether the component publishes or subscribes them, and
+/// what is on them, stands in its class. Components of this build tell it.
+///
+/// ```xml wrong
+/// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
+///   <component name="Planner">
+///     <implementation.java class="nav.Planner"/>
+///     <property name="id">planner</property>
+///     <property name="period">100</property>
+///     <property name="delay">0</property>
+///     <property name="runOnStartup">true</property>
+///     <property name="mayInterruptIfRunning">false</property>
+///     <property name="useJMS">false</property>
+///     <property name="topicRename" many="true"><value>trajectory=plan</value></property>
+///   </component>
+/// </composite>
+/// ```
+///
+/// Mended:
+///
+/// ```xml mended
+/// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
+///   <component name="Planner">
+///     <implementation.java class="nav.Planner"/>
+///     <property name="id">planner</property>
+///     <property name="period">100</property>
+///     <property name="delay">0</property>
+///     <property name="runOnStartup">true</property>
+///     <property name="mayInterruptIfRunning">false</property>
+///     <property name="useJMS">false</property>
+///   </component>
+/// </composite>
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(X012, warning)]
+#[error("nothing says whether `{of}` publishes or subscribes `{topic}`")]
+pub(crate) struct UndirectedTopic {
+    pub of: String,
+    pub topic: String,
+    pub at: Span,
+}
+
+impl Finding for UndirectedTopic {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { topic, .. } = self;
+        diagnostic.label(self.at, "renames it").help(format!(
+            "list `{topic}` under `publish` or `subscribe` of the composite file, with its type"
+        ))
+    }
+}

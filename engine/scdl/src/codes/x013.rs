@@ -1,0 +1,55 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A promotion of several things
+///
+/// In SCDL one reference of a composite may be a reference of several components. Here one promotion promotes one thing, so
+/// the others get names of their own.
+///
+/// ```xml wrong
+/// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
+///   <component name="Planner">
+///     <implementation.java class="nav.Planner"/>
+///     <reference name="maps"><interface.java interface="nav.MapService"/></reference>
+///   </component>
+///   <component name="Guide">
+///     <implementation.java class="nav.Guide"/>
+///     <reference name="maps"><interface.java interface="nav.MapService"/></reference>
+///   </component>
+///   <reference name="maps" promote="Planner/maps Guide/maps"/>
+/// </composite>
+/// ```
+///
+/// Mended:
+///
+/// ```xml mended
+/// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
+///   <component name="Planner">
+///     <implementation.java class="nav.Planner"/>
+///     <reference name="maps"><interface.java interface="nav.MapService"/></reference>
+///   </component>
+///   <component name="Guide">
+///     <implementation.java class="nav.Guide"/>
+///     <reference name="maps"><interface.java interface="nav.MapService"/></reference>
+///   </component>
+///   <reference name="maps" promote="Planner/maps"/>
+///   <reference name="more" promote="Guide/maps"/>
+/// </composite>
+/// ```
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(X013, warning)]
+#[error("`{of}` promotes several things")]
+pub(crate) struct SeveralPromoted {
+    pub of: String,
+    pub promoted: String,
+    pub name: String,
+    pub at: Span,
+}
+
+impl Finding for SeveralPromoted {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { promoted, name, .. } = self;
+        diagnostic
+            .label(self.at, format!("`{promoted}` becomes `{name}`"))
+            .help("one promotion promotes one thing here; wire each by its own name")
+    }
+}

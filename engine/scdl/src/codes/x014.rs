@@ -1,0 +1,50 @@
+use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
+
+/// A service that is called at another address
+///
+/// A gateway serves at `/services/NAME` what a `uri` puts elsewhere.
+///
+/// ```xml wrong
+/// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
+///   <component name="Map">
+///     <implementation.java class="nav.MapServer"/>
+///     <service name="maps"><interface.java interface="nav.MapService"/></service>
+///   </component>
+///   <service name="maps" promote="Map/maps">
+///     <binding.ws uri="http://localhost:8085/MapService"/>
+///   </service>
+/// </composite>
+/// ```
+///
+/// Mended:
+///
+/// ```xml mended
+/// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
+///   <component name="Map">
+///     <implementation.java class="nav.MapServer"/>
+///     <service name="maps"><interface.java interface="nav.MapService"/></service>
+///   </component>
+///   <service name="maps" promote="Map/maps">
+///     <binding.ws uri="http://localhost:8085/services/maps"/>
+///   </service>
+/// </composite>
+/// ```
+///
+/// Those who call it there call it here, an operation at `/services/NAME/OPERATION` with its argument in JSON.
+#[derive(Debug, thiserror::Error, Coded)]
+#[code(X014, warning)]
+#[error("`{of}` is called at another address here")]
+pub(crate) struct MovedAddress {
+    pub of: String,
+    pub here: String,
+    pub at: Span,
+}
+
+impl Finding for MovedAddress {
+    fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
+        let Self { here, .. } = self;
+        diagnostic
+            .label(self.at, format!("`{here}` from now on"))
+            .help("tell those who call it: the operation's name follows, and the argument is JSON")
+    }
+}
