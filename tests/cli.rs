@@ -191,7 +191,7 @@ fn check_explains_its_codes() {
     );
     let (code, out, _) = run(&["check", "--explain"]);
     assert_eq!(code, 0);
-    assert!(out.contains("\nC001  the file is not TOML"), "{out}");
+    assert!(out.contains("\nC001  Invalid TOML"), "{out}");
     assert!(out.lines().count() > 150, "{out}");
     let (code, _, err) = run(&["check", "--explain", "A1"]);
     assert_eq!(code, 2);

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, LoadError};
 
-/// A script or trace that cannot be read
+/// Unreadable script or trace
 ///
-/// The path given with `--env` or `--replay-inputs` leads to no file that can be read.
+/// The path given with `--env` or `--replay-inputs` is not a readable file.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(S000, error)]
 #[error("{error}")]

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
-/// A snapshot scenario without a snapshot
+/// Missing snapshot
 ///
-/// Nothing was accepted yet that the run could be held against. Read what it writes, and accept it with
-/// `asmotion test --accept`. Where `CI` is set nothing is accepted: commit the snapshot with its script.
+/// No result has been accepted for this run yet. Review its output, and accept it with `asmotion test
+/// --accept`. If `CI` is set, nothing is accepted: commit the snapshot together with its script.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V030, error)]
 #[error("there is no snapshot `{path}`")]

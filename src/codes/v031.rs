@@ -1,9 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
-/// A run that differs from its snapshot
+/// Run differs from its snapshot
 ///
-/// The run reads, writes or prints something else than when it was accepted; the difference is shown. If
-/// it is meant, accept it with `asmotion test --accept`, or one by one with `--review`.
+/// The inputs, updates or output of the run differ from the accepted snapshot; the message shows the
+/// difference. If the change is intended, accept it with `asmotion test --accept`, or review each one
+/// with `--review`.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V031, error)]
 #[error("the run differs from `{path}`")]

@@ -1,10 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Two rules that write different values at once
+/// Inconsistent update
 ///
-/// A step applies all its updates at once, so each location gets one value. This update set is
-/// inconsistent: there is no next state, and the run stops in the state before. The message shows both
-/// rules, both values, and what the rules around them read.
+/// A step applies all updates at once, so a location can get only one value. Two rules write different
+/// values to the same location: there is no next state, and the machine stays in the current one. The
+/// message shows both rules, both values, and what the surrounding rules read.
 ///
 /// ```asm wrong
 /// asm example
@@ -26,7 +26,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///   main rule r_Main = seq n := 1 n := 2 endseq
 /// ```
 ///
-/// `seq` does one after the other, and the later one wins; `if … else …` does one of them.
+/// With `seq`, one rule runs after the other and the later one wins. With `if … else …`, only one of
+/// them runs.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R001, error)]
 #[error("inconsistent update of `{location}` {when}")]

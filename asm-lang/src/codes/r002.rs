@@ -1,9 +1,9 @@
 use crate::explain::outside::Foreign;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A value outside the domain of its location
+/// Written value outside its domain
 ///
-/// A function whose codomain is a subset takes the elements of that subset and undef.
+/// A function whose codomain is a subset accepts only elements of that subset, and undef.
 ///
 /// ```asm wrong
 /// asm example

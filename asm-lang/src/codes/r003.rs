@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A guard that is undef
+/// Undefined guard
 ///
-/// A guard is true or false. `undef` spreads: a comparison with an undef side is undef; only `=` and
-/// `!=` are always true or false.
+/// A guard must be true or false. `undef` propagates: a comparison with an undef operand is undef,
+/// except `=` and `!=`.
 ///
 /// ```asm wrong
 /// asm example
@@ -25,7 +25,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///   main rule r_Main = if isDef(n) and n > 3 then n := 0 endif
 /// ```
 ///
-/// Or give the location a first value in `default init`.
+/// Alternatively, initialise the location in `default init`.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R003, error)]
 #[error("a guard is undef {when}")]

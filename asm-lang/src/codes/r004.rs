@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A library function without a value
+/// Library function without a value
 ///
-/// A function of the library has no value for these arguments: an overflow, a division by zero, a
-/// position that a sequence does not have.
+/// The library function has no value for these arguments, as in an overflow, a division by zero, or a
+/// position beyond the end of a sequence.
 ///
 /// ```asm wrong
 /// asm example

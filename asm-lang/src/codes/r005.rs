@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A variable that ranges over a domain without end
+/// Range over an infinite domain
 ///
-/// The elements of Integer, Real or String cannot be listed, so nothing can be done for each of them.
+/// The elements of Integer, Real or String cannot be enumerated.
 ///
 /// ```asm wrong
 /// asm example

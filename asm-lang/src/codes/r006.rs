@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A variable that ranges over no collection
+/// Range is not a collection
 ///
-/// The range is undef or a single value when the rule runs.
+/// When the rule runs, the range is undef or a single value instead of a collection.
 ///
 /// ```asm wrong
 /// asm example

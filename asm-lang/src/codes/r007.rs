@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A value that is run and is no rule
+/// Value is not a rule
 ///
-/// A location of domain Rule holds a rule only after somebody stored one in it.
+/// A location of domain Rule can be run only after a rule was stored in it.
 ///
 /// ```asm wrong
 /// asm example

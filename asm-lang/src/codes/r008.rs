@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A rule value with the wrong number of arguments
+/// Wrong number of arguments for a rule value
 ///
-/// A rule that is stored in a location is run with as many arguments as it has parameters.
+/// A rule stored in a location must be run with one argument for each of its parameters.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An agent without a program
+/// Agent without a program
 ///
-/// `program(a)` runs what the initial state gives the domain of `a`.
+/// `program(a)` runs the rule that the initial state assigns to the domain of `a`. It assigns none to
+/// this domain.
 ///
 /// ```asm wrong
 /// asm example

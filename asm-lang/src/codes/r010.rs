@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Calls that nest too deep
+/// Calls nested too deep
 ///
-/// A function or turbo rule calls itself, and does not come to an end.
+/// A function or turbo rule calls itself without end.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A loop without end
+/// Endless loop
 ///
-/// `while` goes on while its guard holds and its body changes something. All loops of a step together
-/// run 10,000,000 times at most. The message shows what the loop read after some thousand rounds.
+/// `while` repeats as long as its guard holds and its body changes something. All loops of a step
+/// together may run 10,000,000 times. The message shows what the loop read after some thousand rounds.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A collection that is too large
+/// Collection too large
 ///
-/// An interval or a domain has more elements than can be listed.
+/// An interval or a domain has too many elements to enumerate.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An input that is missing
+/// Missing input
 ///
-/// The environment has no answer for a location that the step reads: a script without `[default]` for
-/// it, or a binding that has received nothing.
+/// The step reads a location for which the environment has no value: the script has no `[default]` for
+/// it, or its binding has received nothing yet.
 ///
 /// ```asm wrong
 /// asm example
@@ -26,7 +26,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///   main rule r_Main = n := 1
 /// ```
 ///
-/// In a script, a value under `[default]` answers in every step.
+/// A value under `[default]` applies to every step of a script.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R013, error)]
 #[error("no value for `{location}` {when}: {reason}")]

@@ -1,10 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An invariant that does not hold
+/// Invariant violated
 ///
-/// An invariant holds in every state. One that reads inputs is an assumption on them, checked before
-/// the step; any other is checked in the state the step leads to, and the message shows the updates
-/// that led there.
+/// An invariant must hold in every state. An invariant that reads inputs is an assumption about them
+/// and is checked before the step. Any other invariant is checked after the step, and the message shows
+/// the updates that led to the state.
 ///
 /// ```asm wrong
 /// asm example

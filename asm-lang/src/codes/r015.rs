@@ -2,7 +2,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
 /// No main rule to run
 ///
-/// A module has no main rule, so there is nothing to do in a step.
+/// A module has no main rule, so it has no steps.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A value that grows without end
+/// Value grows without bound
 ///
-/// A value nests at most 500 deep and holds at most 1,048,576 elements. One that grows in every step
-/// meets this limit, not the end of the memory.
+/// Values of `Any` may nest 500 levels deep and contain 1,048,576 elements. A value that grows in every
+/// step reaches this limit.
 ///
 /// ```asm wrong
 /// asm example

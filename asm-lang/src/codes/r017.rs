@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A variable that is not bound
+/// Unbound variable
 ///
-/// The rule or term that binds the variable is not the one that runs: it has no value here. `asmotion
-/// check` warns about the place with W021.
+/// The rule or term that binds the variable is not being executed, so the variable has no value.
+/// `asmotion check` reports the place as W021.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A picked value that is no candidate
+/// Picked value is not a candidate
 ///
-/// A scenario picked a value for a `choose` that is not in its range, or for which its guard does not
+/// A scenario picked a value that is not in the range of the `choose`, or for which its guard does not
 /// hold.
 ///
 /// ```asm

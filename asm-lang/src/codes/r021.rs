@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Calls without number
+/// Too many calls
 ///
-/// Functions and rules call each other 10,000,000 times in one step at most. A function that calls itself
-/// twice does twice as much with every level: 30 levels are a thousand million calls.
+/// A step may call functions and rules 10,000,000 times. A function that calls itself twice doubles the
+/// number of calls with every level: 30 levels are a thousand million calls.
 ///
 /// ```asm wrong
 /// asm example

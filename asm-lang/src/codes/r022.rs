@@ -1,10 +1,10 @@
 use crate::explain::outside::Foreign;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An input outside its domain
+/// Input outside its domain
 ///
-/// What a script, a recording, a scenario or a binding gives a monitored or shared function is an element
-/// of its codomain, or undef. That goes for the parts of tuples, sequences, sets, bags and maps, too.
+/// A script, recording, scenario or binding must give a monitored or shared function an element of its
+/// codomain, or undef. This includes the parts of tuples, sequences, sets, bags and maps.
 ///
 /// ```asm
 /// asm example
@@ -34,7 +34,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// step
 /// ```
 ///
-/// AsmetaS holds only updates against their domain; `--compat asmeta` does the same.
+/// AsmetaS checks only updates against their domain; `--compat asmeta` does the same.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R022, error)]
 #[error("{foreign}, {when}")]

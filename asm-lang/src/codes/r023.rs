@@ -1,10 +1,10 @@
 use crate::explain::outside::Foreign;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An update of a location outside the domain of its function
+/// Update of a location that does not exist
 ///
-/// A function over a subset has locations for the elements of that subset. A term that reads one outside
-/// is undef; an update of one fails.
+/// A function over a subset has locations only for the elements of that subset. Reading any other
+/// location yields undef; updating one is an error.
 ///
 /// ```asm wrong
 /// asm example
@@ -36,7 +36,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///   function next = 1
 /// ```
 ///
-/// AsmetaS holds only the values of updates against their domain; `--compat asmeta` does the same.
+/// AsmetaS checks only the values of updates against their domain; `--compat asmeta` does the same.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(R023, error)]
 #[error("{foreign}, {when}")]

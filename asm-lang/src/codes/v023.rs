@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, LoadError};
 
-/// A scenario that cannot be read
+/// Unreadable scenario
 ///
-/// The path leads to no file that can be read.
+/// The path is not a readable file.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V023, error)]
 #[error("{error}")]

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A specification that is not found
+/// Specification not found
 ///
-/// The path after `load` begins at the folder of the scenario.
+/// The path after `load` is relative to the folder of the scenario.
 ///
 /// ```asm
 /// asm example

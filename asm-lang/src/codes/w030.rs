@@ -1,11 +1,11 @@
 use crate::explain::outside::Foreign;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An initial value outside its domain
+/// Initial value outside its domain
 ///
-/// A run should begin in a state in which every location holds an element of its codomain, or undef. That
-/// goes for the parts of tuples, sequences, sets, bags and maps, too. It runs all the same; an update that
-/// writes the value again would fail (R002).
+/// In the initial state every location should hold an element of its codomain, or undef. This includes
+/// the parts of tuples, sequences, sets, bags and maps. The run starts nevertheless, but an update that
+/// writes the same value would fail (R002).
 ///
 /// ```asm wrong
 /// asm example
@@ -35,7 +35,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///   function speed = 3
 /// ```
 ///
-/// AsmetaS holds only updates against their domain; with `--compat asmeta` nothing is said of it.
+/// AsmetaS checks only updates against their domain; with `--compat asmeta` this warning is not
+/// reported.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(W030, warning)]
 #[error("{foreign}, in the initial state")]

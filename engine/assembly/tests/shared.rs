@@ -209,7 +209,7 @@ fn it_finds_a_misspelt_rename() {
         .report
         .diagnostics
         .iter()
-        .any(|it| it.message == "nobody publishes `plan`");
+        .any(|it| it.message == "no component publishes `plan`");
     assert!(silent);
 }
 

@@ -2,10 +2,9 @@ use crate::codes::with_similar;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// An unknown function
+/// Unknown function
 ///
-/// The name is declared neither in this file nor in what it imports. A name that is nearly right is
-/// offered.
+/// The function is declared neither in this file nor in its imports.
 ///
 /// ```asm wrong
 /// asm example

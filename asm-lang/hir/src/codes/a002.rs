@@ -1,10 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// An unknown variable
+/// Unknown variable
 ///
-/// A variable begins with `$` and is bound by `let`, `forall`, `choose`, `extend`, a quantifier, or as
-/// a parameter.
+/// A variable starts with `$`. It is bound by `let`, `forall`, `choose`, `extend` or a quantifier, or
+/// it is a parameter.
 ///
 /// ```asm wrong
 /// asm example

@@ -2,9 +2,9 @@ use crate::codes::with_similar;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// An unknown rule
+/// Unknown rule
 ///
-/// No rule of this name is declared in this file or in what it imports.
+/// The rule is declared neither in this file nor in its imports.
 ///
 /// ```asm wrong
 /// asm example

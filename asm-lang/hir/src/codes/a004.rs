@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// An unknown domain
+/// Unknown domain
 ///
-/// No domain of this name is declared in this file or in what it imports.
+/// The domain is declared neither in this file nor in its imports.
 ///
 /// ```asm wrong
 /// asm example

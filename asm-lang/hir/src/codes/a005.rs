@@ -1,9 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// An unknown literal
+/// Unknown literal
 ///
-/// A name that begins with a capital is a literal of an enumeration, or a domain.
+/// A name that starts with a capital is a literal of an enumeration or a domain. No enumeration or
+/// domain declares this one.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,10 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A function that does not take these arguments
+/// No matching declaration of a function
 ///
-/// A function may be declared several times with different domains. None of its declarations fits the
-/// arguments given here.
+/// A function may be declared several times with different domains. None of its declarations accepts
+/// these arguments.
 ///
 /// ```asm wrong
 /// asm example
@@ -48,11 +48,9 @@ impl Finding for NoOverload {
             finding = finding.label(*declared, signature.clone());
         }
         match (number, hint) {
-            (Some(Respelt { at, domain, text }), _) => finding.fix(
-                format!("a number of {domain} is written so"),
-                *at,
-                text.clone(),
-            ),
+            (Some(Respelt { at, domain, text }), _) => {
+                finding.fix(format!("write the number as {domain}"), *at, text.clone())
+            }
             (None, Some(hint)) => finding.help(hint.clone()),
             (None, None) => {
                 finding.help("give arguments of the declared domains, or declare an overload")

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A value of another domain
+/// Type mismatch
 ///
-/// What stands here must be of a certain domain, and is of another. Integer, Natural and Real are
-/// different domains; functions such as `itor` and `rtoi` lead from one to the other.
+/// The term belongs to another domain than the one required here. Integer, Natural and Real are
+/// different domains; functions such as `itor` and `rtoi` convert between them.
 ///
 /// ```asm wrong
 /// asm example
@@ -54,7 +54,7 @@ impl Finding for TypeMismatch {
         };
         match (number, conversion(wanted, actual)) {
             (Some(number), _) => finding.fix(
-                format!("a number of {wanted} is written so"),
+                format!("write the number as {wanted}"),
                 self.at,
                 number.clone(),
             ),

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// The wrong number of arguments
+/// Wrong number of arguments
 ///
-/// A rule or function gets one argument for each of its parameters.
+/// A rule or function takes one argument for each of its parameters.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,9 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A name that is declared twice
+/// Duplicate declaration
 ///
-/// A name stands for one thing. Only functions and rules may share a name, if their domains differ.
+/// A name can be declared only once, except that functions and rules may share a name if their domains
+/// differ.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An import that is not found
+/// Import not found
 ///
-/// A path is taken from the folder of the importing file; `.asm` may be left out. The standard
-/// libraries are part of asmotion, whatever path names them.
+/// The path is relative to the folder of the importing file, and `.asm` may be omitted. The standard
+/// libraries are part of asmotion: any path that ends in their name finds them.
 ///
 /// ```asm wrong
 /// asm example

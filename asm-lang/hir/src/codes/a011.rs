@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An import that leads back
+/// Circular import
 ///
-/// A file cannot import itself, not even through others: what both need goes into a third module.
+/// A file cannot import itself, directly or through other files. Move what both files need to a third
+/// module.
 ///
 /// ```asm wrong
 /// asm example

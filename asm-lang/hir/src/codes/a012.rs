@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Imports that nest too deep
+/// Imports nested too deep
 ///
-/// Imports nest at most 64 files deep. A chain of that length is a mistake, or can be cut by importing
-/// the last module directly.
+/// Imports may nest 64 files deep. A longer chain is usually a mistake; import the last module
+/// directly.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A012, error)]
 #[error("imports nest deeper than {limit} files")]

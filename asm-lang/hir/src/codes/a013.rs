@@ -1,9 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, LoadError, Span};
 
-/// A file that cannot be read
+/// Unreadable file
 ///
-/// The file is missing, is a folder, may not be read, or is too large. The message gives the
-/// reason.
+/// The file is missing, not accessible, a folder, or too large. The message gives the reason.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A013, error)]
 #[error("{error}")]

@@ -1,10 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A rule that updates a monitored function
+/// Update of a monitored function
 ///
-/// Monitored functions belong to the environment: it gives them a value in every step, and rules only
-/// read them.
+/// Monitored functions belong to the environment, which gives them a value in every step. Rules can
+/// only read them.
 ///
 /// ```asm wrong
 /// asm example
@@ -26,7 +26,8 @@ use std::sync::Arc;
 ///   main rule r_Main = speed := 1
 /// ```
 ///
-/// `shared` lets both write; `out` is written by rules and read by the environment.
+/// A `shared` function is written by both sides. An `out` function is written by rules and read by the
+/// environment.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(A014, error)]
 #[error("`{function}` is monitored, so no rule may update it")]
@@ -41,6 +42,6 @@ impl Finding for WritesMonitored {
         diagnostic
                 .label(self.at, "updated here")
                 .label(self.declared, "declared monitored here")
-                .help("declare it `shared` if rules write it, too; what the environment is to hear goes to an `out` function")
+                .help("declare it `shared` if rules also write it, or pass the value to the environment in an `out` function")
     }
 }

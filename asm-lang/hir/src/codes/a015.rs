@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// An import of what is not exported
+/// Import of a name that is not exported
 ///
-/// A module gives away what its `export` clause names.
+/// A module exports only the names in its `export` clause.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,10 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A rule that updates a static or derived function
+/// Update of a static or derived function
 ///
-/// A static function never changes, and a derived one follows from others. What rules update is
-/// `controlled`, `shared` or `out`.
+/// A static function never changes, and a derived function is computed from others. Rules can update
+/// `controlled`, `shared` and `out` functions.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,7 +1,7 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A variable that ranges over no collection
+/// Range is not a collection
 ///
 /// `forall`, `exists`, `choose` and comprehensions range over a domain, a set, a sequence or a bag.
 ///

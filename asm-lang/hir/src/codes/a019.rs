@@ -2,7 +2,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Parts of different domains
 ///
-/// The branches of a conditional term, and the elements of a collection, are of one domain.
+/// The branches of a conditional term must have the same domain, and so must the elements of a
+/// collection.
 ///
 /// ```asm wrong
 /// asm example

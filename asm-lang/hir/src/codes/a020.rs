@@ -2,9 +2,10 @@ use crate::codes::with_similar;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A definition without declaration
+/// Definition without a declaration
 ///
-/// What is defined under `definitions:` or in an initial state is declared in the signature.
+/// A function or domain that is defined under `definitions:` or in an initial state must be declared in
+/// the signature.
 ///
 /// ```asm wrong
 /// asm example

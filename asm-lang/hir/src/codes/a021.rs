@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A definition of the wrong kind
+/// Wrong kind of definition
 ///
-/// Static and derived functions are defined under `definitions:`; the others have a first value in an
+/// Static and derived functions are defined under `definitions:`; the others get an initial value in an
 /// initial state. Only a domain that is a subset of another one is defined by its elements.
 ///
 /// ```asm wrong

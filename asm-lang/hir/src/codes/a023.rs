@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A main rule with parameters
+/// Main rule with parameters
 ///
-/// Nobody calls the main rule, so it gets no arguments. It binds what it needs itself.
+/// The main rule is not called by another rule, so it gets no arguments. Bind the values it needs
+/// inside the rule.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// The result of a rule that has none
+/// Rule without a result
 ///
-/// Only a turbo rule returns something: it updates `result`. A macro stands for its body.
+/// Only a turbo rule has a result: it updates `result`. A macro is replaced by its body.
 ///
 /// ```asm wrong
 /// asm example

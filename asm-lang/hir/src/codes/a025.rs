@@ -1,10 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A call in the other form
+/// Wrong kind of call
 ///
-/// A macro rule is called with square brackets, a turbo rule with round ones. The brackets say whether
-/// terms or values are passed.
+/// A macro rule is called with square brackets and gets terms. A turbo rule is called with round
+/// brackets and gets values.
 ///
 /// ```asm wrong
 /// asm example

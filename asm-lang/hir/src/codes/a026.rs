@@ -1,10 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A domain that cannot be extended
+/// Domain cannot be extended
 ///
-/// `extend` makes new elements of abstract domains and of their subsets. Numbers and literals are all
-/// there from the beginning.
+/// `extend` creates new elements of abstract domains and their subsets. The elements of other domains,
+/// such as numbers and literals, are fixed.
 ///
 /// ```asm wrong
 /// asm example

@@ -2,7 +2,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// No default initial state
 ///
-/// Of several initial states one is the `default`: the machine starts from it.
+/// If there are several initial states, one of them must be the `default`: the machine starts in it.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A term where a rule is wanted
+/// Term instead of a rule
 ///
-/// A rule changes the state: an update, a call, a block. A term only has a value.
+/// A rule changes the state, as an update, a call or a block does. A term only has a value.
 ///
 /// ```asm wrong
 /// asm example

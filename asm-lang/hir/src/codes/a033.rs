@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A domain that is a subset of itself
+/// Circular subset
 ///
-/// Every `subsetof` leads to a basic or an abstract domain in the end.
+/// A chain of `subsetof` must end at a basic or abstract domain.
 ///
 /// ```asm wrong
 /// asm example

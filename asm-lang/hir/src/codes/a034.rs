@@ -1,10 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A rule that updates `self` or `program`
+/// Update of `self` or `program`
 ///
-/// `self` is the agent whose program runs, and `program` what it runs. Running the program of an agent
-/// sets them; rules only read them.
+/// `self` is the agent whose program is running, and `program` the rule it runs. They are set when the
+/// program of an agent is run; rules can only read them.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,10 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A name of a library that is not imported
+/// Library not imported
 ///
-/// Operators, `isDef`, `first`, timers and many other functions are declared in libraries, which a
-/// specification imports. It is said once for each library, at the first name.
+/// Operators, `isDef`, `first`, timers and many other functions are declared in libraries that a
+/// specification must import. This is reported once per library, at the first such name.
 ///
 /// ```asm wrong
 /// asm example

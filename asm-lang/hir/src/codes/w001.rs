@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// `not` in front of a comparison
+/// `not` before a comparison
 ///
-/// `not` binds tighter than a comparison: `not a = b` means `(not a) = b`.
+/// `not` binds more tightly than a comparison: `not a = b` means `(not a) = b`.
 ///
 /// ```asm wrong
 /// asm example

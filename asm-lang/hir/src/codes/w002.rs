@@ -1,10 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A file with another name than its specification
+/// File name differs from the specification
 ///
-/// AsmetaS wants `asm counter` to stand in `counter.asm`. Here both are read; `asmotion check --fix`
-/// names the specification after its file.
+/// AsmetaS requires `asm counter` to be in `counter.asm`. asmotion does not, and `asmotion check --fix`
+/// renames the specification after its file.
 ///
 /// ```asm wrong
 /// asm counter

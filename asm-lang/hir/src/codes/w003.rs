@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// An import that brings nothing
+/// Import without effect
 ///
-/// A module without `export` keeps all its names to itself.
+/// A module without an `export` clause exports nothing.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,10 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A domain without elements
+/// Domain without elements
 ///
-/// A subset of Integer, or of an enumeration, has the elements that its definition gives; without one
-/// no value is in it, and every update with it fails.
+/// A subset of Integer or of an enumeration contains only the elements of its definition. Without a
+/// definition it is empty, so every update with a value of it fails.
 ///
 /// ```asm wrong
 /// asm example

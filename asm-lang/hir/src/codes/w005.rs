@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// An `asm` without main rule
+/// No main rule
 ///
-/// An `asm` is run, and each step runs its main rule. What others import is a `module`.
+/// Each step of an `asm` runs its main rule. A file that is only imported should be a `module`.
 ///
 /// ```asm wrong
 /// asm example

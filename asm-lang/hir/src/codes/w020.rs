@@ -1,10 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A variable that is assigned
+/// Assignment to a variable
 ///
-/// The rules that follow in a `seq` see the new value; after the rule it is forgotten. A controlled
-/// function keeps it.
+/// The new value is visible to the rules that follow in the same `seq` and is lost afterwards. Use a
+/// controlled function to keep it.
 ///
 /// ```asm wrong
 /// asm example

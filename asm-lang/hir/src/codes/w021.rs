@@ -1,10 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A variable that is read where it is not bound
+/// Variable read outside its binding
 ///
-/// AsmetaS accepts a variable that was bound somewhere else in the rule. A run that reads it there has
-/// no value for it and fails with R017.
+/// AsmetaS accepts a variable that is bound elsewhere in the rule. A run that reads it here fails with
+/// R017, because it has no value.
 ///
 /// ```asm wrong
 /// asm example
@@ -37,8 +37,8 @@ pub(crate) struct OutOfScope {
 impl Finding for OutOfScope {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-                .label(self.at, "a run that comes here fails")
-                .label(self.bound, "bound here, for the rule or term that follows it and no further")
+                .label(self.at, "a run that reaches this place fails")
+                .label(self.bound, "bound here, only for the rule or term that follows")
                 .help("move what needs it into that rule, or bind it again with `let`, `forall` or `choose`")
     }
 }

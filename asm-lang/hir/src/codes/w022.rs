@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A turbo rule whose result is not declared
+/// Undeclared result of a turbo rule
 ///
-/// A turbo rule that returns something says of which domain, so that what it returns is checked.
+/// The domain of the result should be declared, so that returned values can be checked.
 ///
 /// ```asm wrong
 /// asm example

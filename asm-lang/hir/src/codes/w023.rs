@@ -1,9 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A result that is stored in a monitored function
+/// Result stored in a monitored function
 ///
-/// AsmetaS accepts this. Monitored functions belong to the environment, which will overwrite the value.
+/// AsmetaS accepts this, but monitored functions belong to the environment, which will overwrite the
+/// value.
 ///
 /// ```asm wrong
 /// asm example
@@ -28,7 +29,7 @@ use std::sync::Arc;
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(W023, warning)]
-#[error("`{function}` is monitored: what the environment says next counts, not this result")]
+#[error("`{function}` is monitored, so the environment will overwrite this result")]
 pub(crate) struct ReturnsToMonitored {
     pub function: Arc<str>,
     pub at: Span,

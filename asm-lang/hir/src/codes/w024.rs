@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A definition that says nothing
+/// Redundant definition
 ///
-/// A constant that is defined as itself is already there: an element of its domain.
+/// A constant that is defined as itself exists already as an element of its domain.
 ///
 /// ```asm wrong
 /// asm example
@@ -38,7 +38,7 @@ pub(crate) struct DefinesItself {
 impl Finding for DefinesItself {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "this says nothing")
+            .label(self.at, "redundant")
             .help("drop the definition")
     }
 }

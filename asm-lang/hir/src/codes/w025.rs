@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An Integer where a Natural is wanted
+/// Integer instead of a Natural
 ///
-/// AsmetaS takes the number for the Natural of the same size. A Natural is written with an `n`;
-/// `asmotion check --fix` writes it so.
+/// AsmetaS converts the number to a Natural. A Natural literal ends in `n`; `asmotion check --fix` adds
+/// it.
 ///
 /// ```asm wrong
 /// asm example
@@ -36,6 +36,6 @@ impl Finding for IntegerForNatural {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "taken for the Natural of this size")
-            .fix("a Natural is written so", self.at, self.number.clone())
+            .fix("add the suffix `n`", self.at, self.number.clone())
     }
 }

@@ -3,8 +3,8 @@ use std::sync::Arc;
 
 /// `local` in a signature
 ///
-/// A local function belongs to the body of a turbo rule. In a signature it is taken for a controlled
-/// function; AsmetaS refuses it.
+/// A local function belongs to the body of a turbo rule. In a signature it is treated as controlled;
+/// AsmetaS rejects it.
 ///
 /// ```asm wrong
 /// asm example

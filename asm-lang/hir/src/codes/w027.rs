@@ -1,10 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// `extend` of a domain that is not dynamic
+/// Extension of a domain that is not dynamic
 ///
-/// `extend` makes new elements, so the domain changes from step to step, and AsmetaS wants `dynamic` in
-/// front of its declaration.
+/// `extend` creates elements, so the domain changes between steps. AsmetaS requires `dynamic` in its
+/// declaration.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,10 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// An argument of a larger domain
+/// Argument of a larger domain
 ///
-/// The function is declared for a smaller domain than its argument ranges over, so some values may not
-/// belong to it.
+/// The function is declared for a smaller domain than that of its argument, so some values may be
+/// outside of it.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An `asyncr` machine that chooses no agent
+/// Asynchronous machine without a scheduler
 ///
-/// There is no scheduler but the main rule: what it runs, runs in every step. A main rule that chooses
-/// an agent lets one run at a time.
+/// Whatever the main rule runs, runs in every step. In an `asyncr` machine the main rule should choose
+/// an agent, so that one of them runs at a time.
 ///
 /// ```asm wrong
 /// asyncr asm example
@@ -32,7 +32,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(W029, warning)]
-#[error("the specification is `asyncr`, but nothing chooses who runs")]
+#[error("the specification is `asyncr`, but no rule chooses the agent that runs")]
 pub(crate) struct NothingChosen {
     pub at: Span,
 }
@@ -40,7 +40,7 @@ pub(crate) struct NothingChosen {
 impl Finding for NothingChosen {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "all that this runs, runs in every step")
+            .label(self.at, "everything that is run here is run in every step")
             .note("there is no scheduler but the main rule")
             .help("choose the agents that run, as in `choose $a in Agent do program($a)`")
     }

@@ -1,10 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A macro that calls itself with a term that grows
+/// Macro that grows without end
 ///
-/// A macro's parameters stand for the terms it is called with. Where a macro passes itself a larger
-/// term each time, its text has no end. A turbo rule is given values instead.
+/// The parameters of a macro stand for the terms it is called with. A macro that calls itself with a
+/// larger term each time cannot be expanded. A turbo rule gets values instead.
 ///
 /// ```asm wrong
 /// asm example

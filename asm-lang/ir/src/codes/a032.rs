@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A value where a location is needed
+/// Value instead of a location
 ///
-/// A macro that updates its parameter needs a location to update.
+/// A macro that updates its parameter must be called with a location.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,10 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A domain whose elements depend on themselves
+/// Circular domain definition
 ///
-/// The elements of a domain are known before those of the domains that are defined by them, so
-/// definitions do not go in a circle.
+/// The elements of a domain must be known before those of the domains that are defined by them.
 ///
 /// ```asm wrong
 /// asm example

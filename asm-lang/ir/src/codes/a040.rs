@@ -1,9 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A partner without such an operation
+/// Unknown operation
 ///
-/// A message goes to an agent whose domain is declared with its operations: the out functions beside it.
+/// The operations of a partner are the out functions declared with the domain of the agent. There is
+/// none of this name.
 ///
 /// ```asm wrong
 /// asm example

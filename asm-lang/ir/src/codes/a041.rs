@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// What is said does not fit the operation
+/// Message does not fit the operation
 ///
-/// The data of a message is of the domain that the operation takes, and its reply of the codomain.
+/// The data of a message must belong to the domain of the operation, and its reply to the codomain.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,10 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A static function whose value may change
+/// Static function that changes
 ///
-/// A static function has the same value in every state. This one reads something that changes, so it is
-/// derived. AsmetaS refuses it.
+/// A static function has the same value in every state. This one depends on the state, so it is
+/// derived. AsmetaS rejects it.
 ///
 /// ```asm wrong
 /// asm example

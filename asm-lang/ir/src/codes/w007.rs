@@ -1,10 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A derived function whose value never changes
+/// Derived function that never changes
 ///
-/// A derived function follows from what changes. This one reads nothing of the state, so it is static.
-/// AsmetaS refuses it.
+/// A derived function depends on the state. This one does not, so it is static. AsmetaS rejects it.
 ///
 /// ```asm wrong
 /// asm example

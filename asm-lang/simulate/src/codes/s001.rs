@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A script that is not TOML
+/// Invalid script
 ///
-/// A script has a `[default]` table and `[[step]]` tables with `name = value` lines.
+/// A script is a TOML file with a `[default]` table and `[[step]]` tables that contain `name = value`
+/// lines.
 ///
 /// ```asm
 /// asm example

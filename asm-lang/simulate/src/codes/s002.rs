@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A table that a script does not have
+/// Unknown table in a script
 ///
-/// Inputs stand under `[default]`, for all steps, or under one `[[step]]` for each step.
+/// Inputs are given under `[default]` for all steps, or under one `[[step]]` per step.
 ///
 /// ```asm
 /// asm example

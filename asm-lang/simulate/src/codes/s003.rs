@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A name that is no input
+/// Unknown input
 ///
-/// Only monitored and shared functions of the specification take values from outside.
+/// A script can set only monitored and shared functions of the specification.
 ///
 /// ```asm
 /// asm example

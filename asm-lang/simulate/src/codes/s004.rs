@@ -1,10 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A value of another domain
+/// Value of another domain
 ///
-/// Booleans and numbers stand for themselves, literals and texts in quotes, sequences, sets and tuples
-/// as arrays.
+/// Booleans and numbers are written as they are, literals and strings in quotes, and sequences, sets
+/// and tuples as arrays.
 ///
 /// ```asm
 /// asm example

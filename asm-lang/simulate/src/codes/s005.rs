@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// What no partner answers
+/// Invalid answer of a partner
 ///
-/// A partner answers an operation with a reply that fits it, or with a fault, some steps later.
+/// A partner answers an operation with a reply of the right type or with a fault, a number of steps
+/// later.
 ///
 /// ```asm
 /// asm example

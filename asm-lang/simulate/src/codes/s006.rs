@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A partner that is no agent
+/// Unknown partner
 ///
-/// A script plays the agents that the specification declares.
+/// A script plays agents that the specification declares. This one is not declared.
 ///
 /// ```asm
 /// asm example

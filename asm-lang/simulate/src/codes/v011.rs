@@ -2,7 +2,7 @@ use crate::codes::meant;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// An unknown block
+/// Unknown block
 ///
 /// `execblock` runs a block that `begin … end` declares in this scenario, or in another one: `execblock
 /// other:block`.

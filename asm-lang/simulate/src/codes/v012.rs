@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A scenario that is not found
+/// Scenario not found
 ///
-/// `execblock other:block` looks for `other.avalla` beside this scenario.
+/// `execblock other:block` reads `other.avalla` in the folder of this scenario.
 ///
 /// ```asm
 /// asm example

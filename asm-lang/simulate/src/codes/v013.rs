@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A block that runs itself
+/// Block runs itself
 ///
-/// A scenario has an end, so a block does not run itself, not even through others.
+/// A block may not run itself, directly or through other blocks: the scenario would never end.
 ///
 /// ```asm
 /// asm example

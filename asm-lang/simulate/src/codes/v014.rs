@@ -2,9 +2,9 @@ use crate::codes::meant;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A pick for a variable that nothing chooses
+/// Unknown variable of a `pick`
 ///
-/// `pick` decides the value of a variable of `choose`.
+/// `pick` determines the value of a `choose` variable. No `choose` binds this variable.
 ///
 /// ```asm
 /// asm example

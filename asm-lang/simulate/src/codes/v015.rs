@@ -2,9 +2,9 @@ use crate::codes::meant;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 
-/// A pick in an unknown rule
+/// Unknown rule in a `pick`
 ///
-/// `pick $x in r_rule := …` names the rule in which the `choose` stands.
+/// `pick $x in r_rule := …` names the rule that contains the `choose`.
 ///
 /// ```asm
 /// asm example

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Undef as a pick
+/// `undef` as a pick
 ///
-/// A `choose` takes an element of its range, and undef is none.
+/// `choose` selects an element of its range, and undef is not an element.
 ///
 /// ```asm
 /// asm example

@@ -1,9 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A scenario that becomes too long
+/// Scenario too long
 ///
-/// Blocks that run blocks that run blocks make more commands than anyone wants to wait for. Let them
-/// run each other less often.
+/// Blocks that run other blocks multiply the number of commands. Run them less often.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V017, error)]
 #[error("the scenario becomes too long")]

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A specification without a main rule
+/// Specification without a main rule
 ///
-/// A scenario runs steps, and a module has none. Load a specification that imports the module.
+/// A scenario runs steps, but a module has none. Load a specification that imports the module.
 ///
 /// ```asm
 /// module example

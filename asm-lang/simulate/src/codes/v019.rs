@@ -1,9 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Blocks that run each other too deep
+/// Blocks run each other too deep
 ///
-/// `execblock` in a block that is itself run by `execblock`, and so on. Run the blocks one after the
-/// other instead.
+/// `execblock` commands are nested through too many blocks. Run the blocks one after the other.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V019, error)]
 #[error("blocks run blocks, more than {limit} deep")]

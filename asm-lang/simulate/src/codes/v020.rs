@@ -2,10 +2,10 @@ use crate::codes::{holds, when};
 use crate::scenario::Seen;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
-/// A check that does not hold
+/// Check failed
 ///
-/// The condition of a `check` is false or undef at this place; the message shows the values it reads
-/// and what the last step wrote.
+/// The condition of the `check` is false or undef. The message shows the values it reads and the
+/// updates of the last step.
 ///
 /// ```asm
 /// asm example

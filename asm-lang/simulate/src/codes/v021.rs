@@ -2,9 +2,9 @@ use crate::codes::{holds, when};
 use crate::scenario::Seen;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An invariant of a scenario that does not hold
+/// Invariant of the scenario failed
 ///
-/// An invariant of the scenario holds after each of its steps.
+/// An invariant of the scenario must hold in the initial state and after each step.
 ///
 /// ```asm
 /// asm example

@@ -2,10 +2,10 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
 use crate::scenario::Seen;
 
-/// A `step until` without end
+/// `step until` did not end
 ///
-/// `step until` does steps until its condition holds, and no more than `--max-steps`. The message shows
-/// the values the condition reads at the end.
+/// `step until` runs steps until its condition holds, at most `--max-steps`. The message shows the
+/// values that the condition reads at the end.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V022, error)]
 #[error("`step until` did not end within {limit} steps")]

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Characters that are not part of the language
+/// Unknown characters
 ///
-/// The text has characters that begin no word, number or sign of AsmetaL.
+/// These characters do not begin any word, number or operator of AsmetaL.
 ///
 /// ```asm wrong
 /// asm example

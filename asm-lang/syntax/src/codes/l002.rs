@@ -1,9 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A name with letters a name cannot have
+/// Invalid letter in a name
 ///
-/// Names are written with the letters a to z, digits and `_`, so that every tool reads them alike.
-/// Comments and texts may hold any letter.
+/// Names consist of the letters a to z, digits and `_`. Comments and strings may contain any character.
 ///
 /// ```asm wrong
 /// asm example

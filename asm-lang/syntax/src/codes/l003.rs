@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A comment without end
+/// Unterminated comment
 ///
-/// A comment that begins with `/*` ends with the next `*/`; without one it reaches to the end of the
+/// A comment that starts with `/*` ends at the next `*/`. Without one it extends to the end of the
 /// file.
 ///
 /// ```asm wrong

@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A text or character without its closing quote
+/// Missing closing quote
 ///
-/// A text stands in double quotes, a character in single ones. Neither goes on in the next line.
+/// A string is written in double quotes, a character in single quotes. Both end on the line on which
+/// they start.
 ///
 /// ```asm wrong
 /// asm example

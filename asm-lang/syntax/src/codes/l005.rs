@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// No character, or several, between single quotes
+/// Not a single character
 ///
-/// Single quotes hold one character; a text stands in double quotes.
+/// Single quotes contain exactly one character. Write a string in double quotes.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A number that does not fit
+/// Integer too large
 ///
-/// Integers have 64 bits: the largest is 9223372036854775807.
+/// Integers have 64 bits; the largest is 9223372036854775807.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A number with an exponent
+/// Number with an exponent
 ///
-/// Numbers are written with all their digits.
+/// AsmetaL has no exponents. Write out all digits.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A point without digits after it
+/// Missing digits after the point
 ///
-/// A real number has digits on both sides of its point.
+/// A real number has digits on both sides of the point.
 ///
 /// ```asm wrong
 /// asm example

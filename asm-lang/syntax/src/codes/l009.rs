@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A sign of another language
+/// Operator of another language
 ///
-/// AsmetaL writes `=` for equality, `!=` for its opposite, and the words `and`, `or`, `not`, `implies`.
+/// AsmetaL writes `=` and `!=` for equality and inequality, and the words `and`, `or`, `not` and
+/// `implies`.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A semicolon
+/// Stray semicolon
 ///
-/// Nothing is separated by `;`: rules that belong together stand in `par … endpar`, which does them at
-/// once, or in `seq … endseq`, which does one after the other.
+/// AsmetaL has no separator. Put several rules into `par … endpar` to run them at once, or into `seq …
+/// endseq` to run them one after the other.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,9 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An element of a run in a specification
+/// Name of an element that `extend` creates
 ///
-/// `robot!1` is what a run calls the first element that `extend` made. A specification cannot know it:
-/// it takes an element with `choose` or `forall`, or declares one. Scenarios and the prompt may name it.
+/// `robot!1` is the name of the first element that `extend` creates during a run, so a specification
+/// cannot refer to it. Select an element with `choose` or `forall`, or declare one. Scenarios and the
+/// prompt may use such names.
 ///
 /// ```asm wrong
 /// asm example
@@ -29,7 +30,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L011, error)]
-#[error("`{word}` names an element of a run, which a specification cannot do")]
+#[error("`{word}` names an element that exists only during a run")]
 pub(crate) struct ElementName {
     pub word: String,
     pub at: Span,

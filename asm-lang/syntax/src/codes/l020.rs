@@ -1,9 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An empty file
+/// Empty file
 ///
-/// There is nothing to run: a file begins with `asm` and a name, and has a `signature:` and
-/// `definitions:`.
+/// A file starts with `asm` and a name, followed by `signature:` and `definitions:`.
 ///
 /// ```asm wrong
 /// // nothing yet

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A file without a heading
+/// Missing heading
 ///
-/// A file begins with `asm name`, or with `module name` if others import it and nobody runs it.
+/// A file starts with `asm name`, or with `module name` if it is only imported.
 ///
 /// ```asm wrong
 /// signature:

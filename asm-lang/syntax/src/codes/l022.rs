@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A file that is named twice
+/// Second heading
 ///
-/// A file holds one `asm` or one `module`.
+/// A file contains one `asm` or one `module`.
 ///
 /// ```asm wrong
 /// asm example

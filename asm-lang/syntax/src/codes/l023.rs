@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A second `export`
+/// Second `export`
 ///
-/// All that a module exports is named in one clause; `export *` exports everything.
+/// A module has one `export` clause for all its names. `export *` exports everything.
 ///
 /// ```asm wrong
 /// module example

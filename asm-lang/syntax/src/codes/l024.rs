@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A second main rule
+/// Second main rule
 ///
-/// A step of the machine is one run of the main rule, so there is one.
+/// A step of the machine runs the main rule once, so there is only one.
 ///
 /// ```asm wrong
 /// asm example

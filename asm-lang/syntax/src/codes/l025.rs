@@ -2,8 +2,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// `agent` outside an initial state
 ///
-/// `agent Domain: r_rule[]` says what the agents of a domain run. It belongs to the initial state,
-/// after the functions.
+/// `agent Domain: r_rule[]` assigns a program to the agents of a domain. It belongs to the initial
+/// state, after the functions.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,9 +1,9 @@
 use crate::codes::Place;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A file that ends too early
+/// Unexpected end of the file
 ///
-/// Something is still open at the end of the file; the message shows what.
+/// A block or bracket is still open at the end of the file. The message shows which.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,10 +1,10 @@
 use crate::codes::Place;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Something that is not closed
+/// Unclosed block or bracket
 ///
-/// Every `par`, `seq`, `if`, `let`, `switch` and bracket has an end of its own. The end found here
-/// belongs to something further out.
+/// Every `par`, `seq`, `if`, `let`, `switch` and bracket needs its own end. The end found here belongs
+/// to an outer block.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// `else if` with one `endif` for both
+/// One `endif` for `else if`
 ///
-/// `else if` begins an `if` of its own inside the `else`, so each needs its `endif`.
+/// `else if` starts a nested `if` inside the `else`, and each of them needs an `endif`.
 ///
 /// ```asm wrong
 /// asm example
@@ -36,7 +36,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 ///   function n = 1
 /// ```
 ///
-/// `switch n case 1: … case 2: … endswitch` says the same with one end.
+/// `switch n case 1: … case 2: … endswitch` has only one end.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L032, error)]
 #[error("`else if` needs one `endif` for each `if`")]

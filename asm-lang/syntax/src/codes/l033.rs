@@ -1,9 +1,9 @@
 use crate::codes::Place;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
-/// An end that closes nothing
+/// Unmatched end
 ///
-/// What this word closes was never opened, or is closed already.
+/// The block that this word would close was never opened or is already closed.
 ///
 /// ```asm wrong
 /// asm example

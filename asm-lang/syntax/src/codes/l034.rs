@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Several rules where one belongs
+/// Several rules instead of one
 ///
-/// A rule, a branch and the body of `do` hold one rule. Several are done at once in `par … endpar`, or
-/// one after the other in `seq … endseq`.
+/// A rule declaration, a branch and the body of `do` contain one rule. Use `par … endpar` to run
+/// several at once, or `seq … endseq` to run them one after the other.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,9 +1,9 @@
 use crate::codes::Place;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
-/// A missing rule
+/// Missing rule
 ///
-/// A rule is wanted here. `skip` is the rule that does nothing.
+/// A rule is required here. `skip` is the rule that does nothing.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Brackets around rules
+/// Parentheses around rules
 ///
-/// Round brackets hold terms. Rules are held together by `par … endpar` or `seq … endseq`.
+/// Parentheses enclose terms. Group rules with `par … endpar` or `seq … endseq`.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,9 +1,10 @@
 use crate::codes::Place;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
-/// A rule called without brackets
+/// Call without brackets
 ///
-/// A macro rule is called with square brackets, a turbo rule with round ones, even without arguments.
+/// A macro rule is called with square brackets, a turbo rule with round brackets, even without
+/// arguments.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A quantifier without brackets
+/// Quantifier without parentheses
 ///
-/// `forall` and `exists` as terms stand in round brackets of their own.
+/// The terms `forall` and `exists` are written in parentheses.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A text that nests too deep
+/// Nesting too deep
 ///
-/// Terms and rules nest at most 400 levels deep: more is hard to read, for people and for tools.
+/// Terms and rules may nest 400 levels deep.
 ///
 /// ```asm wrong
 /// asm example

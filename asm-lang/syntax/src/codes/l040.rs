@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A comma between rules
+/// Comma between rules
 ///
-/// Rules follow each other without a sign between them.
+/// Rules follow each other without a separator.
 ///
 /// ```asm wrong
 /// asm example

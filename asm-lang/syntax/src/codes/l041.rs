@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Square brackets around the arguments of a function
+/// Square brackets around function arguments
 ///
-/// Square brackets call a rule; the arguments of a function stand in round ones.
+/// Square brackets call a rule. The arguments of a function are written in round brackets.
 ///
 /// ```asm wrong
 /// asm example

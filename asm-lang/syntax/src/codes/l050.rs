@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// `=` where an update is meant
+/// `=` instead of `:=`
 ///
-/// `=` asks whether two values are equal; `:=` gives a location its next value.
+/// `=` compares two values; `:=` updates a location.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// `:=` where a comparison is meant
+/// `:=` instead of `=`
 ///
-/// `:=` gives a location its next value; whether two values are equal asks `=`.
+/// `:=` updates a location; `=` compares two values.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,9 +1,9 @@
 use crate::codes::Place;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A missing word
+/// Missing keyword
 ///
-/// The form begun here needs this word, as in `if … then … endif` or `forall … do …`.
+/// This construct needs another keyword, as in `if … then … endif` or `forall … do …`.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,9 +1,9 @@
 use crate::codes::Place;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
-/// A word that is not known here
+/// Misspelt keyword
 ///
-/// No word of the language is written so; one that is written nearly so fits.
+/// The language has no such word, but one that is spelt almost the same is allowed here.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,9 +1,9 @@
 use crate::codes::Place;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
-/// A reserved word as a name
+/// Reserved word as a name
 ///
-/// The words of the language, such as `do`, `in` and `out`, name nothing else.
+/// Keywords such as `do`, `in` and `out` cannot be used as names.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,9 +1,9 @@
 use crate::codes::Place;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
-/// A complex number as a name
+/// Complex number as a name
 ///
-/// `i` is the imaginary unit: `i`, `i2` and `1+i2` are numbers.
+/// `i` is the imaginary unit, so `i`, `i2` and `1+i2` are numbers.
 ///
 /// ```asm wrong
 /// asm example

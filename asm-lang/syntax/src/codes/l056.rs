@@ -1,10 +1,10 @@
 use crate::codes::Place;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
-/// A name with the wrong beginning
+/// Wrong beginning of a name
 ///
-/// How a name begins says what it names: `$x` a variable, `r_x` a rule, a small letter a function, a
-/// capital a domain, two capitals a literal of an enumeration.
+/// The beginning of a name shows its kind: `$x` is a variable, `r_x` a rule, a lower-case name a
+/// function, a capitalised name a domain, and a name with two capitals a literal of an enumeration.
 ///
 /// ```asm wrong
 /// asm example

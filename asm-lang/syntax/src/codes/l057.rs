@@ -1,9 +1,9 @@
 use crate::codes::Place;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
-/// A reserved word without meaning
+/// Reserved word without a meaning
 ///
-/// AsmetaL reserves `try`, `catch`, `endcase` and `FAIRNESS`, and uses them nowhere.
+/// AsmetaL reserves `try`, `catch`, `endcase` and `FAIRNESS`, but does not use them.
 ///
 /// ```asm wrong
 /// asm example

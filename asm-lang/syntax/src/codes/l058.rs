@@ -2,9 +2,9 @@ use crate::codes::Place;
 use crate::lexer::Keyword;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
-/// Something else was expected
+/// Unexpected token
 ///
-/// What stands here does not fit what is before it; the message says what would.
+/// This does not fit what stands before it. The message shows what is expected.
 ///
 /// ```asm wrong
 /// asm example

@@ -2,7 +2,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// `*` between domains
 ///
-/// `*` multiplies numbers. The domain of a function with two arguments is a product, `Prod(A, B)`.
+/// `*` multiplies numbers. The domain of a function with two arguments is the product `Prod(A, B)`.
 ///
 /// ```asm wrong
 /// asm example

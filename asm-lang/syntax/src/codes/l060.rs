@@ -2,7 +2,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// `in` as an operator
 ///
-/// `in` binds variables. Whether a set has an element says `contains(set, element)`.
+/// `in` only binds variables. Use `contains(set, element)` to test membership.
 ///
 /// ```asm wrong
 /// asm example
@@ -29,7 +29,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L060, error)]
-#[error("`in` is no operator")]
+#[error("`in` is not an operator")]
 pub(crate) struct InfixMembership {
     pub at: Span,
 }
@@ -38,6 +38,6 @@ impl Finding for InfixMembership {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "only binds variables")
-            .help("whether a set has an element says `contains(set, element)`")
+            .help("test membership with `contains(set, element)`")
     }
 }

@@ -2,7 +2,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// `<-` without a turbo rule
 ///
-/// `location <- r_x(…)` runs a turbo rule and stores its result. The value of a term is stored by `:=`.
+/// `location <- r_x(…)` runs a turbo rule and stores its result. Use `:=` to store the value of a term.
 ///
 /// ```asm wrong
 /// asm example

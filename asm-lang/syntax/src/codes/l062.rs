@@ -2,8 +2,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Too many errors
 ///
-/// After 50 errors the rest of the file is not read: what is found then mostly follows from what was
-/// found before. Mend the first ones and check again.
+/// Checking stops after 50 errors, because most further errors would follow from earlier ones. Fix the
+/// first errors and check again.
 ///
 /// ```asm wrong
 /// asm example

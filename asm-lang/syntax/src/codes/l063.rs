@@ -1,10 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An assignment is wanted
+/// Not an assignment
 ///
-/// Where a location is set from outside, as in a scenario or in `asmotion repl`, it is written like an
-/// update: a location, `:=`, and its value. `set speed(rob1) 3` lacks the sign; `set speed(rob1) := 3`
-/// has it.
+/// A scenario or `asmotion repl` sets a location with `:=`, as in an update. `set speed(rob1) 3` lacks
+/// it; write `set speed(rob1) := 3`.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(L063, error)]
 #[error("an assignment is wanted here")]

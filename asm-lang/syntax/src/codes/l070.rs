@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// `exist`
+/// Old spelling `exist`
 ///
-/// AsmetaL writes `exists` since AsmetaS 26.06. Both are read; `asmotion check --fix` writes the new
-/// one.
+/// Since AsmetaS 26.06 the keyword is `exists`. Both are accepted; `asmotion check --fix` replaces the
+/// old one.
 ///
 /// ```asm wrong
 /// asm example

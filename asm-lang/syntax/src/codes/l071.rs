@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// `..` in an interval
+/// Old spelling `..`
 ///
-/// Intervals are written with a colon. Both are read; `asmotion check --fix` writes the colon.
+/// Intervals are written with a colon. Both are accepted; `asmotion check --fix` replaces the dots.
 ///
 /// ```asm wrong
 /// asm example

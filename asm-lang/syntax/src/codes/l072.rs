@@ -1,10 +1,10 @@
 use crate::codes::all_sure;
 use asmotion_diagnostics::{Coded, Diagnostic, Edit, Finding, Span};
 
-/// A block with fewer than two rules
+/// Block with fewer than two rules
 ///
-/// `par` and `seq` hold several rules together. AsmetaS refuses a block with one rule or none; here it
-/// is read, and `asmotion check --fix` takes it apart.
+/// AsmetaS rejects `par` and `seq` with one rule or none. asmotion accepts them, and `asmotion check
+/// --fix` removes the block.
 ///
 /// ```asm wrong
 /// asm example

@@ -3,9 +3,9 @@ use asmotion_diagnostics::{Coded, Diagnostic, Edit, Finding, Span};
 
 /// Declarations out of order
 ///
-/// AsmetaS wants domains before functions, functions before rules, rules before invariants, these
-/// before the main rule, and initial states last. Here any order is read; `asmotion check --fix` moves
-/// what stands too late, with the comments above it.
+/// AsmetaS requires domains before functions, functions before rules, rules before invariants,
+/// invariants before the main rule, and initial states last. asmotion accepts any order; `asmotion
+/// check --fix` moves late declarations together with the comments above them.
 ///
 /// ```asm wrong
 /// asm example

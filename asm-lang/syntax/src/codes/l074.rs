@@ -1,9 +1,9 @@
 use crate::codes::all_sure;
 use asmotion_diagnostics::{Coded, Diagnostic, Edit, Finding, Span};
 
-/// A missing heading
+/// Missing heading of a section
 ///
-/// `signature:` opens the declarations and `definitions:` the rules. AsmetaS wants both, even where
+/// `signature:` starts the declarations and `definitions:` the rules. AsmetaS requires both, even if
 /// nothing follows.
 ///
 /// ```asm wrong

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A property whose name has the wrong beginning
+/// Prefix of a property name
 ///
-/// AsmetaS wants the names of invariants to begin with `inv_`, those of temporal properties with
-/// `ctlSpec_` and `ltlSpec_`.
+/// AsmetaS requires names of invariants to start with `inv_`, and names of temporal properties with
+/// `ctlSpec_` or `ltlSpec_`.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,11 +1,11 @@
 use crate::codes::all_sure;
 use asmotion_diagnostics::{Coded, Diagnostic, Edit, Finding, Span};
 
-/// A rule that is called before it is declared
+/// Rule called before its declaration
 ///
-/// AsmetaS reads a file once from top to bottom and knows only the rules it has met. Here any order is
-/// read; `asmotion check --fix` moves the rule. Turbo rules that call each other have no such order,
-/// and nothing is said about them.
+/// AsmetaS reads a file once from top to bottom and knows only the rules declared so far. asmotion
+/// accepts any order; `asmotion check --fix` moves the rule. Turbo rules that call each other cannot be
+/// ordered and are not reported.
 ///
 /// ```asm wrong
 /// asm example

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A scenario without its heading
+/// Missing heading of a scenario
 ///
-/// A scenario begins with `scenario` and its name.
+/// A scenario starts with `scenario` and its name.
 ///
 /// ```asm
 /// asm example

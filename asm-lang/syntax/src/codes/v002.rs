@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A scenario without a specification
+/// Missing `load`
 ///
-/// `load` says which specification the scenario is about; its path begins at the scenario.
+/// `load` names the specification of the scenario. Its path is relative to the scenario.
 ///
 /// ```asm
 /// asm example

@@ -1,6 +1,6 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An unknown command
+/// Unknown command
 ///
 /// The commands of a scenario are `set`, `check`, `step`, `step until`, `exec`, `pick`, `begin … end`
 /// and `execblock`.

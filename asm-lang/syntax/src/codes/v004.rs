@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An incomplete command
+/// Incomplete command
 ///
-/// A command lacks one of its parts; the message shows its form.
+/// A part of the command is missing. The message shows its form.
 ///
 /// ```asm
 /// asm example

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A command without `;`
+/// Missing `;`
 ///
-/// `set`, `check`, `exec`, `pick` and `step until` end with `;`, so that their terms have an end;
-/// `asmotion check --fix` and `asmotion fmt` add it.
+/// `set`, `check`, `exec`, `pick` and `step until` end with `;`. `asmotion check --fix` and `asmotion
+/// fmt` add it.
 ///
 /// ```asm
 /// asm example

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A block that does not end
+/// Unterminated block
 ///
-/// What `begin name` opens is closed by `end`.
+/// A block that starts with `begin name` ends with `end`.
 ///
 /// ```asm
 /// asm example

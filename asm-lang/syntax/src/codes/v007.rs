@@ -1,6 +1,6 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An `end` that ends nothing
+/// Unmatched `end`
 ///
 /// No block is open here.
 ///

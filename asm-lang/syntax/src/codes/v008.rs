@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Two blocks of one name
+/// Duplicate block name
 ///
-/// `execblock` calls a block by its name, so only the first of these can be called.
+/// `execblock` calls a block by its name, so only the first of these blocks can be called.
 ///
 /// ```asm
 /// asm example

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An invariant after the first command
+/// Invariant after the first command
 ///
-/// The invariants of a scenario stand before its commands.
+/// The invariants of a scenario are declared before its commands.
 ///
 /// ```asm
 /// asm example

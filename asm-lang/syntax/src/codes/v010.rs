@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Blocks that nest too deep
+/// Blocks nested too deep
 ///
-/// Blocks stand in blocks some levels deep and no deeper. Most do not have to: `execblock` runs a block
-/// from anywhere.
+/// Blocks may nest only to a limited depth. Use `execblock` to run a block from anywhere instead of
+/// nesting it.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(V010, error)]
 #[error("blocks nest too deep")]

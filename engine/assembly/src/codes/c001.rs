@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// The file is not TOML, or has a key or a table twice
+/// Invalid TOML
 ///
-/// Composites are TOML: every bracket and quote is closed, and a key or a `[table]` stands once. What stands
-/// behind the place is not read.
+/// A composite file is TOML. Close every bracket and quote, and write each key and each `[table]` once.
+/// Text after the reported place is not checked.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -41,7 +41,7 @@ impl Finding for InvalidToml {
         let diagnostic = diagnostic.label(self.at, "found here");
         match earlier {
             Some(earlier) => diagnostic
-                .label(*earlier, "it already stands here")
+                .label(*earlier, "first defined here")
                 .help("give the second one another name, or merge the two"),
             None => diagnostic,
         }

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A file cannot be read, or is too large
+/// Unreadable file
 ///
-/// A specification, a nested composite or a file of types is named by its path, from the folder of the
-/// composite. It must be there, and have less than some megabytes.
+/// A composite refers to specifications, nested composites and type files by paths relative to its own
+/// folder. The file must exist and be smaller than a few megabytes.
 ///
 /// ```asm
 /// asm example

@@ -3,9 +3,9 @@ use crate::nearest::Nearest;
 use crate::nearest::Suggest;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A key that the dialect does not have
+/// Unknown key
 ///
-/// A key that is not known would do nothing, so it is an error.
+/// An unknown key would have no effect, so it is an error rather than being ignored.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A key that must be there is missing
+/// Missing key
 ///
-/// Nothing sensible stands in for this key. The message shows an example of it.
+/// This key is required and has no default. The message shows an example.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

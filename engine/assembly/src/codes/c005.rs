@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A value of another type
+/// Wrong type of value
 ///
-/// Numbers and truth values stand without quotes, texts in quotes, tables in braces.
+/// Write numbers and Booleans without quotes, strings in quotes and tables in braces.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -3,9 +3,9 @@ use crate::nearest::Nearest;
 use crate::nearest::Suggest;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A word that is none of those possible
+/// Unknown option
 ///
-/// The key takes one of a few words; the message lists them.
+/// The key accepts a fixed set of words. The message lists them.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A number out of its range
+/// Number out of range
 ///
-/// Times, sizes and priorities have a least and a greatest value.
+/// Times, sizes and priorities have a minimum and a maximum.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Another dialect, or another version of it
+/// Unsupported schema version
 ///
-/// The first line says in which dialect the file is written. Another version may mean other things by the
-/// same keys.
+/// The `schema` key names the dialect and its version. The same key can mean something else in another
+/// version, so the file is not read.
 ///
 /// ```toml wrong
 /// schema = "composite/2"

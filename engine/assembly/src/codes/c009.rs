@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A text that cannot be a name, an end, a path or a type
+/// Invalid name
 ///
-/// Names have letters, digits, `_` and `-`, and begin with a letter; an end of a connection is written
-/// `Component.port` or `topic:name`.
+/// Names consist of letters, digits, `_` and `-`, and start with a letter. An endpoint of a connection
+/// is written `Component.port` or `topic:name`.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Two keys that exclude each other
+/// Mutually exclusive keys
 ///
-/// A component is made of one thing, and cycles by one table: `task`, where it is reached over a broker, or
-/// `activity`.
+/// A component has one implementation, and one table that schedules it: `task` if it is reached over a
+/// broker, otherwise `activity`.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -45,6 +45,6 @@ impl Finding for ExclusiveKeys {
         let Self { first, .. } = self;
         diagnostic
             .label(self.at, self.reason)
-            .label(self.first_at, format!("`{first}` stands here"))
+            .label(self.first_at, format!("`{first}` is set here"))
     }
 }

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A substitution where nothing is substituted
+/// Substitution not allowed here
 ///
-/// What is run is decided when the composite is checked, so it is written out. Substitution works in values of
-/// properties, in times and in endpoints.
+/// Implementations are fixed when the composite is checked, so they are written out. Substitution works
+/// in property values, in times and in endpoints.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

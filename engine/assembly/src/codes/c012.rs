@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A substitution that cannot be read
+/// Invalid substitution
 ///
 /// `${properties.name}` is a property of the composite, `${VARIABLE}` an environment variable, and
-/// `${VARIABLE:-default}` one with a default. `$$` is a dollar sign.
+/// `${VARIABLE:-default}` an environment variable with a default. Write `$$` for a dollar sign.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

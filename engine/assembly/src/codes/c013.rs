@@ -3,9 +3,9 @@ use crate::nearest::Nearest;
 use crate::nearest::Suggest;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A property that the composite does not have
+/// Unknown composite property
 ///
-/// `${properties.name}` and `--set name=value` speak of what stands under `[properties]`.
+/// `${properties.name}` and `--set name=value` refer to the properties declared under `[properties]`.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

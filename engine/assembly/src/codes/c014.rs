@@ -1,10 +1,10 @@
 use crate::environment::is_secret;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An environment variable or a secret that is not there
+/// Missing environment variable or secret
 ///
-/// The composite can be checked without it, but not started. A variable that ends in `_FILE` names a file
-/// with a secret in it.
+/// The composite can be checked without it, but not started. A variable whose name ends in `_FILE`
+/// holds the path of a file with a secret.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,10 +1,10 @@
 use crate::codes::label_or_outside;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A value that a property cannot have
+/// Invalid property value
 ///
-/// A property takes values of its type; the components declare theirs, those of the composite stand under
-/// `[properties]`.
+/// A value must match the type and the choices of its property. Components declare their own
+/// properties; those of the composite are declared under `[properties]`.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

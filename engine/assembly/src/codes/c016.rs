@@ -2,9 +2,9 @@ use crate::codes::label_or_outside;
 use crate::scope::Range;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A value out of the range of a property
+/// Property value out of range
 ///
-/// The type of a property has a range, and `min` and `max` may narrow it.
+/// The type of a property limits its value. `min` and `max` can narrow the range further.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A property that must be set
+/// Required property not set
 ///
-/// A property without `default` has no value unless somebody sets it: `--set place=office`, or the composite
-/// around this one.
+/// A property without a `default` must be given a value, either on the command line (`--set
+/// place=office`) or by the enclosing composite.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

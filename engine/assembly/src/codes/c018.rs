@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Two ports of one name
+/// Duplicate port name
 ///
-/// `ports.in` and `subscribe` share one set of names, and so do `ports.out` and `publish`.
+/// Inputs share one set of names, whether they are listed under `ports.in` or `subscribe`. Outputs
+/// share another: `ports.out` and `publish`.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A password that stands in the file
+/// Password in the file
 ///
-/// Whoever has the file has the password, and so has everybody who sees its history. Name a file that holds
-/// it, by a variable.
+/// A password in the file is visible to everyone who can read the file or its version history. Refer to
+/// a file that holds it through an environment variable instead.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -28,7 +28,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C019, warning)]
-#[error("a password stands in the file")]
+#[error("the file contains a password")]
 pub(crate) struct SecretInFile {
     pub at: Span,
 }
@@ -36,7 +36,7 @@ pub(crate) struct SecretInFile {
 impl Finding for SecretInFile {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "everybody who has the file has it")
+            .label(self.at, "visible to everyone who can read the file")
             .help("name a file with it in a variable: `${AMQP_PASSWORD_FILE}`")
     }
 }

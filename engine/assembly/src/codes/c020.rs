@@ -2,9 +2,9 @@ use crate::nearest::Nearest;
 use crate::nearest::Suggest;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A name that nothing has
+/// Undeclared name
 ///
-/// A component, topic, broker, profile or process is spoken of that is declared nowhere.
+/// The composite refers to a component, topic, broker, profile or process that is declared nowhere.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

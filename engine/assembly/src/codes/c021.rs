@@ -3,9 +3,9 @@ use crate::nearest::Nearest;
 use crate::nearest::Suggest;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A port, service, reference or property that a component does not have
+/// Unknown member of a component
 ///
-/// What a component of this build has is known; `asmotion check` compares.
+/// The component has no port, service, reference or property of this name.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

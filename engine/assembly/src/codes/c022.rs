@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Something that goes over a broker, and no broker
+/// No broker
 ///
-/// A binding over AMQP needs a broker to go over.
+/// A binding over AMQP needs a broker.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -51,7 +51,7 @@ pub(crate) struct MissingBroker {
 impl Finding for MissingBroker {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "over which broker?")
+            .label(self.at, "needs a broker")
             .help("write `[brokers.main]` with its `url`, and `broker = \"main\"` here")
     }
 }

@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Two components of one id
+/// Duplicate component id
 ///
-/// Messages, traces and the broker know a component by its id: the `id` of its task, or its name.
+/// The id identifies a component in messages, in traces and on the broker. It is the `id` of the
+/// component's task, or its name by default.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

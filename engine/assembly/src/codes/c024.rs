@@ -2,9 +2,9 @@ use crate::nearest::Nearest;
 use crate::nearest::Suggest;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An implementation whose name looks misspelt
+/// Unknown implementation
 ///
-/// A name that resembles one of this build is most likely that one.
+/// The name is not in this build but resembles one that is, so it is probably misspelt.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An implementation that is not in this build
+/// Implementation not in this build
 ///
-/// What this build does not have is believed, so that the composite can be checked; it cannot be started here.
+/// The ports and services of the component cannot be verified, because this build does not contain it.
+/// The composite can be checked with what it lists about the component, but not started by this build.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -26,7 +27,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// implementation = { process = "welding-gun" }
 /// ```
 ///
-/// A program of its own is no component of the build.
+/// A component that runs as a program of its own (`process`) does not have to be in the build.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C025, warning)]
 #[error("{what} `{name}` is not in this build")]
@@ -39,7 +40,7 @@ pub(crate) struct ImplementationNotInBuild {
 impl Finding for ImplementationNotInBuild {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "what the composite says of it is believed")
+            .label(self.at, "cannot be verified by this build")
             .note("the composite can be checked, but not started here")
     }
 }

@@ -3,10 +3,10 @@ use crate::nearest::Suggest;
 use crate::nearest::nearest_name;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Something listed that the component does not declare
+/// Member not declared by the component
 ///
-/// The composite may list ports, services and references of a component, to be read; they are compared with
-/// what the component declares.
+/// A composite may list the ports, services and references of a component for its readers. The list is
+/// compared with the declarations of the component, and this entry is not among them.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Something listed otherwise than the component declares it
+/// Listed type differs from the declaration
 ///
-/// The type or interface that the composite lists is not the one that the component declares.
+/// The composite lists another type or interface than the component declares.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

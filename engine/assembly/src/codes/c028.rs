@@ -3,9 +3,10 @@ use crate::codes::has;
 use crate::nearest::{Nearest, Suggest, nearest};
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A property set that the component does not have
+/// Unknown component property
 ///
-/// A component of this build declares its properties with types, ranges and units.
+/// A component in this build declares its properties with types, ranges and units. It has none of this
+/// name.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,9 +1,9 @@
 use crate::codes::has;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An input listed that the component does not have
+/// Listed input does not exist
 ///
-/// The component reads no such input: what arrives there is lost.
+/// The component has no such input, so messages sent to it are lost.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -33,7 +33,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C029, warning)]
-#[error("`{implementation}` has no input `{name}`, so nobody reads what comes there")]
+#[error("`{implementation}` has no input `{name}`, so messages sent to it are lost")]
 pub(crate) struct SubscriptionNeverRead {
     pub implementation: String,
     pub name: String,

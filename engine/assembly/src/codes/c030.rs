@@ -1,9 +1,10 @@
 use crate::check::face::Kind;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A wire between two interfaces
+/// Incompatible interfaces
 ///
-/// A reference calls the operations of its interface, so the service at the other end must have the same one.
+/// A reference calls the operations of its interface, so the service at the other end must have the
+/// same interface.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

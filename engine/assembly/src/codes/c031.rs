@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A reference that is neither wired nor promoted
+/// Unconnected reference
 ///
-/// A call over it would have nobody to answer. A reference that may stay open is declared `optional`.
+/// A call through this reference has no service to answer it. Wire the reference with `[[wires]]`,
+/// promote it, or declare it `optional`.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -28,7 +29,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// references = { maps = { interface = "nav/MapService", optional = true } }
 /// ```
 ///
-/// Or wire it: `[[wires]]` with `reference` and `service`.
+/// The example is mended with an optional reference.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C031, error)]
 #[error("reference `{component}.{reference}` is neither wired nor promoted")]
@@ -48,7 +49,7 @@ impl Finding for DanglingReference {
             ..
         } = self;
         diagnostic
-                    .label(self.at, format!("who provides `{interface}`?"))
+                    .label(self.at, format!("needs a service with the interface `{interface}`"))
                     .help(format!(
                         "write `[[wires]]` with `reference = \"{component}.{reference}\"`, promote \
                          it, or say `{reference} = {{ interface = \"{interface}\", optional = true }}`"

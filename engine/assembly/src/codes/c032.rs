@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A reference wired or promoted twice
+/// Reference wired or promoted twice
 ///
-/// A call goes to one service. To call one of several, write a reference for each.
+/// A call goes to one service. To call several services separately, declare a reference for each.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,9 +1,9 @@
 use crate::check::DEFAULT_TIMEOUT_MS;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A call without a timeout
+/// Call without a timeout
 ///
-/// A service may never answer. With a timeout, the caller hears that and can go on.
+/// A service may never answer. With a timeout, the caller receives an error and can continue.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -47,7 +47,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C033, warning)]
-#[error("nobody says how long a call of `{reference}` may take")]
+#[error("calls of `{reference}` have no timeout")]
 pub(crate) struct NoTimeout {
     pub reference: String,
     pub at: Span,
@@ -56,7 +56,10 @@ pub(crate) struct NoTimeout {
 impl Finding for NoTimeout {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, format!("{DEFAULT_TIMEOUT_MS} ms are taken"))
-            .help("add `timeout_ms = 2000`, or `oneway = true` where no reply is awaited")
+            .label(
+                self.at,
+                format!("the default of {DEFAULT_TIMEOUT_MS} ms applies"),
+            )
+            .help("add `timeout_ms = 2000`, or `oneway = true` if no reply is expected")
     }
 }

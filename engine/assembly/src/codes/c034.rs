@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An answer from several
+/// Reply expected from several services
 ///
-/// A reference may have several services: each is told, and none answers. Whoever waits for an answer has one service.
+/// A reference that is wired to several services notifies all of them and receives no reply. A caller
+/// that needs a reply must be wired to a single service.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -53,8 +54,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// timeout_ms = 1000
 /// ```
 ///
-/// An operation has no answer where the wire says `oneway = true`; where its message is empty; or where the out function that
-/// declares it has the codomain `Rule`.
+/// An operation has no reply if the wire says `oneway = true`, if its reply message is empty, or if the
+/// out function that declares it has the codomain `Rule`.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C034, error)]
 #[error("`{reference}` has several services, and {who}")]
@@ -75,7 +76,7 @@ impl Finding for AwaitsSeveral {
             None => diagnostic,
         };
         diagnostic.help(
-            "wire it to one service; or wait for no answer, and say `oneway = true`: all are told",
+            "wire it to one service, or add `oneway = true` to notify all of them without a reply",
         )
     }
 }

@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A component that would cycle after itself
+/// Circular masters
 ///
-/// A component with a `master` cycles in the master's thread, right after it. In a circle of masters nobody would be first.
+/// A component with a `master` cycles in the master's thread, right after it. A circle of masters has
+/// no first component.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

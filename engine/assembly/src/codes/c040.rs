@@ -1,6 +1,6 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A connection that reads an input or writes an output
+/// Wrong direction of a connection
 ///
 /// A connection goes from an output to an input.
 ///

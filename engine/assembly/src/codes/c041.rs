@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A connection from a topic to a topic
+/// Connection without a component
 ///
-/// A topic is a place, no component: nothing carries messages from one to another.
+/// A topic is not a component, so nothing would carry messages from one topic to the other.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,9 +1,9 @@
 use crate::check::face::Kind;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A connection between two types
+/// Incompatible message types
 ///
-/// What is sent must be what is read: both ends have one type.
+/// Both ends of a connection must have the same message type.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

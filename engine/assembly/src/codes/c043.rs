@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Two writers of a last value
+/// Several writers of one value
 ///
-/// With `data`, a reader sees the last value alone: of two writers, now the one and now the other. A buffer
-/// keeps what both say; an arbiter component decides between them.
+/// A `data` connection keeps only the last value, so the reader would see values of both writers in
+/// turn. A buffer keeps the values of both; an arbiter component can decide between them.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

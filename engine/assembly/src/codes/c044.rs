@@ -1,9 +1,9 @@
 use crate::model::Flow;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A queue without a size
+/// Queue without a size
 ///
-/// A buffer has room for so many messages; there is no number that is right for all.
+/// A buffer has a fixed capacity. No default fits every system, so the composite must give it.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -57,10 +57,8 @@ pub(crate) struct QueueWithoutSize {
 impl Finding for QueueWithoutSize {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { kind, .. } = self;
-        diagnostic
-            .label(self.at, "how long is the queue?")
-            .help(format!(
-                "for example `policy = {{ type = \"{kind}\", size = 16 }}`"
-            ))
+        diagnostic.label(self.at, "`size` is missing").help(format!(
+            "for example `policy = {{ type = \"{kind}\", size = 16 }}`"
+        ))
     }
 }

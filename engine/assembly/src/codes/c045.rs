@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An input that nothing is connected to
+/// Unconnected input
 ///
-/// The composite lists this input and nothing ever arrives there.
+/// The composite lists this input, but nothing is connected to it, so it never receives a message.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An input that the composite does not mention
+/// Input not mentioned in the composite
 ///
-/// The component reads an input that the composite neither connects nor lists. It works, and never hears
-/// anything there.
+/// The component has an input that the composite neither connects nor lists. The component runs, but
+/// receives nothing there.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

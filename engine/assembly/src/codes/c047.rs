@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A connection without a lock between two threads
+/// Unsynchronised connection between threads
 ///
-/// `unsync` takes no care of threads: both ends must cycle in one, by `activity = { master = … }`.
+/// An `unsync` connection has no synchronisation, so both ends must run in the same thread. `activity =
+/// { master = … }` makes one component run in the thread of the other.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

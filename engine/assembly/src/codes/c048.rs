@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A key of a policy that says nothing
+/// Key without effect
 ///
-/// This key means something with another type of policy only.
+/// This key applies only to another type of connection policy.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -47,7 +47,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C048, warning)]
-#[error("`{key}` says nothing here")]
+#[error("`{key}` has no effect here")]
 pub(crate) struct IdleKey {
     pub key: &'static str,
     pub at: Span,

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Two ends joined twice
+/// Duplicate connection
 ///
-/// The same two ends are joined once; a second connection would deliver everything twice.
+/// A second connection between the same two ends would deliver every message twice.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

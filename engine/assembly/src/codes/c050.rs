@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A topic with two types
+/// Topic with two types
 ///
-/// A topic carries messages of one type.
+/// All publishers and subscribers of a topic must use the same message type.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,9 +1,10 @@
 use crate::nearest::Nearest;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A topic that nobody publishes
+/// Topic without a publisher
 ///
-/// Nobody in the composite publishes it, and it is not promoted to the outside: the reader waits for ever.
+/// No component publishes this topic, and the composite does not promote it. Its subscribers would
+/// never receive a message.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -33,10 +34,11 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// as = "path"
 /// ```
 ///
-/// Here somebody outside publishes it. Within one composite, a component does so by `publish`.
+/// In this example the topic is published from outside, so the composite promotes it. Within a
+/// composite, a component publishes a topic with `publish`.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C051, warning)]
-#[error("nobody publishes `{topic}`")]
+#[error("no component publishes `{topic}`")]
 pub(crate) struct SilentTopic {
     pub topic: String,
     pub at: Span,

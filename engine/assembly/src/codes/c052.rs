@@ -2,9 +2,10 @@ use crate::nearest::Suggest;
 use crate::nearest::nearest;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A rename of an unknown topic
+/// Rename of an unknown topic
 ///
-/// `rename` gives another topic to what the component publishes or subscribes to.
+/// `rename` maps a name in the component to a topic. The component neither publishes nor subscribes
+/// under this name.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An output on two topics
+/// Output on two topics
 ///
-/// An output goes to the topic of its name, and to another one by a connection: say which is meant.
+/// The output is published on the topic of its own name and, by a connection, on another one. Use only
+/// one of them.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -48,6 +49,6 @@ impl Finding for OutputOnTwoTopics {
         diagnostic
             .label(self.at, "the second topic")
             .label(self.first_at, "the first topic")
-            .help("an output writes one topic; whoever wants another name renames it")
+            .help("an output publishes on one topic; readers can use another name with `rename`")
     }
 }

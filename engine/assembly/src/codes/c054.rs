@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A reader that polls too slowly
+/// Polling too slow
 ///
-/// The reader looks more rarely than it cycles: it works with old values in between.
+/// The reader looks at its input less often than the writer updates it, so it works with old values or
+/// misses some.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -3,10 +3,10 @@ use asmotion_component::HEALTH_TOPIC;
 use asmotion_datum::Message;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// The engine's own topic
+/// Reserved topic
 ///
-/// On the topic `bus` the engine tells every component how the bus is, in messages of type `bus/Health`. Nobody else
-/// publishes it, and nobody reads it as something else.
+/// The engine publishes the state of the bus on the topic `bus`, as messages of type `bus/Health`. No
+/// component may publish this topic or read it as another type.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -33,10 +33,10 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// rename = { bus = "shuttle" }
 /// ```
 ///
-/// Who wants to know how the bus is writes `subscribe = { bus = "bus/Health" }`.
+/// To read the state of the bus, write `subscribe = { bus = "bus/Health" }`.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C055, error)]
-#[error("topic `{HEALTH_TOPIC}` is the engine's own: it tells there how its bus is")]
+#[error("topic `{HEALTH_TOPIC}` is reserved: the engine publishes the state of the bus on it")]
 pub(crate) struct EngineTopic {
     pub at: Span,
     pub problem: OwnProblem,

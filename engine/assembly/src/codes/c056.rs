@@ -2,10 +2,10 @@ use crate::nearest::Nearest;
 use crate::nearest::Suggest;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A topic that nothing is on
+/// Settings of an unknown topic
 ///
-/// `[topics.NAME]` says how a topic goes over a broker, and no port of the composite is on a topic of this name. The
-/// engine's own topic `bus` goes over none.
+/// `[topics.NAME]` configures how a topic is sent over a broker. No port of the composite uses a topic
+/// of this name. The reserved topic `bus` is not sent over a broker.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -38,7 +38,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C056, error)]
-#[error("nothing is on topic `{topic}`")]
+#[error("no port uses the topic `{topic}`")]
 pub(crate) struct UnknownTopicSettings {
     pub topic: String,
     pub at: Span,
@@ -51,7 +51,7 @@ impl Finding for UnknownTopicSettings {
         diagnostic.label(self.at, "no such topic").suggest_or(
             self.at,
             nearest,
-            "here stands how a topic goes over a broker",
+            "`[topics]` configures how a topic is sent over a broker",
         )
     }
 }

@@ -1,11 +1,11 @@
 use asmotion_datum::DatumError;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A topic that CDR cannot carry
+/// Type not representable in CDR
 ///
-/// CDR, as ROS 2 writes messages, does not say what it is: writer and reader follow the type. So the type must be known
-/// down to the last field, and an array must have elements. Describe the type in a file of types, or let the topic go in
-/// another way. What may be absent, and messages without fields, go as ROS 2 has them.
+/// A CDR message, as used by ROS 2, does not describe itself: writer and reader must know its type down
+/// to the last field, and arrays must have elements. Describe the type in a type file, or send the
+/// topic with another codec. Optional values and empty messages are encoded as in ROS 2.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// More threads than a connection allows
+/// More threads than the connection allows
 ///
-/// Each component cycles in a thread of its own, unless it has a `master`. `max_threads` says how many threads the connection
-/// is to be used by.
+/// Each component runs in its own thread unless it has a `master`. `max_threads` limits how many
+/// threads may use the connection.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Two things promoted under one name
+/// Duplicate promoted name
 ///
-/// From outside, a composite has one set of names.
+/// Promoted services share one set of names outside the composite, and so do topics.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,10 +1,11 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use asmotion_mqueue::LayoutError;
 
-/// A type that no message queue carries
+/// Type not supported by message queues
 ///
-/// A queue `mqueue:/name` leads to an Orocos component, and carries what RTT writes there: numbers, truth values, arrays,
-/// lists, and messages of them. A text has no form: RTT writes a pointer in its place.
+/// A queue `mqueue:/name` connects to an Orocos component and carries what RTT can encode: numbers,
+/// Booleans, arrays, lists, and messages made of them. Strings are not supported: RTT would write a
+/// pointer.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,9 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A message queue whose messages have no size
+/// Message queue without a message size
 ///
-/// All messages of a queue have at most the size with which it was made. Where a type has lists, the composite says how many
-/// bytes the largest message has, and the other side says the same.
+/// A queue is created with a maximum message size. A type with lists has no fixed size, so the
+/// composite must give the size of its largest message in bytes, and the other side must use the same
+/// value.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -40,7 +41,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C062, error)]
-#[error("how large are the messages of `mqueue:{queue}`?")]
+#[error("`mqueue:{queue}` needs a message size")]
 pub(crate) struct NoMqueueSize {
     pub kind: String,
     pub queue: String,
@@ -53,7 +54,7 @@ impl Finding for NoMqueueSize {
         diagnostic
             .label(
                 self.at,
-                format!("`{kind}` has lists, which may be of any length"),
+                format!("`{kind}` contains lists, so its size is not fixed"),
             )
             .help(format!(
                 "say how many bytes the largest has, the same as on the other side: \

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Something that is called over HTTP, and no gateway
+/// No gateway
 ///
-/// A gateway says where those outside call. Of several, the promotion says through which.
+/// A service over HTTP is called through a gateway. If there are several, the promotion must name one.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -52,7 +52,7 @@ impl Finding for NoGateway {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { several, .. } = self;
         diagnostic
-            .label(self.at, "through which gateway?")
+            .label(self.at, "needs a gateway")
             .help(match several {
                 true => "say which with `gateway = \"main\"`",
                 false => "write `[gateways.main]` with `listen = \"127.0.0.1:8080\"`",

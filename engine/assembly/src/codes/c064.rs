@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An address at which no gateway can listen
+/// Invalid gateway address
 ///
-/// A gateway listens at an address of this machine and a port: `127.0.0.1:8080` for this machine alone, `0.0.0.0:8080` for
-/// every network that it is in, port 0 for a free one.
+/// A gateway listens at an address of this machine and a port: `127.0.0.1:8080` for local clients only,
+/// `0.0.0.0:8080` for all network interfaces. Port 0 picks a free port.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -27,7 +27,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// listen = "127.0.0.1:8080"
 /// ```
 ///
-/// It asks nobody who he is, and encrypts nothing: before one that a network reaches belongs a proxy that does.
+/// A gateway neither authenticates nor encrypts. Put a proxy that does in front of a gateway that is
+/// reachable from a network.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C064, error)]
 #[error("gateway `{name}` cannot listen at `{text}`")]

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::net::SocketAddr;
 
-/// Two gateways at one address
+/// Duplicate gateway address
 ///
-/// Only one of them could listen there.
+/// Only one gateway can listen at an address.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

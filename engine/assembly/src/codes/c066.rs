@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A gateway in two processes
+/// Gateway in two processes
 ///
-/// A gateway is opened by the process whose services are called through it; two processes cannot listen at one address.
+/// A gateway runs in the process of the services that are called through it. Two processes cannot
+/// listen at the same address.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A component placed twice
+/// Component in two processes
 ///
-/// A component runs in one process.
+/// A component runs in exactly one process.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A component placed nowhere
+/// Component in no process
 ///
-/// Where processes are listed, every component belongs to one of them.
+/// If `[deploy]` lists processes, every component must be assigned to one of them.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Two processes of one name
+/// Duplicate process name
 ///
-/// A process is known by its name.
+/// A process is identified by its name.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -2,9 +2,9 @@ use crate::nearest::Nearest;
 use crate::nearest::Suggest;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A recorded topic that nobody has
+/// Recorded topic does not exist
 ///
-/// Nothing is published on this topic, so nothing will be recorded.
+/// No component publishes this topic, so nothing would be recorded.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

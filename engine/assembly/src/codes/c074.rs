@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A local wire between two processes
+/// Local wire between processes
 ///
-/// A wire with `binding = "local"` stays within a process. Its reference and its service are placed in two.
+/// A wire with `binding = "local"` works only within a process, but its reference and its service are
+/// in different processes.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

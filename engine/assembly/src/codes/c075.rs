@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// No broker between two processes
+/// No broker between processes
 ///
-/// As soon as a component says on which broker it is, with `task.broker`, those that say nothing stay inside their
-/// process. What joins two processes needs a broker that both are on.
+/// Once a component names its broker with `task.broker`, components without one are reachable only
+/// within their own process. Two processes communicate over a broker that both of them use.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Without effect in this build
+/// Recording not supported
 ///
-/// The key is known, and nothing in this build acts on it.
+/// The `record` key is valid, but this version does not record runs through the composite file. It has
+/// no effect.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -60,7 +61,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C076, warning)]
-#[error("`record` is written, and this build does nothing with it")]
+#[error("`record` has no effect in this version")]
 pub(crate) struct RecordIgnored {
     pub at: Span,
 }
@@ -69,6 +70,6 @@ impl Finding for RecordIgnored {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
             .label(self.at, "without effect")
-            .help("`asmotion run --record FILE --ports NAME` writes down what ports and topics had")
+            .help("to record ports and topics, use `asmotion run --record FILE --ports NAME`")
     }
 }

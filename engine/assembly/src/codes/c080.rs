@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A composite that includes itself
+/// Circular inclusion
 ///
-/// A composite in itself has no end. Put what both need into a third file.
+/// A composite cannot contain itself. Move what both files need to a third file.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -34,7 +34,7 @@ pub(crate) enum CircularInclusion {
         chain: Vec<String>,
         places: Vec<Span>,
     },
-    #[error("`{path}` lies over itself")]
+    #[error("`{path}` is its own base")]
     Layer { path: String, at: Span },
 }
 

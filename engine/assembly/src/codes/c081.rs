@@ -3,8 +3,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Composites nested too deep
 ///
-/// Composites stand in composites some levels deep and no deeper: deeper is nobody's intention. Join some of
-/// them in one file.
+/// Composites can be nested only to a limited depth. Merge some of the files.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C081, error)]
 #[error("composites nest deeper than {MAX_DEPTH}")]

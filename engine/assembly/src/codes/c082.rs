@@ -3,10 +3,11 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Too many components
 ///
-/// Composites in composites multiply: of each component there is one for every time its file is included.
+/// Nested composites multiply: each of their components exists once for every time the file is
+/// included.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C082, error)]
-#[error("opened up, this composite has more than {MAX_COMPONENTS} components")]
+#[error("this composite has more than {MAX_COMPONENTS} components, nested ones included")]
 pub(crate) struct TooManyComponents {
     pub at: Span,
 }

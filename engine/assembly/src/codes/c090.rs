@@ -2,9 +2,10 @@ use crate::nearest::Nearest;
 use crate::nearest::Suggest;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A bound function that the specification does not have
+/// Unknown bound function
 ///
-/// A binding gives a function of the specification its values, or takes its values out.
+/// A binding connects a function of the specification with a message. The specification has no function
+/// of this name.
 ///
 /// ```asm
 /// asm example

@@ -1,9 +1,9 @@
 use crate::signature::FunctionInfo;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A bound function of the wrong kind
+/// Wrong kind of bound function
 ///
-/// What comes in goes to monitored and shared functions; what goes out comes from out and shared ones.
+/// Inputs can be bound to monitored and shared functions, outputs to out and shared functions.
 ///
 /// ```asm
 /// asm example

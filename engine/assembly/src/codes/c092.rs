@@ -1,10 +1,10 @@
 use crate::signature::FunctionInfo;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A bound function with arguments
+/// Bound function with arguments
 ///
-/// A topic has one value at a time, a function with arguments has many. Bind a function without arguments,
-/// and let the specification tell them apart.
+/// A topic holds one value at a time, whereas a function with arguments has many. Bind a function
+/// without arguments and distinguish the cases in the specification.
 ///
 /// ```asm
 /// asm example

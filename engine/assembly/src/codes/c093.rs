@@ -3,7 +3,7 @@ use crate::nearest::Suggest;
 use crate::nearest::nearest_name;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A literal that the domain does not have
+/// Unknown literal
 ///
 /// The text must be one of the literals of the function's domain.
 ///
@@ -77,7 +77,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C093, error)]
-#[error("`{literal}` is no literal of `{domain}`")]
+#[error("`{literal}` is not a literal of `{domain}`")]
 pub(crate) struct UnknownLiteral {
     pub literal: String,
     pub domain: String,

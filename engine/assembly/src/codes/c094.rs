@@ -1,9 +1,9 @@
 use crate::signature::FunctionInfo;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A value that is not of the function's domain
+/// Wrong type of substitute value
 ///
-/// What stands in for a message that is missing or old is a value of the function.
+/// A value that replaces a missing or outdated message must belong to the domain of the function.
 ///
 /// ```asm
 /// asm example

@@ -1,10 +1,10 @@
 use crate::signature::FunctionInfo;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A field that is not of the function's domain
+/// Wrong type of field
 ///
-/// The field has a type of its own: a Boolean function takes a Boolean field, an enumeration a text with
-/// `map`, a number a number.
+/// The type of the field must match the function: a Boolean function takes a Boolean field, a number a
+/// number, and an enumeration a string together with `map`.
 ///
 /// ```asm
 /// asm example

@@ -1,9 +1,9 @@
 use crate::codes::enumerate;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A message without a field that is clearly meant
+/// Ambiguous field
 ///
-/// The message has several fields, and none of them is clearly the one that is meant: name it.
+/// Several fields of the message could be meant, so the binding must name one.
 ///
 /// ```asm
 /// asm example

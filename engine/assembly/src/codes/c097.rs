@@ -1,9 +1,9 @@
 use crate::signature::FunctionInfo;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A monitored function without a binding
+/// Unbound monitored function
 ///
-/// The specification reads it and nobody ever gives it a value: it stays undef.
+/// The specification reads this function, but nothing provides its value, so it stays undef.
 ///
 /// ```asm
 /// asm example

@@ -1,9 +1,9 @@
 use crate::signature::FunctionInfo;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An out function without a binding
+/// Unbound out function
 ///
-/// The specification writes it and nobody hears of it.
+/// The specification writes this function, but nothing receives the value.
 ///
 /// ```asm
 /// asm example
@@ -74,7 +74,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C098, warning)]
-#[error("nobody hears of what the specification writes to `{}`", function.name)]
+#[error("nothing receives the values of `{}`", function.name)]
 pub(crate) struct UnboundOut {
     pub function: FunctionInfo,
     pub at: Span,

@@ -2,9 +2,10 @@ use crate::nearest::Suggest;
 use crate::nearest::nearest_name;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A kept reply that nothing keeps
+/// Unknown reply
 ///
-/// `keep` names the reply of a call, and `@name` takes it.
+/// `keep` names the reply of a call, and `@name` refers to it later. No call keeps a reply under this
+/// name.
 ///
 /// ```asm
 /// asm example

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An argument of another type
+/// Wrong type of argument
 ///
-/// The operation takes a request of its type, and the fields of that one.
+/// The arguments of a call must match the request type of the operation.
 ///
 /// ```asm
 /// asm example

@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Another main rule
+/// Wrong main rule
 ///
-/// The main rule is declared in the specification; `main` only repeats its name.
+/// The specification declares its main rule; `main` in the composite only repeats its name, and the two
+/// differ.
 ///
 /// ```asm
 /// asm example

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An annotated reference or service that the composite does not list
+/// Annotation not listed in the composite
 ///
-/// `//@Reference`, `//@MainService` and `//@Provided` say what a specification needs and serves. What the composite does not
-/// list leads nowhere.
+/// The annotations `//@Reference`, `//@MainService` and `//@Provided` declare what a specification
+/// requires and provides. The composite must list each of them, or it stays unconnected.
 ///
 /// ```asm
 /// asm example

@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Another interface than the annotation says
+/// Interface differs from the annotation
 ///
-/// The domain of the partner under `//@Reference` has the name of the interface.
+/// The domain of the partner under `//@Reference` has the name of the interface. The composite lists
+/// another one.
 ///
 /// ```asm
 /// asm example

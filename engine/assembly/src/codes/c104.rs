@@ -2,10 +2,10 @@ use crate::nearest::Nearest;
 use crate::nearest::Suggest;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A reference or service that the specification does not annotate
+/// Service or reference not annotated
 ///
-/// A specification that annotates its references or services annotates them all; the others are only those that the
-/// composite itself calls in `bind.out`.
+/// A specification that annotates references or services must annotate all of them, except those that
+/// only the composite itself calls in `bind.out`.
 ///
 /// ```asm
 /// asm example
@@ -56,7 +56,7 @@ impl Finding for Unannotated {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { nearest, .. } = self;
         diagnostic
-            .label(self.at, "nobody uses it")
+            .label(self.at, "not used by the specification")
             .help("leave it out, or annotate it in the specification")
             .suggest(self.at, nearest)
     }

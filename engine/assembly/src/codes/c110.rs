@@ -2,10 +2,10 @@ use crate::nearest::Nearest;
 use crate::nearest::Suggest;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A type of a field that nobody knows
+/// Unknown field type
 ///
-/// A field is a number, a text, a truth value, a time, or of a type that the build or a file describes;
-/// `name[]` is a list, `name[5]` an array.
+/// A field is a number, a string, a Boolean, a time, or has a type that the build or a type file
+/// describes. `name[]` is a list, `name[5]` an array.
 ///
 /// ```toml wrong
 /// schema = "composite-types/1"

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A type that contains itself
+/// Recursive message type
 ///
-/// A message with a message of its own type inside has no end.
+/// A message cannot contain a message of its own type: it would never end.
 ///
 /// ```toml wrong
 /// schema = "composite-types/1"
@@ -30,7 +30,7 @@ pub(crate) struct RecursiveType {
 impl Finding for RecursiveType {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "so no message of this type ever ends")
+            .label(self.at, "would make every message infinite")
             .help("name the inner one by a number or a text instead")
     }
 }

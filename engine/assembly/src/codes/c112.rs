@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A type described twice, and differently
+/// Conflicting type descriptions
 ///
-/// Two files of types say different things about one type, and no message is both. Leave out one of them.
+/// Two type files describe the same type differently. Remove one of the descriptions.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C112, error)]
 #[error("`{name}` is described twice, and differently: {difference}")]

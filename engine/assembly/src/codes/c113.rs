@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A type described otherwise than this build has it
+/// Type differs from the build
 ///
-/// The build already has this type, with other fields: messages of the two would not fit.
+/// The build already has this type with other fields, so messages of the two would be incompatible.
 ///
 /// ```toml wrong
 /// schema = "composite-types/1"
@@ -21,7 +21,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C113, error)]
-#[error("`{name}` looks otherwise in this build: {difference}")]
+#[error("`{name}` differs from this build: {difference}")]
 pub(crate) struct TypeDiffersFromBuild {
     pub name: String,
     pub at: Span,

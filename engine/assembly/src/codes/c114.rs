@@ -2,9 +2,9 @@ use crate::nearest::Nearest;
 use crate::nearest::Suggest;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A type that this build does not know
+/// Type not in this build
 ///
-/// Its fields are not known here, so nothing in it is checked. Describe it in a file of types.
+/// The fields of this type are unknown, so they cannot be checked. Describe the type in a type file.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

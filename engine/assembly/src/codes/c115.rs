@@ -3,7 +3,7 @@ use crate::nearest::Suggest;
 use crate::nearest::nearest_name;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A field that a message does not have
+/// Unknown field
 ///
 /// The message has no field of this name.
 ///

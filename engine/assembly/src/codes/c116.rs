@@ -1,10 +1,10 @@
 use crate::types::build::{MAX_DEPTH, MAX_FIELDS};
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Types that are too large
+/// Types too large
 ///
-/// Types in types multiply: the fields of each are counted as often as it stands somewhere. Use lists
-/// (`name[]`) instead of many fields.
+/// The fields of nested types are counted every time the type is used. Use lists (`name[]`) instead of
+/// many fields.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C116, error)]
 #[error(

@@ -1,9 +1,9 @@
 use crate::model::ProxyMode;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An operation on a port of the wrong direction
+/// Wrong direction of a mapped port
 ///
-/// `oneway` writes to an input, `last` reads an output.
+/// `oneway`, `taken` and `done` write to an input of the target; `last` and `all` read an output of it.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An operation on a port of another component
+/// Port of another component
 ///
-/// A proxy offers the ports of its target as services, and of no other component.
+/// A proxy offers the ports of its target as services. The port belongs to another component.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A mapped topic that is not listed
+/// Mapped topic not listed
 ///
-/// A bridge maps the topics that it subscribes to and publishes.
+/// A bridge maps only topics that it lists under `subscribe` or `publish`.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A mapped topic of another type
+/// Mapped topic of another type
 ///
-/// A topic and its ROS topic have one type, unless `convert` makes one out of the other.
+/// A topic and its ROS topic must have the same type unless `convert` names a converter.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

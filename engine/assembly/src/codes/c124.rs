@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// An operation that is of another shape than its port
+/// Operation does not match its port
 ///
-/// An argument becomes a message, and a message a result, by the names of their fields, or where one field only is of the
-/// right shape. Nothing gets lost and nothing is made up.
+/// Arguments are converted to a message, and a message to a result, by field names, or through the only
+/// field of the right shape. No field may be lost, and none may be missing.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

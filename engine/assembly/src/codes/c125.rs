@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A condition that cannot be asked
+/// Invalid condition on a message
 ///
-/// What `refresh` and `fault` ask of a message, and what `idle` measures, must be in it.
+/// The conditions of `refresh`, `fault` and `idle` must refer to fields that the message has.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Nobody knows when the motion has ended
+/// End of motion unknown
 ///
-/// With `mode = "done"` a reply means that the motion has ended: `notify.idle` says when it has.
+/// With `mode = "done"` an operation replies when the motion has ended. `notify.idle` must say how that
+/// is detected.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -73,11 +74,9 @@ pub(crate) struct NoIdleNotification {
 impl Finding for NoIdleNotification {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { port, idle, .. } = self;
-        let diagnostic = diagnostic
-            .label(self.at, "nobody would ever reply")
-            .help(format!(
-                "write `notify.idle` with `of = \"{port}.…\"`, or use `mode = \"taken\"`"
-            ));
+        let diagnostic = diagnostic.label(self.at, "would never reply").help(format!(
+            "write `notify.idle` with `of = \"{port}.…\"`, or use `mode = \"taken\"`"
+        ));
         match idle {
             Some(idle) => diagnostic.label(*idle, "of another port"),
             None => diagnostic,

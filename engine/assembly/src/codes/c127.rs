@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Nobody notices that nothing comes
+/// `stale_ms` without a period
 ///
-/// A component without a period cycles when something comes. That nothing comes any more it does not notice.
+/// A component without a period runs only when a message arrives. It cannot notice that messages have
+/// stopped.
 ///
 /// ```toml wrong
 /// schema = "composite/1"
@@ -68,7 +69,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(C127, warning)]
-#[error("`stale_ms` needs a period: when nothing comes, nothing wakes `{component}`")]
+#[error("`stale_ms` needs a period: `{component}` runs only when a message arrives")]
 pub(crate) struct StaleWithoutPeriod {
     pub component: String,
     pub at: Span,
@@ -78,8 +79,8 @@ pub(crate) struct StaleWithoutPeriod {
 impl Finding for StaleWithoutPeriod {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         diagnostic
-            .label(self.at, "nobody looks at the clock")
-            .label(self.declared, "cycles when something comes")
+            .label(self.at, "the age is never checked")
+            .label(self.declared, "runs only when a message arrives")
             .help("write `activity = { period_ms = 20 }`")
     }
 }

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Not XML
+/// Invalid XML
 ///
-/// An SCDL file is XML: every element is closed, every attribute has quotes, and `&` is written `&amp;`.
+/// An SCDL file is XML: close every element, quote every attribute, and write `&` as `&amp;`.
 ///
 /// ```xml wrong
 /// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">

@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// No composite of the Service Component Architecture
+/// Not an SCA composite
 ///
-/// The outermost element is `<composite>`, in the namespace of SCA 1.0 (`http://www.osoa.org/xmlns/sca/1.0`) or of
-/// SCA 1.1 (`http://docs.oasis-open.org/ns/opencsa/sca/200912`).
+/// The root element is `<composite>`, in the namespace of SCA 1.0 (`http://www.osoa.org/xmlns/sca/1.0`)
+/// or SCA 1.1 (`http://docs.oasis-open.org/ns/opencsa/sca/200912`).
 ///
 /// ```xml wrong
 /// <composite name="example"/>

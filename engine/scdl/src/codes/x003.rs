@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A missing attribute
+/// Missing attribute
 ///
-/// Without it nobody can say what the element means.
+/// The attribute is required: without it the element has no meaning.
 ///
 /// ```xml wrong
 /// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">

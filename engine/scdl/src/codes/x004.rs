@@ -2,8 +2,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// No counterpart in a composite file
 ///
-/// An element or an attribute that the dialect of this engine has no words for: nothing is dropped in silence, so it
-/// stands as a comment in the composite file, above the thing it belongs to.
+/// The composite dialect cannot express this element or attribute. It is kept as a comment above the
+/// thing it belongs to, so that nothing is lost silently.
 ///
 /// ```xml wrong
 /// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">

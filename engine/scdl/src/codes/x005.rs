@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A password in the file
+/// Password in the file
 ///
-/// Whoever has the file has the password. The composite file names a variable of the environment in its place, and so
-/// does the SCDL that is exported from it.
+/// A password in the file is visible to everyone who can read it. The generated composite file refers
+/// to an environment variable instead, and so does SCDL that is exported from it.
 ///
 /// ```xml wrong
 /// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">
@@ -26,7 +26,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// ```
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(X005, warning)]
-#[error("the password of `{of}` stands in the file")]
+#[error("the file contains the password of `{of}`")]
 pub(crate) struct PasswordInScdl {
     pub of: String,
     pub variable: String,
@@ -37,7 +37,7 @@ impl Finding for PasswordInScdl {
     fn explain(&self, diagnostic: Diagnostic) -> Diagnostic {
         let Self { variable, .. } = self;
         diagnostic
-            .label(self.at, "whoever has the file has it")
+            .label(self.at, "visible to everyone who can read the file")
             .help(format!(
                 "set `{variable}`, which the composite file names in its place"
             ))

@@ -1,9 +1,9 @@
 use asmotion_assembly::At;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A name that names nothing
+/// Unknown name
 ///
-/// A component, a property of the composite or a composite that is not there.
+/// The file refers to a component, a property of the composite, or a composite that does not exist.
 ///
 /// ```xml wrong
 /// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">

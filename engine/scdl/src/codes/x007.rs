@@ -1,8 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A value that is none of its type
+/// Invalid value
 ///
-/// A property with a `type`, a flag, a multiplicity, and the times and flags of a task take only certain values.
+/// Typed properties, flags, multiplicities, and the times and flags of a task accept only certain
+/// values.
 ///
 /// ```xml wrong
 /// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">

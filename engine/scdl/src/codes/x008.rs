@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Something nobody says
+/// Assumed value
 ///
-/// In SCDL much may stand in the Java class. What stands neither in the file nor in a component of this build is
-/// assumed.
+/// In SCDL, some facts are defined only in the Java class. A fact that neither the file nor a component
+/// of this build defines is assumed.
 ///
 /// ```xml wrong
 /// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">

@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Autowire without a choice, or with several
+/// Ambiguous autowire
 ///
-/// With `autowire` a reference takes the service that has its interface. There must be one.
+/// With `autowire`, a reference is wired to the service with its interface. There must be exactly one.
 ///
 /// ```xml wrong
 /// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">

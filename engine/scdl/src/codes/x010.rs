@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// Something that SCDL cannot say
+/// Not expressible in SCDL
 ///
-/// SCDL knows services, references and properties; it knows no ports, topics, bindings of specifications, deadlines or
-/// processes. What it cannot say stands in it as a comment.
+/// SCDL has services, references and properties, but no ports, topics, bindings of specifications,
+/// deadlines or processes. They are exported as comments.
 ///
 /// ```toml wrong
 /// schema = "composite/1"

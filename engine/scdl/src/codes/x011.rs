@@ -1,8 +1,8 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A name that a composite file cannot have
+/// Name not allowed in a composite file
 ///
-/// Names of XML may have dots; here a dot separates a component from its port.
+/// An XML name may contain dots. In a composite file, a dot separates a component from its port.
 ///
 /// ```xml wrong
 /// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">

@@ -1,9 +1,10 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A renamed topic of which only the class knows the way
+/// Unknown direction of a renamed topic
 ///
-/// `topicRename` of the Task Component Architecture names topics; whether the component publishes or subscribes them, and
-/// what is on them, stands in its class. Components of this build tell it.
+/// `topicRename` of the Task Component Architecture names topics. Whether the component publishes or
+/// subscribes to them, and their type, is defined in its class. It is known only for components of this
+/// build.
 ///
 /// ```xml wrong
 /// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">

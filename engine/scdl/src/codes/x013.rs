@@ -1,9 +1,9 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A promotion of several things
+/// Several promotions in one
 ///
-/// In SCDL one reference of a composite may be a reference of several components. Here one promotion promotes one thing, so
-/// the others get names of their own.
+/// In SCDL, one reference of a composite can promote the references of several components. In a
+/// composite file each promotion promotes one thing, so the others get names of their own.
 ///
 /// ```xml wrong
 /// <composite xmlns="http://docs.oasis-open.org/ns/opencsa/sca/200912" name="example">

@@ -1,6 +1,6 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
-/// A service that is called at another address
+/// Service at another address
 ///
 /// A gateway serves at `/services/NAME` what a `uri` puts elsewhere.
 ///
@@ -30,7 +30,7 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 /// </composite>
 /// ```
 ///
-/// Those who call it there call it here, an operation at `/services/NAME/OPERATION` with its argument in JSON.
+/// Clients must call an operation at `/services/NAME/OPERATION`, with its argument in JSON.
 #[derive(Debug, thiserror::Error, Coded)]
 #[code(X014, warning)]
 #[error("`{of}` is called at another address here")]
