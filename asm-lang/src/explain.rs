@@ -1,6 +1,5 @@
 //! Run-time faults as diagnostics: both writers, the values at hand, the step and the agent.
 
-pub(crate) mod outside;
 mod values;
 
 use crate::Specification;

@@ -21,6 +21,7 @@ pub mod codes;
 pub mod coverage;
 mod explain;
 mod files;
+mod foreign;
 mod history;
 pub mod scenario;
 mod session;

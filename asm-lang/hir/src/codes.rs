@@ -45,8 +45,7 @@ pub(crate) mod w027;
 pub(crate) mod w028;
 pub(crate) mod w029;
 
-use asmotion_diagnostics::{Code, Diagnostic, Span};
-use std::sync::Arc;
+use asmotion_diagnostics::Code;
 
 /// The codes of this crate, in order.
 pub const CODES: &[&Code] = &[
@@ -98,18 +97,3 @@ pub const CODES: &[&Code] = &[
 
 /// The code of an initial state that the specification does not have: a command line may have named it.
 pub const NO_SUCH_INIT: &Code = a027::NoSuchInit::CODE;
-
-/// Offers the similar name, or help where there is none.
-pub(crate) fn with_similar(
-    finding: Diagnostic,
-    at: Span,
-    similar: &Option<(Arc<str>, Span)>,
-    help: &str,
-) -> Diagnostic {
-    match similar {
-        Some((name, declared)) => finding
-            .label(*declared, "a similar name is declared here")
-            .guess(format!("did you mean `{name}`?"), at, name.to_string()),
-        None => finding.help(help),
-    }
-}

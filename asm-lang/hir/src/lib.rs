@@ -16,6 +16,7 @@ mod options;
 mod resolver;
 mod rule;
 mod scope;
+mod suggest;
 mod term;
 mod types;
 

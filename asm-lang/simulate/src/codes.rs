@@ -19,9 +19,7 @@ pub(crate) mod v020;
 pub(crate) mod v021;
 pub(crate) mod v022;
 
-use crate::scenario::Seen;
-use asmotion_diagnostics::{Code, Diagnostic, Span};
-use std::sync::Arc;
+use asmotion_diagnostics::Code;
 
 /// The codes of this crate, in order.
 pub const CODES: &[&Code] = &[
@@ -44,27 +42,3 @@ pub const CODES: &[&Code] = &[
     v021::ScenarioInvariantFailed::CODE,
     v022::UntilDidNotEnd::CODE,
 ];
-
-/// Offers a similar name, if there is one.
-pub(crate) fn meant(finding: Diagnostic, at: Span, similar: &Option<Arc<str>>) -> Diagnostic {
-    match similar {
-        Some(name) => finding.guess(format!("did you mean `{name}`?"), at, name.to_string()),
-        None => finding,
-    }
-}
-
-/// How a condition that is false or undef failed.
-pub(crate) fn holds(seen: &Seen) -> &'static str {
-    match seen.value.as_str() {
-        "undef" => "is undef",
-        _ => "does not hold",
-    }
-}
-
-/// After how many steps.
-pub(crate) fn when(steps: u64) -> String {
-    match steps {
-        0 => "before the first step".to_owned(),
-        steps => format!("after step {steps}"),
-    }
-}

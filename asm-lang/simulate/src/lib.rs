@@ -9,6 +9,7 @@ mod partner;
 mod random;
 mod recording;
 pub mod scenario;
+mod seen;
 mod show;
 mod simulation;
 mod trace;

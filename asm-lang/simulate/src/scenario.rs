@@ -25,5 +25,4 @@ mod verdict;
 pub use inputs::Held;
 pub use plan::Plan;
 pub use run::{Options, run};
-pub(crate) use verdict::Seen;
 pub use verdict::{Failed, Failure, Outcome, Verdict};

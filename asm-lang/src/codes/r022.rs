@@ -1,4 +1,4 @@
-use crate::explain::outside::Foreign;
+use crate::foreign::Foreign;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Input outside its domain

@@ -1,4 +1,4 @@
-use crate::explain::outside::Foreign;
+use crate::foreign::Foreign;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Update of a location that does not exist

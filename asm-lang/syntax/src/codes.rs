@@ -62,10 +62,7 @@ pub(crate) mod v008;
 pub(crate) mod v009;
 pub(crate) mod v010;
 
-use asmotion_diagnostics::{Applicability, Code, Edit, Fix, Span};
-
-/// A word or a sign of the text and where it stands.
-pub(crate) type Place = (String, Span);
+use asmotion_diagnostics::Code;
 
 /// The codes of this crate, in order.
 pub const CODES: &[&Code] = &[
@@ -130,12 +127,3 @@ pub const CODES: &[&Code] = &[
     v009::LateHeading::CODE,
     v010::BlocksNestTooDeep::CODE,
 ];
-
-/// Edits that keep the meaning.
-pub(crate) fn all_sure(title: &str, edits: &[Edit]) -> Fix {
-    Fix {
-        title: title.to_owned(),
-        edits: edits.to_vec(),
-        applicability: Applicability::Sure,
-    }
-}

@@ -9,7 +9,6 @@ mod name;
 mod sign;
 mod word;
 
-use crate::codes::Place;
 use crate::codes::l009::ForeignSign;
 use crate::codes::l030::FileCutOff;
 use crate::codes::l031::UnclosedBlock;
@@ -19,6 +18,7 @@ use crate::codes::l034::SeveralRules;
 use crate::codes::l035::MissingRule;
 use crate::codes::l054::ReservedName;
 use crate::codes::l058::UnexpectedToken;
+use crate::edits::Place;
 use crate::findings::Findings;
 use crate::lexer::{Keyword, Lexer, Spanned, Token};
 use crate::nesting::{Nesting, Open, closer};

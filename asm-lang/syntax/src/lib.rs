@@ -6,6 +6,7 @@
 pub mod ast;
 
 mod codes;
+mod edits;
 mod explain;
 mod findings;
 mod fragment;

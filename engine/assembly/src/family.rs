@@ -4,7 +4,7 @@ mod layers;
 
 use crate::codes::c002::UnreadableComposite;
 use crate::codes::c080::CircularInclusion;
-use crate::codes::c081::CompositesTooDeep;
+use crate::codes::c081::{CompositesTooDeep, MAX_DEPTH};
 use std::collections::BTreeMap;
 
 use asmotion_diagnostics::{Report, Sources, Span};
@@ -33,9 +33,6 @@ pub(crate) struct Member {
     /// the file would include itself.
     paths: BTreeMap<String, String>,
 }
-
-/// Deeper composites are nobody's intention.
-pub(crate) const MAX_DEPTH: usize = 32;
 
 impl Family {
     /// Reads a composite and everything it names.

@@ -26,6 +26,7 @@ pub mod start;
 pub mod tree;
 mod types;
 mod value;
+mod wording;
 
 pub use asmotion_component::declaration;
 pub use at::At;

@@ -1,4 +1,4 @@
-use crate::codes::with_similar;
+use crate::suggest::with_similar;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-use crate::codes::meant;
+use crate::seen::meant;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 use std::sync::Arc;
 

@@ -1,5 +1,5 @@
-use crate::codes::{holds, when};
-use crate::scenario::Seen;
+use crate::seen::Seen;
+use crate::seen::{holds, when};
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
 /// Check failed

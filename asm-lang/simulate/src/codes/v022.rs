@@ -1,6 +1,6 @@
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 
-use crate::scenario::Seen;
+use crate::seen::Seen;
 
 /// `step until` did not end
 ///

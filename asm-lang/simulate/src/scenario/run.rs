@@ -3,7 +3,8 @@
 use super::choices::Choices;
 use super::inputs::Held;
 use super::plan::{Action, ActionKind, Condition, Plan};
-use super::verdict::{Failed, Failure, Outcome, Seen, Verdict};
+use super::verdict::{Failed, Failure, Outcome, Verdict};
+use crate::seen::Seen;
 use asmotion_diagnostics::Span;
 use asmotion_hir::{AddedRule, AddedTerm, Assignment};
 use asmotion_ir::{FunctionKind, Origin};

@@ -3,6 +3,7 @@
 use crate::codes::v020::CheckFailed;
 use crate::codes::v021::ScenarioInvariantFailed;
 use crate::codes::v022::UntilDidNotEnd;
+use crate::seen::Seen;
 use asmotion_diagnostics::{Diagnostic, Finding, Span};
 use asmotion_machine::{Fault, FaultKind};
 
@@ -93,22 +94,6 @@ pub enum Failed {
     Fault(Box<Fault>),
 }
 
-/// What was seen where a condition did not hold.
-#[derive(Clone, Debug, Default)]
-pub struct Seen {
-    /// The condition.
-    pub condition: Span,
-    /// Its value: false or undef.
-    pub value: String,
-    /// The locations it reads, and their values.
-    pub parts: Vec<(Span, String)>,
-    /// What the last step wrote: `location := value`.
-    pub written: Vec<String>,
-}
-
-/// More updates than this are not listed in a message.
-const MAX_WRITTEN: usize = 12;
-
 impl Failure {
     /// The failure in words; what a fault says, the specification knows.
     pub fn diagnostic(&self) -> Option<Diagnostic> {
@@ -132,31 +117,6 @@ impl Failure {
                 Some(UntilDidNotEnd { limit, seen }.diagnostic())
             }
             Failed::Fault(_) => None,
-        }
-    }
-}
-
-impl Seen {
-    /// Adds the values that were read, and what the last step wrote.
-    pub(crate) fn explain(&self, finding: Diagnostic) -> Diagnostic {
-        let mut finding = finding.label(self.condition, format!("is {}", self.value));
-        for (span, value) in &self.parts {
-            finding = finding.label(*span, format!("is {value}"));
-        }
-        let more = self.written.len().saturating_sub(MAX_WRITTEN);
-        let mut written: Vec<&str> = self
-            .written
-            .iter()
-            .take(MAX_WRITTEN)
-            .map(|it| &**it)
-            .collect();
-        let rest = format!("and {more} more");
-        if more > 0 {
-            written.push(&rest);
-        }
-        match written.as_slice() {
-            [] => finding,
-            written => finding.note(format!("the step before wrote {}", written.join(", "))),
         }
     }
 }

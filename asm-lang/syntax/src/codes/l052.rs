@@ -1,4 +1,4 @@
-use crate::codes::Place;
+use crate::edits::Place;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Missing keyword

@@ -1,4 +1,4 @@
-use crate::codes::Place;
+use crate::edits::Place;
 use crate::lexer::Keyword;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding};
 

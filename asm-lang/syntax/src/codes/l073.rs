@@ -1,4 +1,4 @@
-use crate::codes::all_sure;
+use crate::edits::all_sure;
 use asmotion_diagnostics::{Coded, Diagnostic, Edit, Finding, Span};
 
 /// Declarations out of order

@@ -4,11 +4,11 @@ use super::Nodes;
 use super::term::{applied, bound, deepest, optional, ranges};
 use crate::MAX_DEPTH;
 use crate::ast::*;
-use crate::codes::Place;
 use crate::codes::l034::SeveralRules;
 use crate::codes::l039::NestedTooDeep;
 use crate::codes::l053::UnknownWord;
 use crate::codes::l072::FewRules;
+use crate::edits::Place;
 use crate::spelling::nearest;
 use asmotion_diagnostics::{Edit, Span};
 

@@ -1,6 +1,6 @@
-use crate::codes::label_or_outside;
 use crate::nearest::Nearest;
 use crate::nearest::Suggest;
+use crate::wording::label_or_outside;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Unknown composite property

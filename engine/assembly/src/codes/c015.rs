@@ -1,4 +1,4 @@
-use crate::codes::label_or_outside;
+use crate::wording::label_or_outside;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Invalid property value

@@ -1,5 +1,5 @@
-use crate::codes::label_or_outside;
 use crate::scope::Range;
+use crate::wording::label_or_outside;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Property value out of range

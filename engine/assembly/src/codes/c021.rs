@@ -1,6 +1,6 @@
-use crate::codes::has;
 use crate::nearest::Nearest;
 use crate::nearest::Suggest;
+use crate::wording::has;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Unknown member of a component

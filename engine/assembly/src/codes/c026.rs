@@ -1,6 +1,6 @@
-use crate::codes::has;
 use crate::nearest::Suggest;
 use crate::nearest::nearest_name;
+use crate::wording::has;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Member not declared by the component

@@ -1,6 +1,6 @@
 use crate::check::face::Named;
-use crate::codes::has;
 use crate::nearest::{Nearest, Suggest, nearest};
+use crate::wording::has;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Unknown component property

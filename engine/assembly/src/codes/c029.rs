@@ -1,4 +1,4 @@
-use crate::codes::has;
+use crate::wording::has;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Listed input does not exist

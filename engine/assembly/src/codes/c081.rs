@@ -1,4 +1,3 @@
-use crate::family::MAX_DEPTH;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Composites nested too deep
@@ -18,3 +17,6 @@ impl Finding for CompositesTooDeep {
             .help("join some of them in one file")
     }
 }
+
+/// Deeper composites are nobody's intention.
+pub(crate) const MAX_DEPTH: usize = 32;

@@ -1,4 +1,3 @@
-use crate::plan::flatten::MAX_COMPONENTS;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Too many components
@@ -19,3 +18,6 @@ impl Finding for TooManyComponents {
             .help("nest fewer composites: each stands here once for every time it is included")
     }
 }
+
+/// More components are the work of a mistake, or of somebody unkind.
+pub(crate) const MAX_COMPONENTS: usize = 10_000;

@@ -1,6 +1,6 @@
-use crate::codes::enumerate;
 use crate::nearest::Suggest;
 use crate::nearest::nearest_name;
+use crate::wording::enumerate;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Unknown literal

@@ -1,4 +1,4 @@
-use crate::codes::enumerate;
+use crate::wording::enumerate;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Ambiguous field

@@ -1,4 +1,3 @@
-use crate::types::build::{MAX_DEPTH, MAX_FIELDS};
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Types too large
@@ -21,3 +20,9 @@ impl Finding for TypesTooLarge {
             .help("send what is that large as bytes, or by name")
     }
 }
+
+/// Schemas are trees, so a few lines can describe a tree of any size.
+pub(crate) const MAX_FIELDS: usize = 100_000;
+
+/// Deeper messages are nobody's intention.
+pub(crate) const MAX_DEPTH: usize = 32;

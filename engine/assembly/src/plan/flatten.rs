@@ -1,7 +1,7 @@
 //! Opens nested composites, follows promotions and renames down to the components that run.
 
 use crate::codes::c013::UnknownSetting;
-use crate::codes::c082::TooManyComponents;
+use crate::codes::c082::{MAX_COMPONENTS, TooManyComponents};
 use std::collections::BTreeMap;
 
 use asmotion_diagnostics::{Sources, Span};
@@ -15,9 +15,6 @@ use crate::model::{self, Composite};
 use crate::scope::{Notes, Scope, Set, from_text};
 use crate::types::Types;
 use crate::value::Value;
-
-/// More components are the work of a mistake, or of somebody unkind.
-pub(crate) const MAX_COMPONENTS: usize = 10_000;
 
 /// What the plan is made of.
 pub(crate) struct Parts<'p> {

@@ -4,7 +4,7 @@
 mod component;
 mod endpoint;
 mod fill;
-pub(crate) mod flatten;
+mod flatten;
 mod graph;
 mod join;
 mod joint;

@@ -4,7 +4,7 @@ use crate::codes::c110::UnknownType;
 use crate::codes::c111::RecursiveType;
 use crate::codes::c112::ConflictingTypes;
 use crate::codes::c113::TypeDiffersFromBuild;
-use crate::codes::c116::TypesTooLarge;
+use crate::codes::c116::{MAX_DEPTH, MAX_FIELDS, TypesTooLarge};
 use std::collections::BTreeMap;
 
 use asmotion_datum::{Field, Schema, Shape};
@@ -126,9 +126,3 @@ impl<'d> Builder<'d, '_, '_> {
         }
     }
 }
-
-/// Schemas are trees, so a few lines can describe a tree of any size.
-pub(crate) const MAX_FIELDS: usize = 100_000;
-
-/// Deeper messages are nobody's intention.
-pub(crate) const MAX_DEPTH: usize = 32;

@@ -1,7 +1,7 @@
 //! Message types: those of the build, and those that a composite describes in a file.
 
 mod alone;
-pub(crate) mod build;
+mod build;
 
 use crate::codes::c114::TypeNotInBuild;
 use crate::codes::c115::UnknownField;

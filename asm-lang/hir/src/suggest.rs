@@ -1,0 +1,19 @@
+//! Suggestions of similar names.
+
+use asmotion_diagnostics::{Diagnostic, Span};
+use std::sync::Arc;
+
+/// Offers the similar name, or help where there is none.
+pub(crate) fn with_similar(
+    finding: Diagnostic,
+    at: Span,
+    similar: &Option<(Arc<str>, Span)>,
+    help: &str,
+) -> Diagnostic {
+    match similar {
+        Some((name, declared)) => finding
+            .label(*declared, "a similar name is declared here")
+            .guess(format!("did you mean `{name}`?"), at, name.to_string()),
+        None => finding.help(help),
+    }
+}

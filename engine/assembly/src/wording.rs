@@ -1,0 +1,36 @@
+//! Parts of messages: lists of names, and the place of a value.
+
+use asmotion_diagnostics::{Diagnostic, Span};
+
+/// The names in backquotes with commas and a final "or".
+pub(crate) fn enumerate(names: &[&str]) -> String {
+    joined(names, "or")
+}
+
+/// "it has `a`, `b` and `c`": what there is instead of what was not found.
+pub(crate) fn has<'n>(what: &str, names: impl IntoIterator<Item = &'n str>) -> String {
+    let names: Vec<&str> = names.into_iter().collect();
+    match names.is_empty() {
+        true => format!("it has no {what}"),
+        false => format!("it has {}", joined(&names, "and")),
+    }
+}
+
+fn joined(names: &[&str], last_word: &str) -> String {
+    match names {
+        [] => "none".to_owned(),
+        [only] => format!("`{only}`"),
+        [first @ .., last] => {
+            let first: Vec<String> = first.iter().map(|name| format!("`{name}`")).collect();
+            format!("{} {last_word} `{last}`", first.join(", "))
+        }
+    }
+}
+
+/// Labels the place of a value, or notes that it was set from outside the file.
+pub(crate) fn label_or_outside(diagnostic: Diagnostic, at: Option<Span>, text: &str) -> Diagnostic {
+    match at {
+        Some(at) => diagnostic.label(at, text),
+        None => diagnostic.note("set from outside the file"),
+    }
+}
