@@ -1,10 +1,146 @@
-//! Reads the recorded cost of cold builds.
+//! Measures what a build of `asmotion` costs, by sets of Cargo features, and reads the recorded figures.
+//!
+//! The unit is CPU seconds, user and system, of everything that cargo starts: unlike wall time they are nearly the same on
+//! a busy machine.
 
 use crate::table::Rows;
 use std::path::Path;
+use std::process::{Command, ExitStatus};
 
-/// Written by `build-cost`; one table for each set of features.
+/// Written by `build-cost --record`; one table for each set of features.
 const RECORD: &str = "docs/build-cost.toml";
+
+/// A set of Cargo features that is built.
+#[derive(Debug)]
+pub struct FeatureSet {
+    /// Name on the command line and in the record.
+    pub name: &'static str,
+    /// Arguments of `cargo build`.
+    arguments: &'static [&'static str],
+    /// Most CPU seconds that a cold build may take.
+    pub budget: f64,
+}
+
+/// The sets from the smallest to the largest.
+pub const SETS: [FeatureSet; 3] = [
+    FeatureSet {
+        name: "minimal",
+        arguments: &["--no-default-features"],
+        budget: 480.0,
+    },
+    FeatureSet {
+        name: "default",
+        arguments: &[],
+        budget: 480.0,
+    },
+    FeatureSet {
+        name: "full",
+        arguments: &["--features", "full"],
+        budget: 900.0,
+    },
+];
+
+/// A build that was not measured.
+#[derive(Debug, thiserror::Error)]
+pub enum BuildError {
+    /// There is no such set.
+    #[error("there is no set of features `{name}`, but minimal, default and full")]
+    UnknownSet {
+        /// Requested name.
+        name: String,
+    },
+    /// A file cannot be read or written, or cargo does not start.
+    #[error("{what}: {source}")]
+    Io {
+        /// What was attempted.
+        what: &'static str,
+        /// The operating system's reason.
+        source: std::io::Error,
+    },
+    /// The build failed.
+    #[error("the build of the set `{set}` failed: {status}")]
+    Failed {
+        /// Name of the set.
+        set: &'static str,
+        /// How cargo ended.
+        status: ExitStatus,
+    },
+    /// `/proc/self/stat` has another format.
+    #[error("cannot read the CPU time of child processes from /proc/self/stat")]
+    NoCpuTime,
+}
+
+/// Finds a set by its name.
+///
+/// # Errors
+/// There is no such set.
+pub fn set(name: &str) -> Result<&'static FeatureSet, BuildError> {
+    let found = SETS.iter().find(|it| it.name == name);
+    found.ok_or_else(|| BuildError::UnknownSet {
+        name: name.to_owned(),
+    })
+}
+
+/// Builds a set in a target folder and returns the CPU seconds that it took. The folder must be empty: a set that is built
+/// on top of another one compiles nearly everything again, because other features of `syn` change every derive macro.
+///
+/// # Errors
+/// The build fails, or CPU time cannot be read.
+pub fn measure(root: &Path, target: &Path, set: &FeatureSet) -> Result<f64, BuildError> {
+    let before = children_cpu_seconds()?;
+    let status = Command::new("cargo")
+        .args(["build", "--release", "--locked", "--quiet", "--package", "asmotion"])
+        .args(set.arguments)
+        .current_dir(root)
+        .env("CARGO_TARGET_DIR", target)
+        .env("CARGO_INCREMENTAL", "0")
+        // a compiler cache would hide the cost
+        .env_remove("RUSTC_WRAPPER")
+        .status()
+        .map_err(|source| BuildError::Io {
+            what: "cannot start cargo",
+            source,
+        })?;
+    if !status.success() {
+        let set = set.name;
+        return Err(BuildError::Failed { set, status });
+    }
+    Ok(children_cpu_seconds()? - before)
+}
+
+/// CPU seconds of all child processes that have ended, and of theirs (proc(5), `cutime` and `cstime`).
+fn children_cpu_seconds() -> Result<f64, BuildError> {
+    let stat = std::fs::read_to_string("/proc/self/stat").map_err(|source| BuildError::Io {
+        what: "cannot read /proc/self/stat",
+        source,
+    })?;
+    cpu_seconds_in(&stat).ok_or(BuildError::NoCpuTime)
+}
+
+/// Fields 16 and 17, in ticks of 1/100 s on every architecture that Linux gives to programs today.
+fn cpu_seconds_in(stat: &str) -> Option<f64> {
+    // the name of the program, field 2, may contain blanks and parentheses
+    let (_, after_name) = stat.rsplit_once(')')?;
+    let mut fields = after_name.split_whitespace().skip(13);
+    let ticks = |field: Option<&str>| field?.parse::<f64>().ok();
+    Some((ticks(fields.next())? + ticks(fields.next())?) / 100.0)
+}
+
+/// Records the cost of cold builds for `cargo xtask house`.
+///
+/// # Errors
+/// The record cannot be written.
+pub fn record(root: &Path, figures: &[(&FeatureSet, f64)]) -> Result<(), BuildError> {
+    let mut text = "# CPU seconds of cold builds: `cargo xtask build-cost --record`\n".to_owned();
+    for (set, seconds) in figures {
+        let (name, budget) = (set.name, set.budget);
+        text += &format!("\n[{name}]\ncpu_seconds = {seconds:.1}\nbudget = {budget:.1}\n");
+    }
+    std::fs::write(root.join(RECORD), text).map_err(|source| BuildError::Io {
+        what: "cannot write docs/build-cost.toml",
+        source,
+    })
+}
 
 /// A row for each recorded set of features; none where nothing is recorded.
 pub fn rows(root: &Path) -> Rows {
@@ -23,4 +159,23 @@ pub fn rows(root: &Path) -> Rows {
         ))
     });
     sets.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cpu_time_of_children_is_read_behind_the_name() {
+        let stat = "42 (a b) c) S 1 42 42 0 -1 4194304 1 2 3 4 10 20 3050 150 20 0 1 0 999";
+        assert_eq!(cpu_seconds_in(stat), Some(32.0));
+        assert_eq!(cpu_seconds_in("42 (x) S 1"), None);
+    }
+
+    #[test]
+    fn sets_are_found_by_name() {
+        assert_eq!(set("full").unwrap().name, "full");
+        let error = set("all").unwrap_err().to_string();
+        assert!(error.contains("minimal, default and full"), "{error}");
+    }
 }

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use xtask::checkout::Checkout;
 use xtask::debts::{self, HouseDebts};
 use xtask::modules::{self, CrateModules};
-use xtask::{graph, report, table, type_names};
+use xtask::{build_cost, graph, report, table, type_names};
 
 #[derive(Parser)]
 #[command(name = "cargo xtask", about = "Chores of this repository")]
@@ -42,6 +42,21 @@ enum Chore {
     },
     /// Lists the type names with several meanings, the most frequent first
     Names,
+    /// Builds sets of Cargo features and fails if one costs more CPU seconds than its budget
+    BuildCost(BuildCost),
+}
+
+/// Options of `build-cost`.
+#[derive(clap::Args)]
+struct BuildCost {
+    /// Sets to build, in this order: minimal, default, full [default: all three]
+    sets: Vec<String>,
+    /// Keeps the builds, each in a folder of this one with the name of its set [default: temporary folders]
+    #[arg(long, value_name = "DIR")]
+    target_dir: Option<PathBuf>,
+    /// Writes the figures to docs/build-cost.toml
+    #[arg(long)]
+    record: bool,
 }
 
 fn main() -> ExitCode {
@@ -62,6 +77,7 @@ fn run(chore: Chore) -> Result<(), Box<dyn Error>> {
         Chore::Cycles { package } => cycles(&root, package.as_deref()),
         Chore::Hubs { package } => hubs(&root, package.as_deref()),
         Chore::Names => names(&root),
+        Chore::BuildCost(options) => build_costs(&root, &options),
     }
 }
 
@@ -69,6 +85,33 @@ fn run(chore: Chore) -> Result<(), Box<dyn Error>> {
 fn root() -> PathBuf {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     here.parent().unwrap_or(here).to_owned()
+}
+
+fn build_costs(root: &Path, options: &BuildCost) -> Result<(), Box<dyn Error>> {
+    let all = || build_cost::SETS.iter().map(|set| set.name.to_owned());
+    let names = match options.sets.is_empty() {
+        true => all().collect(),
+        false => options.sets.clone(),
+    };
+    let mut figures = Vec::new();
+    for name in &names {
+        let set = build_cost::set(name)?;
+        let seconds = match &options.target_dir {
+            Some(folder) => build_cost::measure(root, &folder.join(name), set)?,
+            None => build_cost::measure(root, tempfile::tempdir()?.path(), set)?,
+        };
+        println!("{name}: {seconds:.0} CPU seconds, at most {:.0}", set.budget);
+        figures.push((set, seconds));
+    }
+    if options.record {
+        build_cost::record(root, &figures)?;
+    }
+    let over = figures.iter().filter(|(set, seconds)| *seconds > set.budget);
+    let over: Vec<&str> = over.map(|(set, _)| set.name).collect();
+    match over.is_empty() {
+        true => Ok(()),
+        false => Err(format!("above the budget: {}", over.join(", ")).into()),
+    }
 }
 
 fn house(root: &Path, revisions: &[String]) -> Result<(), Box<dyn Error>> {
