@@ -89,7 +89,14 @@ pub fn set(name: &str) -> Result<&'static FeatureSet, BuildError> {
 pub fn measure(root: &Path, target: &Path, set: &FeatureSet) -> Result<f64, BuildError> {
     let before = children_cpu_seconds()?;
     let status = Command::new("cargo")
-        .args(["build", "--release", "--locked", "--quiet", "--package", "asmotion"])
+        .args([
+            "build",
+            "--release",
+            "--locked",
+            "--quiet",
+            "--package",
+            "asmotion",
+        ])
         .args(set.arguments)
         .current_dir(root)
         .env("CARGO_TARGET_DIR", target)

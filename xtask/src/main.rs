@@ -100,13 +100,18 @@ fn build_costs(root: &Path, options: &BuildCost) -> Result<(), Box<dyn Error>> {
             Some(folder) => build_cost::measure(root, &folder.join(name), set)?,
             None => build_cost::measure(root, tempfile::tempdir()?.path(), set)?,
         };
-        println!("{name}: {seconds:.0} CPU seconds, at most {:.0}", set.budget);
+        println!(
+            "{name}: {seconds:.0} CPU seconds, at most {:.0}",
+            set.budget
+        );
         figures.push((set, seconds));
     }
     if options.record {
         build_cost::record(root, &figures)?;
     }
-    let over = figures.iter().filter(|(set, seconds)| *seconds > set.budget);
+    let over = figures
+        .iter()
+        .filter(|(set, seconds)| *seconds > set.budget);
     let over: Vec<&str> = over.map(|(set, _)| set.name).collect();
     match over.is_empty() {
         true => Ok(()),
