@@ -82,7 +82,10 @@ pub fn describe<'p>(opened: &Opened, plan: &'p Plan) -> Description<'p> {
         .filter(|topic| topic.name != HEALTH_TOPIC);
     let topics = topics.map(|topic| declared.topic(topic));
     let crossings = declared.crossings();
-    let doc = opened.composite.as_ref().and_then(|it| it.doc.as_ref());
+    let doc = opened
+        .composite
+        .as_ref()
+        .and_then(|it| it.head.doc.as_ref());
     Description {
         plan,
         doc: doc.map(|doc| doc.value.clone()),

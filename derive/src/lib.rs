@@ -6,6 +6,7 @@ mod duration;
 mod field;
 mod ports;
 mod properties;
+mod table;
 mod word;
 
 use proc_macro::TokenStream;
@@ -35,6 +36,14 @@ pub fn ports(input: TokenStream) -> TokenStream {
 #[proc_macro_derive(Word, attributes(word))]
 pub fn word(input: TokenStream) -> TokenStream {
     expand(&parse_macro_input!(input), word::derive)
+}
+
+/// Makes a struct or an enum a table of the composite dialect: from its fields, their documentation and `#[key(…)]` come
+/// the reader, the schema with its hover texts, the rows of the reference page and, with `#[table(resolved = Name)]`, the
+/// same table without places, which can be written again. For use in the crate that has the module `table`.
+#[proc_macro_derive(Table, attributes(table, key))]
+pub fn table(input: TokenStream) -> TokenStream {
+    expand(&parse_macro_input!(input), table::derive)
 }
 
 /// Runs a derive; its errors become compile errors at the places they are about.
@@ -136,5 +145,29 @@ mod tests {
             }
         );
         assert!(refusal(word::derive, &input).contains("no fields"));
+    }
+
+    #[test]
+    fn a_table_says_what_it_is_and_its_ranges_include_their_ends() {
+        let input = parse_quote!(
+            struct Wrong {}
+        );
+        assert!(refusal(table::derive, &input).contains("say what it is"));
+        let input = parse_quote!(
+            #[table(of = "a lamp")]
+            struct Wrong {
+                #[key(range = 1..9)]
+                watt: u64,
+            }
+        );
+        assert!(refusal(table::derive, &input).contains("a range includes its end"));
+        let input = parse_quote!(
+            #[table(of = "a lamp")]
+            struct Wrong {
+                #[key(rage = 1)]
+                watt: u64,
+            }
+        );
+        assert_eq!(refusal(table::derive, &input), "not an attribute of a key");
     }
 }

@@ -131,8 +131,8 @@ pub fn named(broker: &plan::Broker, access: &Access) -> Result<Settings, String>
     };
     let mut settings = settings(&address, access).map_err(of)?;
     settings.exchange.clone_from(&broker.exchange);
-    settings.timing.first_retry = Duration::from_millis(broker.reconnect_first_ms);
-    settings.timing.last_retry = Duration::from_millis(broker.reconnect_max_ms);
+    settings.timing.first_retry = Duration::from_millis(broker.reconnect.first_ms);
+    settings.timing.last_retry = Duration::from_millis(broker.reconnect.max_ms);
     Ok(settings)
 }
 

@@ -60,7 +60,7 @@ impl Reconfigure {
         let done = self
             .broker
             .remote()
-            .and_then(|remote| self.change(&remote, &composite.name, version, terminal));
+            .and_then(|remote| self.change(&remote, &composite.name(), version, terminal));
         done.unwrap_or_else(|problem| {
             terminal.error(problem);
             Exit::Usage

@@ -105,7 +105,7 @@ impl Family {
 
     /// The files of types that the composite names.
     pub(crate) fn types<'f>(&'f self, member: &'f Member) -> impl Iterator<Item = &'f TypeFile> {
-        let files = member.composite.types.iter();
+        let files = member.composite.head.types.iter();
         files.filter_map(|file| self.types.get(member.path(file)?))
     }
 }
@@ -147,7 +147,7 @@ impl Visit<'_, '_> {
         };
         self.chain.push((path.to_owned(), None));
         let mut paths = BTreeMap::new();
-        for file in &composite.types {
+        for file in &composite.head.types {
             if let Some(found) = self.resolve(file) {
                 self.types(&found, file.span);
                 paths.insert(file.value.clone(), found);
@@ -206,7 +206,7 @@ impl Visit<'_, '_> {
             return;
         }
         let read = self.load(path, Some(at)).and_then(|(file, text)| {
-            let (types, report) = read::types(file, path, &text);
+            let (types, report) = crate::types::read(file, path, &text);
             self.report.extend(report);
             types
         });

@@ -1,10 +1,12 @@
 //! Composite files: checked plan, then running system.
 
+mod address;
 mod at;
 pub mod catalogue;
 mod check;
 mod codes;
 mod context;
+mod end;
 mod environment;
 mod expand;
 mod family;
@@ -23,6 +25,7 @@ mod scope;
 pub mod signature;
 mod specification;
 pub mod start;
+pub mod table;
 pub mod tree;
 mod types;
 mod value;
@@ -36,9 +39,10 @@ pub use context::Context;
 pub use environment::{EmptyEnvironment, Environment};
 pub use expand::{beside, expand};
 pub use opened::{Opened, open, summary};
+pub use plan::Part;
 pub use plan::Plan;
 pub use signature::{NoSpecifications, Signature, Specifications};
 pub use specification::AsmFiles;
-pub use start::{Assembled, Part, Standard, StartError, Workshop, start, start_part};
+pub use start::{Assembled, Standard, StartError, Workshop, start, start_part};
 pub use types::open_types;
 pub use value::{REDACTED, Value};

@@ -99,7 +99,7 @@ pub fn open(path: &str, context: &Context<'_>) -> Opened {
         .member(&family.root)
         .map(|member| member.composite.clone());
     let files = family.members().flat_map(|(_, member)| {
-        let files = member.composite.types.iter();
+        let files = member.composite.head.types.iter();
         files
             .filter_map(|file| member.path(file))
             .map(str::to_owned)

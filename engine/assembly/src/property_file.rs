@@ -11,12 +11,12 @@ use asmotion_datum::Datum;
 use asmotion_diagnostics::{Report, Sources};
 use toml_edit::DocumentMut;
 
-use crate::expand::toml;
 use crate::finding::Findings;
 use crate::lawful::lawful;
 use crate::nearest::nearest_name;
 use crate::read;
 use crate::scope::Notes;
+use crate::table::toml;
 use crate::tree::Table;
 use crate::value::Value;
 

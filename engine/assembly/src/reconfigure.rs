@@ -3,8 +3,9 @@
 use asmotion_datum::Datum;
 use asmotion_runtime::{Change, Run};
 
+use crate::plan::Part;
 use crate::plan::{self, Component, Connection, End, Plan, Settings, Terminal, Wire};
-use crate::start::{self, Part};
+use crate::start;
 
 /// Something that is as it was when the process started.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -161,7 +162,7 @@ impl Difference<'_> {
                 self.begins.push(Change::Connect {
                     from: from.to_string(),
                     to: to.to_string(),
-                    policy: start::policy(&it.policy),
+                    policy: start::policy(it),
                 });
             }
         }

@@ -1,30 +1,26 @@
-//! The dialect as JSON Schema, for editors: what the reader asks for is what may be written, so the two
-//! can never disagree.
+//! The dialect for editors and people: as JSON Schema, and as a page of all keys. Both come from the declarations of the
+//! tables, like the reader, so they cannot disagree with it.
 
-use serde_json::{Map, Value as Json, json};
+use std::fmt::Write;
 
-use crate::read;
-use crate::read::outline::{Asked, Field, Fields, Way};
-use crate::value::Value;
+use serde_json::Value as Json;
+
+use crate::model::Composite;
+use crate::table::{Key, Many, Outline, Table};
+use crate::types::TypeFile;
 
 /// The schema of composite files.
 pub fn composite() -> Json {
-    document(
-        "a composite of asmotion",
-        include_str!("schema.toml"),
-        false,
-    )
+    document("a composite of asmotion", &Composite::outline())
 }
 
 /// The schema of files of message types.
 pub fn types() -> Json {
-    let one = "schema = \"composite-types/1\"\n[type.a]\nfields = { b = \"f64\" }";
-    document("message types of asmotion", one, true)
+    document("message types of asmotion", &TypeFile::outline())
 }
 
-/// The schema of files like this one, which has one of everything.
-fn document(title: &str, everything: &str, types: bool) -> Json {
-    let mut schema = asked(&read::outline(everything, types));
+fn document(title: &str, outline: &Outline) -> Json {
+    let mut schema = outline.schema();
     if let Some(schema) = schema.as_object_mut() {
         schema.insert(
             "$schema".to_owned(),
@@ -35,81 +31,94 @@ fn document(title: &str, everything: &str, types: bool) -> Json {
     schema
 }
 
-fn asked(asked: &Asked) -> Json {
-    if asked.ways.contains(&Way::Any) {
-        return json!({});
+/// The reference page: every table of the dialect with its keys, in Markdown.
+pub fn reference() -> String {
+    let mut page = String::from(
+        "# Keys of composite files\n\nGenerated from the declarations in `engine`; \
+         [Composites](composites.md) explains what they are for. A key in **bold** must be there. `${properties.x}`, \
+         `${VARIABLE}` and `${VARIABLE:-default}` are substituted in values of properties, in times, in arguments of \
+         bindings and in endpoints; `${\u{2026}_FILE}` is the text of the file it names; `$$` is a dollar.\n",
+    );
+    section(&mut page, "composite/1", "", &Composite::outline());
+    section(&mut page, "composite-types/1", "", &TypeFile::outline());
+    page
+}
+
+fn section(page: &mut String, title: &str, path: &str, outline: &Outline) {
+    let doc = outline.doc;
+    // writing to a text does not fail
+    let _ = write!(
+        page,
+        "\n## `{title}`\n\n{doc}\n\n| key | value | default | |\n|---|---|---|---|\n"
+    );
+    for (key, with) in &outline.keys {
+        let _ = writeln!(page, "{}", row(key, *with, outline));
     }
-    match asked.ways.as_slice() {
-        [] => json!({}),
-        [way] => self::way(way),
-        ways => json!({ "anyOf": ways.iter().map(way).collect::<Vec<_>>() }),
+    for (key, _) in &outline.keys {
+        let Some(inner) = (key.table)(key) else {
+            continue;
+        };
+        let dot = if path.is_empty() { "" } else { "." };
+        let name = match key.many {
+            Some(Many::Names) => format!("{path}{dot}{}.<name>", key.name),
+            None | Some(Many::OneOrList | Many::List(_) | Many::Tables) => {
+                format!("{path}{dot}{}", key.name)
+            }
+        };
+        let title = match key.many {
+            Some(Many::Tables) => format!("[[{name}]]"),
+            None | Some(Many::OneOrList | Many::List(_) | Many::Names) => format!("[{name}]"),
+        };
+        section(page, &title, &name, &inner);
     }
 }
 
-fn way(way: &Way) -> Json {
-    match way {
-        Way::Any => json!({}),
-        Way::Text => json!({ "type": "string" }),
-        Way::Substituted => json!({ "type": "string", "pattern": "\\$\\{" }),
-        Way::Flag => json!({ "type": "boolean" }),
-        Way::Whole(least, greatest) => {
-            json!({ "type": "integer", "minimum": least, "maximum": greatest })
-        }
-        Way::Real(least, greatest) => real(*least, *greatest),
-        Way::Word(words) => json!({ "enum": words }),
-        Way::List(item) => json!({ "type": "array", "items": asked(item) }),
-        Way::Names(item) => json!({ "type": "object", "additionalProperties": asked(item) }),
-        Way::Table(fields) => table(fields),
+fn row(key: &Key, with: Option<&str>, outline: &Outline) -> String {
+    let needed = key.needed && with.is_none() && !outline.one_of.contains(&key.name);
+    let name = match needed {
+        true => format!("**`{}`**", key.name),
+        false => format!("`{}`", key.name),
+    };
+    let with = with.map_or(String::new(), |with| format!(" (with `{with}`)"));
+    let default = key
+        .default_text()
+        .map_or(String::new(), |it| format!("`{it}`"));
+    let doc = key.doc.replace('\n', " ");
+    format!("| {name}{with} | {} | {default} | {doc} |", value(key))
+}
+
+/// What a key takes, for people.
+fn value(key: &Key) -> String {
+    let one = kind(&(key.schema)(key));
+    let unit = match key.unit {
+        "" => String::new(),
+        unit => format!(", {unit}"),
+    };
+    match key.many {
+        None => format!("{one}{unit}"),
+        Some(Many::OneOrList) => format!("{one}, or a list"),
+        Some(Many::List(_) | Many::Tables) => format!("list of {one}{unit}"),
+        Some(Many::Names) => format!("{one} by name"),
     }
 }
 
-fn real(least: f64, greatest: f64) -> Json {
-    let mut schema = json!({ "type": "number" });
-    for (key, bound) in [("minimum", least), ("maximum", greatest)] {
-        if bound.is_finite() {
-            schema[key] = bound.into();
-        }
+fn kind(schema: &Json) -> String {
+    if let Some(words) = schema["enum"].as_array() {
+        let words = words.iter().filter_map(Json::as_str);
+        let words: Vec<String> = words.map(|word| format!("`{word}`")).collect();
+        return words.join(" ");
     }
-    schema
-}
-
-fn table(fields: &Fields) -> Json {
-    let properties = fields.keys.iter();
-    let properties = properties.map(|(key, field)| ((*key).to_owned(), property(field)));
-    let mut schema = json!({
-        "type": "object",
-        "description": fields.of,
-        "properties": properties.collect::<Map<_, _>>(),
-        "additionalProperties": false,
-    });
-    let needed = fields.keys.iter().filter(|(_, field)| field.needed);
-    let needed: Vec<_> = needed.map(|(key, _)| *key).collect();
-    if !needed.is_empty() {
-        schema["required"] = needed.into();
+    if let Some(first) = schema["anyOf"].get(0) {
+        return kind(first);
     }
-    if !fields.one_of.is_empty() {
-        let one = fields.one_of.iter();
-        schema["oneOf"] = one.map(|key| json!({ "required": [key] })).collect();
+    match schema["type"].as_str() {
+        Some("string") => "text".to_owned(),
+        Some("boolean") => "`true` `false`".to_owned(),
+        Some("object") => "table".to_owned(),
+        Some("integer" | "number") => match (&schema["minimum"], &schema["maximum"]) {
+            (Json::Null, Json::Null) => "number".to_owned(),
+            (least, greatest) => format!("{least} \u{2026} {greatest}"),
+        },
+        _ => "any".to_owned(),
     }
-    let depending = fields.keys.iter();
-    let depending = depending.filter(|(key, _)| !fields.one_of.contains(key));
-    let depending = depending.filter_map(|(key, field)| {
-        let on = fields.depends(field)?;
-        Some(((*key).to_owned(), json!([on])))
-    });
-    let depending: Map<_, _> = depending.collect();
-    if !depending.is_empty() {
-        schema["dependencies"] = depending.into();
-    }
-    schema
-}
-
-fn property(field: &Field) -> Json {
-    let mut schema = asked(&field.asked);
-    let example = field.example.as_deref().and_then(Value::from_toml);
-    let example = example.and_then(|example| serde_json::to_value(example).ok());
-    if let (Some(schema), Some(example)) = (schema.as_object_mut(), example) {
-        schema.insert("examples".to_owned(), json!([example]));
-    }
-    schema
 }

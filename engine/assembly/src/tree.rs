@@ -51,6 +51,13 @@ pub struct Entry {
 }
 
 impl Table {
+    /// A table with one key.
+    pub(crate) fn short(key: &str, node: &Node) -> Self {
+        let (key, node) = (At::new(key.to_owned(), node.span), node.clone());
+        let entries = vec![Entry { key, node }];
+        Self { entries }
+    }
+
     /// The value of a key.
     pub fn get(&self, key: &str) -> Option<&Entry> {
         self.entries.iter().find(|entry| entry.key.value == key)

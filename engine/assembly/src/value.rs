@@ -198,3 +198,17 @@ impl Serialize for Value {
         }
     }
 }
+
+/// Names and values, in the order they were declared or set.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Settings(pub Vec<(String, Value)>);
+
+impl Settings {
+    /// The value of a property.
+    pub fn get(&self, name: &str) -> Option<&Value> {
+        self.0
+            .iter()
+            .find(|(known, _)| known == name)
+            .map(|(_, value)| value)
+    }
+}

@@ -54,6 +54,22 @@ fn it_is_what_a_person_has_read() {
 }
 
 #[test]
+fn the_reference_page_is_that_of_the_declarations() {
+    let (path, page) = (
+        "../../docs/composites-reference.md",
+        asmotion_assembly::schema::reference(),
+    );
+    if std::env::var("INSTA_UPDATE").is_ok_and(|update| update == "always") {
+        std::fs::write(path, &page).expect("the page");
+    }
+    let written = std::fs::read_to_string(path).expect("the page");
+    assert!(
+        written == page,
+        "write {path} again with INSTA_UPDATE=always"
+    );
+}
+
+#[test]
 fn it_accepts_every_composite_that_the_reader_accepts() {
     let mut seen = 0;
     let own = files(Path::new("tests/composites"))

@@ -72,9 +72,9 @@ impl Exporter<'_> {
         let properties = properties.map(|it| self.property(it)).collect();
         self.of_the_engine();
         Composite {
-            name: composite.name.clone(),
-            namespace: composite.namespace.clone(),
-            doc: composite.doc.as_ref().map(|doc| doc.value.clone()),
+            name: composite.name(),
+            namespace: composite.head.namespace.clone(),
+            doc: composite.head.doc.as_ref().map(|doc| doc.value.clone()),
             autowire: false,
             includes: Vec::new(),
             properties,
@@ -89,11 +89,11 @@ impl Exporter<'_> {
     /// Whatever is the engine's alone.
     fn of_the_engine(&mut self) {
         let composite = self.composite;
-        let name = &composite.name.value;
-        if let Some(version) = &composite.version {
+        let name = &composite.name().value;
+        if let Some(version) = &composite.head.version {
             self.unsayable("the version", name, version.span);
         }
-        for file in &composite.types {
+        for file in &composite.head.types {
             self.unsayable("the message types", file, file.span);
         }
         for gateway in &composite.gateways {
@@ -133,7 +133,7 @@ impl Exporter<'_> {
             self.unsayable("the settings", &broker.name, broker.name.span);
         }
         let uses = |component: &here::Component| {
-            let pace = component.pace.as_ref();
+            let pace = component.pace();
             let named = pace.and_then(|pace| pace.broker.as_ref());
             named.is_some_and(|named| named.value == broker.name.value)
         };
@@ -207,7 +207,7 @@ impl Exporter<'_> {
         let mut gateways = self.composite.gateways.iter();
         let gateway = gateways.find(|it| gateway.is_none_or(|name| name.value == it.name.value));
         let uri = gateway.filter(|_| over == Binding::Http).map(|gateway| {
-            let listen = written(&gateway.listen.value);
+            let listen = written(&gateway.listen.value.0);
             let uri = gateway::uri(&listen, &promotion.name);
             At::new(uri, gateway.listen.span)
         });
@@ -238,7 +238,7 @@ impl Exporter<'_> {
             return Time::Milliseconds(0);
         };
         match &time.value {
-            Amount::Number(number) => Time::Milliseconds(*number),
+            Amount::Number(number) => Time::Milliseconds((*number).try_into().unwrap_or(i64::MAX)),
             Amount::Template(template) => match template.pieces.as_slice() {
                 [Piece::Property { name, span }] => Time::Property(At::new(name.clone(), *span)),
                 _ => {

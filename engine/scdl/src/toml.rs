@@ -20,7 +20,7 @@ use crate::tca::{self, Task, Time};
 use crate::{name, value};
 
 /// How long a call waits where SCDL, which knows no deadlines, says nothing.
-pub(crate) const TIMEOUT_MS: i64 = 1000;
+pub(crate) const TIMEOUT_MS: u64 = 1000;
 
 /// The text of a composite. `nested` are those that were completed before.
 pub(crate) fn document(
@@ -386,7 +386,7 @@ impl Writer<'_> {
                 self.over_broker(word, &mut table);
             }
             match services.len() {
-                1 => table.insert("timeout_ms", item(TIMEOUT_MS)),
+                1 => table.insert("timeout_ms", item(TIMEOUT_MS.cast_signed())),
                 _ => table.insert("oneway", item(true)),
             };
             wires.push(table);

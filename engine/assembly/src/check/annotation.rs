@@ -114,7 +114,7 @@ fn called<'c>(part: &Part<'c>) -> Vec<&'c str> {
     let effects = part.component.bind.out.iter().map(|it| &it.effect);
     let actions = effects.flat_map(|effect| match effect {
         Effect::Literals(literals) => literals.as_slice(),
-        Effect::Publish { .. } => &[],
+        Effect::Publish(_) => &[],
     });
     let actions = actions.flat_map(|(_, actions)| actions);
     let called = actions.filter_map(|action| match action {

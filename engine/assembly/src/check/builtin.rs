@@ -18,13 +18,12 @@ pub(crate) fn check(scene: &mut Scene<'_>, report: &mut Report) {
     let mut faces: Vec<(usize, Face)> = Vec::new();
     for (index, part) in scene.parts.iter().enumerate() {
         let component = part.component;
-        let Some(Implementation::Builtin {
-            kind: Some(kind),
-            target,
-            bridge,
-            ..
-        }) = &component.implementation
+        let Some(made_of @ Implementation::Builtin { target, bridge, .. }) =
+            &component.implementation
         else {
+            continue;
+        };
+        let Some(kind) = made_of.builtin() else {
             continue;
         };
         match kind {

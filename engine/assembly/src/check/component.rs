@@ -46,7 +46,10 @@ pub(crate) fn parts<'s>(
 fn types(scene: &Scene<'_>, report: &mut Report) {
     let components = scene.composite.components.iter();
     let active = components.filter(|component| scene.active(&component.profiles));
-    let listed = active.flat_map(|it| [&it.inputs, &it.outputs, &it.subscribe, &it.publish]);
+    let listed = active.flat_map(|it| {
+        let ports = &it.ports;
+        [&ports.inputs, &ports.outputs, &it.subscribe, &it.publish]
+    });
     let mut seen = BTreeSet::new();
     for Listed { kind, .. } in listed.flatten() {
         if seen.insert(kind.value.as_str()) {
@@ -57,7 +60,7 @@ fn types(scene: &Scene<'_>, report: &mut Report) {
 
 /// The id names the queue, the log and the metrics of a component.
 fn id(component: &Component, ids: &mut BTreeMap<String, Span>, report: &mut Report) {
-    let id = component.pace.as_ref().and_then(|pace| pace.id.as_ref());
+    let id = component.pace().and_then(|pace| pace.id.as_ref());
     let id = id.unwrap_or(&component.name);
     if let Some(first) = ids.insert(id.value.clone(), id.span) {
         report.found(DuplicateId {
@@ -70,7 +73,7 @@ fn id(component: &Component, ids: &mut BTreeMap<String, Span>, report: &mut Repo
 
 /// The names of other things that a component refers to.
 fn names(scene: &Scene<'_>, component: &Component, report: &mut Report) {
-    let Some(pace) = &component.pace else {
+    let Some(pace) = component.pace() else {
         return;
     };
     scene.broker(None, pace.broker.as_ref(), report);
@@ -90,7 +93,7 @@ fn names(scene: &Scene<'_>, component: &Component, report: &mut Report) {
 pub(crate) fn masters<'s>(scene: &Scene<'s>, name: &'s str) -> impl Iterator<Item = &'s str> {
     let master = |name: &&str| {
         let component = scene.composite.component(name)?;
-        let master = component.pace.as_ref()?.master.as_ref()?;
+        let master = component.pace()?.master.as_ref()?;
         Some(master.value.as_str())
     };
     let most = scene.composite.components.len();
@@ -135,8 +138,8 @@ fn face(
                 }
             }
         }
-        Implementation::Builtin { name, kind, .. } => {
-            builtin(scene, name, *kind, report);
+        Implementation::Builtin { name, .. } => {
+            builtin(scene, name, implementation.builtin(), report);
             listed(component, report)
         }
         Implementation::Asm { .. }
@@ -187,9 +190,9 @@ fn listed(component: &Component, report: &mut Report) -> Face {
     let mut face = Face::default();
     let mut first: BTreeMap<(&str, &str), Span> = BTreeMap::new();
     let lists = [
-        (Way::In, &component.inputs, false),
+        (Way::In, &component.ports.inputs, false),
         (Way::In, &component.subscribe, true),
-        (Way::Out, &component.outputs, false),
+        (Way::Out, &component.ports.outputs, false),
         (Way::Out, &component.publish, true),
     ];
     for (way, list, on_topic) in lists {

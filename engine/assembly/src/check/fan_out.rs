@@ -56,7 +56,7 @@ fn by_binding(part: &Part<'_>, reference: &str) -> Option<(String, Option<Span>)
     let effects = part.component.bind.out.iter().map(|out| &out.effect);
     let actions = effects.flat_map(|effect| match effect {
         Effect::Literals(cases) => cases.iter().flat_map(|(_, actions)| actions).collect(),
-        Effect::Publish { .. } => Vec::new(),
+        Effect::Publish(_) => Vec::new(),
     });
     for action in actions {
         let Action::Call(call) = action else {

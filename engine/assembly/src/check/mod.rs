@@ -33,7 +33,6 @@ pub(crate) use self::component::topic;
 use self::face::Face;
 use self::scene::Scene;
 pub(crate) use self::scene::{nested, takes_part};
-pub use self::wire::DEFAULT_TIMEOUT_MS;
 pub(crate) use self::wire::waits;
 use crate::catalogue::Catalogue;
 use crate::family::{Family, Member};

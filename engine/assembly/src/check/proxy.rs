@@ -200,10 +200,7 @@ fn pace(scene: &Scene<'_>, component: &Component, told: &Notify, report: &mut Re
     let Some(stale_ms) = &told.stale_ms else {
         return;
     };
-    let cycles = component
-        .pace
-        .as_ref()
-        .and_then(|pace| pace.period_ms.as_ref());
+    let cycles = component.pace().and_then(|pace| pace.period_ms.as_ref());
     let polls = scene.composite.connections.iter().any(|connection| {
         let delivery = connection.policy.delivery.as_ref();
         let into = |end: &Terminal| matches!(end, Terminal::Port(end) if end.component.value == component.name.value);

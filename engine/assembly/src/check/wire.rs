@@ -36,9 +36,6 @@ pub(crate) fn check(scene: &Scene<'_>, report: &mut Report) {
     }
 }
 
-/// How long a call may take where the wire does not say.
-pub const DEFAULT_TIMEOUT_MS: u64 = 1000;
-
 /// The references that lead somewhere, the places that say where, and whether those are wires.
 #[derive(Default)]
 struct Joined {

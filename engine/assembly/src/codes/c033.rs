@@ -1,4 +1,4 @@
-use crate::check::DEFAULT_TIMEOUT_MS;
+use crate::model::DEFAULT_TIMEOUT_MS;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Call without a timeout

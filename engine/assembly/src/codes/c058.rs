@@ -50,8 +50,8 @@ use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 #[code(C058, error)]
 #[error("{threads} threads would use a connection that allows {max}")]
 pub(crate) struct TooManyThreads {
-    pub threads: i64,
-    pub max: i64,
+    pub threads: u64,
+    pub max: u64,
     pub at: Span,
     pub ends: Span,
 }

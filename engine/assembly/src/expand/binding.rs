@@ -2,18 +2,14 @@
 
 use toml_edit::{Array, InlineTable, Item, Table, Value as Toml};
 
-use super::write::{Keys, inline, value};
-use crate::value::{REDACTED, Value};
+use crate::table::{Lines, constant};
 use asmotion_coordinator::{Action, Argument, Binding, Call, Constant, Effect, Monitored, Source};
 use asmotion_datum::Datum;
 
 pub(super) fn bind(binding: &Binding) -> Table {
     let mut monitored = Table::new();
     for it in &binding.monitored {
-        monitored.insert(
-            &it.function,
-            Item::Value(inline(self::monitored(it)).into()),
-        );
+        monitored.insert(&it.function, Item::Value(inline(self::monitored(it))));
     }
     let mut out = Table::new();
     // the functions with literals come last: they are tables of their own
@@ -32,38 +28,32 @@ pub(super) fn bind(binding: &Binding) -> Table {
     bind
 }
 
-fn monitored(monitored: &Monitored) -> Keys {
-    let mut keys = Keys::new();
+fn monitored(monitored: &Monitored) -> Lines {
+    let mut keys = Lines::new();
     match &monitored.from {
-        Source::Port(port) => keys.text("topic", port),
+        Source::Port(port) => keys.put("topic", port),
         Source::Request { service, operation } => {
-            keys.text("service", &format!("{service}.{operation}"));
+            keys.put("service", &format!("{service}.{operation}"));
         }
     }
-    keys.word("receive", monitored.receive);
-    keys.texts("field", monitored.field.iter());
-    keys.texts("map", monitored.map.iter());
-    if !monitored.is.is_empty() {
-        keys.put("is", monitored.is.iter().collect::<Array>());
-    }
-    if let Some(none) = &monitored.none {
-        keys.put("none", constant(none));
-    }
-    keys.wholes("stale_ms", monitored.stale_ms);
-    if let Some(on_stale) = &monitored.on_stale {
-        keys.put("on_stale", constant(on_stale));
-    }
+    keys.put("receive", &monitored.receive);
+    keys.put("field", &monitored.field);
+    keys.put("map", &monitored.map);
+    keys.put("is", &monitored.is);
+    keys.put("none", &monitored.none);
+    keys.put("stale_ms", &monitored.stale_ms);
+    keys.put("on_stale", &monitored.on_stale);
     keys
 }
 
 fn effect(effect: &Effect) -> Item {
     match effect {
         Effect::Publish { port, field, when } => {
-            let mut keys = Keys::new();
-            keys.text("topic", port);
-            keys.texts("field", field.iter());
-            keys.word("publish", *when);
-            Item::Value(inline(keys).into())
+            let mut keys = Lines::new();
+            keys.put("topic", port);
+            keys.put("field", field);
+            keys.put("publish", when);
+            Item::Value(inline(keys))
         }
         Effect::Literals(cases) => {
             let mut table = Table::new();
@@ -81,29 +71,29 @@ fn effect(effect: &Effect) -> Item {
 }
 
 fn action(action: &Action) -> Toml {
-    let mut keys = Keys::new();
+    let mut keys = Lines::new();
     match action {
         Action::Call(call) => self::call(call, &mut keys),
         Action::Publish { port, value } => {
-            keys.text("publish", port);
-            keys.put("value", argument(value));
+            keys.put("publish", port);
+            keys.put_some("value", Some(argument(value)));
         }
     }
-    inline(keys).into()
+    inline(keys)
 }
 
-fn call(call: &Call, keys: &mut Keys) {
-    keys.text("call", &format!("{}.{}", call.reference, call.operation));
+fn call(call: &Call, keys: &mut Lines) {
+    keys.put("call", &format!("{}.{}", call.reference, call.operation));
     if call.with != Argument::Default {
-        keys.put("with", argument(&call.with));
+        keys.put_some("with", Some(argument(&call.with)));
     }
-    keys.texts("keep", call.keep.iter());
-    keys.texts("ok", call.ok.iter());
-    keys.texts("failed", call.failed.iter());
-    keys.texts("timeout", call.timeout.iter());
-    keys.texts("unavailable", call.unavailable.iter());
-    keys.texts("event", call.event.iter());
-    keys.texts("reply", call.reply.iter());
+    keys.put("keep", &call.keep);
+    keys.put("ok", &call.ok);
+    keys.put("failed", &call.failed);
+    keys.put("timeout", &call.timeout);
+    keys.put("unavailable", &call.unavailable);
+    keys.put("event", &call.event);
+    keys.put("reply", &call.reply);
 }
 
 fn argument(argument: &Argument) -> Toml {
@@ -128,11 +118,6 @@ fn argument(argument: &Argument) -> Toml {
     }
 }
 
-/// A constant, secrets left out.
-fn constant(constant: &Constant) -> Toml {
-    let shown = || Value::of_datum(&constant.datum);
-    match (constant.secret, shown()) {
-        (false, Some(shown)) => value(&shown),
-        (true, _) | (_, None) => REDACTED.into(),
-    }
+fn inline(keys: Lines) -> Toml {
+    keys.inline().unwrap_or_else(|| InlineTable::new().into())
 }

@@ -1,51 +1,82 @@
 //! The binding of an ASM component as written; [`asmotion_coordinator::Binding`] is the same without places.
 
+use asmotion_derive::Table;
 use asmotion_diagnostics::Span;
 
 use asmotion_coordinator::{PublishWhen, Receive};
 
-use super::{End, Path};
+use super::{DAY_MS, End, Path};
 use crate::At;
 use crate::tree::Node;
 
-/// `bind`: functions of an ASM and the world.
-#[derive(Clone, Debug, Default)]
+/// Functions of an ASM and the world.
+#[derive(Clone, Debug, Default, Table)]
+#[table(of = "`bind`", example = "{ monitored = { }, out = { } }")]
 pub struct Bind {
-    /// `bind.monitored`.
+    /// Where the values of monitored functions come from.
+    #[key(example = "{ }")]
     pub monitored: Vec<Monitored>,
-    /// `bind.out`.
+    /// What updates of out functions do.
+    #[key(example = "{ }")]
     pub out: Vec<Out>,
 }
 
 /// A monitored function and where its value comes from.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Table)]
+#[table(
+    of = "a bound monitored function",
+    example = "{ topic = \"estop\", field = \"data\" }",
+    after = crate::read::binding::monitored
+)]
 pub struct Monitored {
     /// The function.
+    #[key(entry = any)]
     pub function: At<String>,
     /// Where its value comes from.
+    #[key(flatten)]
     pub from: Source,
-    /// Which of the messages that came.
-    pub receive: At<Receive>,
-    /// The part of the message that is the value.
+    /// Which of the messages that came is the value in a step.
+    pub receive: Option<At<Receive>>,
+    /// The same as `receive = "edge"`.
+    pub edge: Option<At<bool>>,
+    /// The part of the message that is the value; its only field, `data` or `code`, if absent.
+    #[key(example = "\"data\"")]
     pub field: Option<Path>,
     /// The field whose text names an enum literal.
+    #[key(example = "\"data\"")]
     pub map: Option<Path>,
     /// The texts for which it is true.
+    #[key(example = "\"idle\"")]
     pub is: Vec<At<String>>,
     /// The value in a step without a message.
     pub none: Option<Node>,
     /// How old the last message may be.
-    pub stale_ms: Option<At<i64>>,
+    #[key(unit = "milliseconds", range = 1..=DAY_MS)]
+    pub stale_ms: Option<At<u64>>,
     /// The value when it is older, or when none came yet.
     pub on_stale: Option<Node>,
 }
 
+impl Monitored {
+    /// Which of the messages that came is the value in a step.
+    pub fn received(&self) -> At<Receive> {
+        let last = || At::new(Receive::default(), self.function.span);
+        self.receive.clone().unwrap_or_else(last)
+    }
+}
+
 /// Where the value of a monitored function comes from.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Table)]
+#[table(
+    of = "a bound monitored function",
+    reason = "a value comes from one place"
+)]
 pub enum Source {
     /// A name under `subscribe` or `ports.in`.
+    #[key(example = "\"estop\"")]
     Topic(At<String>),
-    /// `service.operation`: requests; the `component` of the end is the service.
+    /// `service.operation`: requests that the component answers; the `component` of the end is the service.
+    #[key(name = "service", example = "\"move.moveTo\"")]
     Request(End),
 }
 
@@ -62,52 +93,80 @@ pub struct Out {
 #[derive(Clone, Debug)]
 pub enum Effect {
     /// The value itself is published.
-    Publish {
-        /// The name under `publish` or `ports.out`.
-        topic: At<String>,
-        /// The field that takes the value.
-        field: Option<Path>,
-        /// After which steps.
-        when: Option<At<PublishWhen>>,
-    },
+    Publish(Published),
     /// Each literal has its actions.
     Literals(Vec<(At<String>, Vec<Action>)>),
 }
 
+/// The value of an out function is published.
+#[derive(Clone, Debug, Table)]
+#[table(
+    of = "a bound out function",
+    example = "{ topic = \"command\", publish = \"on_update\" }"
+)]
+pub struct Published {
+    /// The name under `publish` or `ports.out`.
+    #[key(example = "\"command\"")]
+    pub topic: At<String>,
+    /// The field that takes the value.
+    #[key(example = "\"data\"")]
+    pub field: Option<Path>,
+    /// After which steps.
+    #[key(name = "publish")]
+    pub when: Option<At<PublishWhen>>,
+}
+
 /// What an update to a literal does.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Table)]
+#[table(
+    of = "an action",
+    example = "{ call = \"planner.plan\", ok = \"PATH_OK\", event = \"ev\" }",
+    reason = "an action does one thing; a list does several"
+)]
 pub enum Action {
     /// Calls a service.
+    #[key(flatten)]
     Call(Box<Call>),
     /// Publishes a message.
     Publish {
-        /// The name under `publish` or `ports.out`.
+        /// Publishes a message: the name under `publish` or `ports.out`.
+        #[key(name = "publish", example = "\"plan\"")]
         topic: At<String>,
         /// The message.
+        #[key(example = "\"@path\"")]
         value: Argument,
     },
 }
 
-/// `{ call = "maps.getMap", … }`.
-#[derive(Clone, Debug)]
+/// A call of a service.
+#[derive(Clone, Debug, Table)]
+#[table(of = "an action", after = crate::read::binding::call)]
 pub struct Call {
-    /// `reference.operation`; the `component` of the end is the reference.
+    /// Calls a service: `reference.operation`; the `component` of the end is the reference.
+    #[key(name = "call", example = "\"planner.plan\"")]
     pub operation: End,
     /// The argument.
     pub with: Option<Argument>,
-    /// The name under which the reply is kept.
+    /// Name under which the reply is kept.
+    #[key(example = "\"path\"")]
     pub keep: Option<At<String>>,
-    /// The literal that tells the ASM of the reply.
+    /// Literal of `event` for a reply.
+    #[key(example = "\"PATH_OK\"")]
     pub ok: Option<At<String>>,
-    /// The literal that tells it of a fault.
+    /// Literal for a fault.
+    #[key(example = "\"CALL_FAILED\"")]
     pub failed: Option<At<String>>,
-    /// The literal that tells it of a reply that did not come.
+    /// Literal for a reply that did not come in time; `failed`, if absent.
+    #[key(example = "\"CALL_FAILED\"")]
     pub timeout: Option<At<String>>,
-    /// The literal that tells it that nobody is there to answer.
+    /// Literal for no provider; `failed`, if absent.
+    #[key(example = "\"NOBODY_THERE\"")]
     pub unavailable: Option<At<String>>,
-    /// The monitored function that takes these literals.
+    /// Monitored function that takes these literals.
+    #[key(example = "\"ev\"")]
     pub event: Option<At<String>>,
-    /// The service whose caller hears how the call has ended.
+    /// Service whose caller is answered as this call is.
+    #[key(example = "\"move\"")]
     pub reply: Option<At<String>>,
 }
 

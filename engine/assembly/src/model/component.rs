@@ -1,55 +1,104 @@
 //! A component as the composite describes it.
 
-use asmotion_derive::Word;
+use asmotion_derive::{Table, Word};
 use asmotion_diagnostics::Span;
 
 use super::binding::Bind;
-use super::{End, Implementation, Lifecycle, Pace, Setting};
+use super::{DAY_MS, End, Implementation, Lifecycle, Pace, Setting};
 use crate::At;
 
-/// `[components.<name>]`.
-#[derive(Clone, Debug)]
+/// A component of the composite.
+#[derive(Clone, Debug, Table)]
+#[table(
+    of = "a component",
+    example = "{ implementation = { rust = \"nav::MapServer\" } }",
+    after = crate::read::belongs
+)]
 pub struct Component {
     /// Its name.
+    #[key(entry = thing)]
     pub name: At<String>,
-    /// In which profiles; everywhere where empty.
+    /// What it is made of; absent where that could not be read.
+    #[key(needed, example = "{ rust = \"nav::MapServer\" }")]
+    pub implementation: Option<Implementation>,
+    /// In which profiles; in all, if none is named.
+    #[key(name = "profile", example = "\"sim\"")]
     pub profiles: Vec<At<String>>,
     /// What it is for.
+    #[key(example = "\"what it is for\"")]
     pub doc: Option<At<String>>,
-    /// What it is made of; `None` where that could not be read.
-    pub implementation: Option<Implementation>,
-    /// `task` or `activity`: when it cycles.
-    pub pace: Option<Pace>,
-    /// `lifecycle`: what happens without anybody asking.
+    /// When it cycles, over a broker.
+    #[key(example = "{ period_ms = 50 }")]
+    pub task: Option<Pace>,
+    /// When it cycles, in a thread with a scheduling class.
+    #[key(example = "{ period_ms = 50 }")]
+    pub activity: Option<Pace>,
+    /// Transitions that nobody has to ask for.
+    #[key(example = "{ autostart = true }")]
     pub lifecycle: Option<Lifecycle>,
-    /// `ports.in`.
-    pub inputs: Vec<Listed>,
-    /// `ports.out`.
-    pub outputs: Vec<Listed>,
-    /// `subscribe`: input ports on the topic of the same name.
+    /// Ports that connections join.
+    #[key(or_default, example = "{ in = { }, out = { } }")]
+    pub ports: Ports,
+    /// Input ports on the topic of the same name.
+    #[key(example = "{ scan = \"sensor_msgs/LaserScan\" }")]
     pub subscribe: Vec<Listed>,
-    /// `publish`: output ports on the topic of the same name.
+    /// Output ports on the topic of the same name.
+    #[key(example = "{ scan = \"sensor_msgs/LaserScan\" }")]
     pub publish: Vec<Listed>,
-    /// `rename`: other topics for those names (TCA's topicRename).
+    /// Other topics for those names (TCA's topicRename).
+    #[key(example = "{ trajectory = \"plan\" }")]
     pub rename: Vec<Rename>,
-    /// `services` it provides, with their interfaces.
+    /// Services it provides, with their interfaces.
+    #[key(example = "{ maps = \"nav/MapService\" }")]
     pub services: Vec<Listed>,
-    /// `references` it needs.
+    /// References it needs, with their interfaces.
+    #[key(example = "{ maps = \"nav/MapService\" }")]
     pub references: Vec<Wanted>,
-    /// `operations` it offers to anybody, with their signatures.
+    /// Operations it offers to anybody, with their signatures.
+    #[key(example = "{ setPeriod = \"fn(f64) -> bool\" }")]
     pub operations: Vec<Listed>,
-    /// `properties` that are set.
+    /// File of properties; what `properties` says holds.
+    #[key(example = "\"site.toml\"")]
+    pub load: Option<At<String>>,
+    /// Properties that are set.
+    #[key(example = "{ inflation_m = 0.35 }")]
     pub properties: Vec<Setting>,
-    /// `bind`: functions of an ASM and the world.
+    /// Functions of an ASM and the world.
+    #[key(or_default, example = "{ monitored = { }, out = { } }")]
     pub bind: Bind,
-    /// `verify`: what must hold before it may start.
+    /// What must hold of an ASM before it may start.
+    #[key(example = "{ ctl = true }")]
     pub verify: Option<Verify>,
-    /// `map` of a built-in.
+    /// `port-proxy`: operations that are ports. `ros-bridge`: topics here that are topics of ROS.
+    #[key(
+        example = "[{ operation = \"sending.set\", port = \"Driver.commands\", mode = \"oneway\" }]"
+    )]
     pub map: Vec<MapEntry>,
-    /// `notify` of a port-proxy.
+    /// `port-proxy`: the events it sends, and when.
+    #[key(example = "{ reference = \"notifying\", stale_ms = 1000 }")]
     pub notify: Option<Notify>,
-    /// `plots` of a web-monitor.
+    /// `web-monitor`: its charts.
+    #[key(example = "[{ title = \"Speed\", series = [\"velocity\"] }]")]
     pub plots: Vec<Plot>,
+}
+
+impl Component {
+    /// When it cycles: its `task` or its `activity`.
+    pub fn pace(&self) -> Option<&Pace> {
+        self.task.as_ref().or(self.activity.as_ref())
+    }
+}
+
+/// Ports that connections join.
+#[derive(Clone, Debug, Default, Table)]
+#[table(of = "`ports`", example = "{ in = { }, out = { } }")]
+pub struct Ports {
+    /// Input ports, with their types.
+    #[key(name = "in", example = "{ scan = \"sensor_msgs/LaserScan\" }")]
+    pub inputs: Vec<Listed>,
+    /// Output ports, with their types.
+    #[key(name = "out", example = "{ scan = \"sensor_msgs/LaserScan\" }")]
+    pub outputs: Vec<Listed>,
 }
 
 /// A name and its type or interface, as in `scan = "sensor_msgs/LaserScan"`.
@@ -61,12 +110,19 @@ pub struct Listed {
     pub kind: At<String>,
 }
 
-/// A reference.
-#[derive(Clone, Debug)]
+/// A reference, or its interface alone.
+#[derive(Clone, Debug, Table)]
+#[table(
+    of = "a reference",
+    short = "interface",
+    example = "\"nav/MapService\""
+)]
 pub struct Wanted {
     /// Its name.
+    #[key(entry = thing)]
     pub name: At<String>,
     /// The interface it needs.
+    #[key(example = "\"nav/MapService\"")]
     pub interface: At<String>,
     /// Whether the component can do without.
     pub optional: bool,
@@ -81,46 +137,62 @@ pub struct Rename {
     pub to: At<String>,
 }
 
-/// `verify`: what must hold of an ASM before it may start.
-#[derive(Clone, Debug)]
+/// What must hold of an ASM before it may start.
+#[derive(Clone, Debug, Table)]
+#[table(of = "`verify`", example = "{ ctl = true }", resolved = PlannedVerify)]
 pub struct Verify {
     /// Its CTL properties.
+    #[key(default)]
     pub ctl: Option<At<bool>>,
     /// Its LTL properties.
+    #[key(default)]
     pub ltl: Option<At<bool>>,
     /// Its invariants.
+    #[key(default)]
     pub invariants: Option<At<bool>>,
     /// Whether a failure keeps the composite from starting.
+    #[key(default)]
     pub refuse_start_on_failure: Option<At<bool>>,
 }
 
 /// An entry of `map`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Table)]
+#[table(
+    of = "an entry of `map`",
+    example = "{ operation = \"sending.set\", port = \"Driver.commands\", mode = \"oneway\" }",
+    reason = "an entry maps an operation, or a topic"
+)]
 pub enum MapEntry {
     /// Of a port-proxy.
+    #[key(flatten)]
     Proxy(ProxyEntry),
     /// Of a ros-bridge.
+    #[key(flatten)]
     Ros(RosEntry),
 }
 
 /// A service operation that is a port.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Table)]
+#[table(of = "an entry of `map`", resolved = PlannedProxyEntry)]
 pub struct ProxyEntry {
     /// The place of the entry.
     pub span: Span,
-    /// `service.operation`; the `component` of the end is the service.
+    /// `service.operation` of the proxy; the `component` of the end is the service.
+    #[key(example = "\"sending.set\"")]
     pub operation: End,
-    /// The port of the target.
+    /// Port of the target; the proxy has one of the same name.
+    #[key(example = "\"Driver.commands\"")]
     pub port: End,
     /// How the operation uses the port.
+    #[key(example = "\"oneway\"")]
     pub mode: At<ProxyMode>,
     /// The part of the message that is argument or result.
+    #[key(example = "\"position\"")]
     pub field: Option<Path>,
 }
 
 /// How an operation uses a port.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum ProxyMode {
     /// Writes it.
     #[default]
@@ -136,25 +208,30 @@ pub enum ProxyMode {
 }
 
 /// A topic here that is a topic of ROS.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Table)]
+#[table(of = "an entry of `map`", resolved = PlannedRosEntry)]
 pub struct RosEntry {
     /// The place of the entry.
     pub span: Span,
-    /// The name here.
+    /// The name here, a port of the bridge.
+    #[key(example = "\"plan\"")]
     pub from: At<String>,
     /// The name there.
+    #[key(example = "\"/plan\"")]
     pub ros: At<String>,
     /// The type there.
+    #[key(name = "type", example = "\"nav_msgs/Path\"")]
     pub kind: At<String>,
     /// Which way messages go.
+    #[key(example = "\"to_ros\"")]
     pub direction: At<Direction>,
     /// The converter, where the types differ.
+    #[key(example = "\"event_from_string\"")]
     pub convert: Option<At<String>>,
 }
 
 /// Which way messages go through a bridge.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum Direction {
     /// Out.
     #[default]
@@ -179,28 +256,39 @@ impl std::fmt::Display for Path {
     }
 }
 
-/// `notify` of a port-proxy: which events it tells, and when.
-#[derive(Clone, Debug)]
+/// Events that a port-proxy sends, and when.
+#[derive(Clone, Debug, Table)]
+#[table(
+    of = "`notify`",
+    example = "{ reference = \"notifying\", stale_ms = 1000 }",
+    resolved = PlannedNotify
+)]
 pub struct Notify {
     /// The place of the table.
     pub span: Span,
-    /// The reference it tells them through.
+    /// Reference that it sends them through.
+    #[key(example = "\"notifying\"")]
     pub reference: At<String>,
-    /// When the event `busy` is told.
+    /// When the event `busy` is sent.
     pub busy: Option<At<Busy>>,
-    /// When the event `idle` is told.
+    /// When the event `idle` is sent.
+    #[key(
+        example = "{ within = 0.01, of = \"commands.position\", on = \"jointStatus.position\" }"
+    )]
     pub idle: Option<Idle>,
-    /// When the event `refresh` is told.
+    /// When the event `refresh` is sent.
+    #[key(example = "\"jointStatus.new\"")]
     pub refresh: Option<Condition>,
-    /// When the event `fault` is told.
+    /// When the event `fault` is sent.
+    #[key(example = "\"jointStatus.error_flags != 0\"")]
     pub fault: Option<Condition>,
-    /// After how long without data the event `stale` is told.
-    pub stale_ms: Option<At<i64>>,
+    /// After how long without data the event `stale` is sent.
+    #[key(unit = "milliseconds", range = 1..=DAY_MS)]
+    pub stale_ms: Option<At<u64>>,
 }
 
 /// When the event `busy` is told.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum Busy {
     /// When a command has been accepted and written.
     #[default]
@@ -217,29 +305,48 @@ pub struct Condition {
 }
 
 /// The motion has ended: what was measured is near what was commanded, for some time.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Table)]
+#[table(
+    of = "`idle`",
+    example = "{ within = 0.01, of = \"commands.position\", on = \"jointStatus.position\" }",
+    resolved = PlannedIdle
+)]
 pub struct Idle {
-    /// How near.
+    /// How near, in the unit of the fields.
+    #[key(range = 0.0..=1e9, example = "0.01")]
     pub within: At<f64>,
     /// `port.field` of what was commanded.
+    #[key(example = "\"commands.position\"")]
     pub of: Path,
     /// `port.field` of what is measured.
+    #[key(example = "\"jointStatus.position\"")]
     pub on: Path,
     /// For how long.
-    pub for_ms: Option<At<i64>>,
+    #[key(unit = "milliseconds", range = 0..=DAY_MS, default = 0)]
+    pub for_ms: Option<At<u64>>,
 }
 
 /// A chart of a web-monitor.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Table)]
+#[table(
+    of = "a plot",
+    example = "[{ title = \"Speed\", series = [\"velocity\"] }]",
+    resolved = PlannedPlot
+)]
 pub struct Plot {
     /// Its title.
+    #[key(example = "\"Speed\"")]
     pub title: At<String>,
     /// A range of indices, one chart each.
+    #[key(example = "\"0..5\"")]
     pub each: Option<At<String>>,
     /// The fields drawn.
+    #[key(needed, example = "[\"velocity\"]")]
     pub series: Vec<At<String>>,
     /// A field whose bits are shown as flags.
+    #[key(example = "\"error_flags\"")]
     pub flags: Option<At<String>>,
     /// How much of the past is drawn.
-    pub window_s: Option<At<i64>>,
+    #[key(unit = "seconds", range = 1..=86_400, default = 60)]
+    pub window_s: Option<At<u64>>,
 }

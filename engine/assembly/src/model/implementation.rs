@@ -1,56 +1,74 @@
 //! What a component is made of.
 
-use asmotion_derive::Word;
+use asmotion_datum::Word as _;
+use asmotion_derive::{Table, Word};
 use asmotion_diagnostics::Span;
 
 use crate::At;
 
-/// What a component is made of.
-#[derive(Clone, Debug)]
+/// What a component is made of: one of these.
+#[derive(Clone, Debug, Table)]
+#[table(
+    of = "an implementation",
+    example = "{ rust = \"nav::MapServer\" }",
+    reason = "a component is made of one thing"
+)]
 pub enum Implementation {
     /// A component of this build, by its name in the catalogue.
+    #[key(example = "\"nav::MapServer\"")]
     Rust(At<String>),
     /// An ASM specification.
     Asm {
-        /// The `.asm` file.
+        /// An ASM specification: its file.
+        #[key(name = "asm", example = "\"guard.asm\"")]
         file: At<String>,
         /// Its main rule, where it is to be checked.
+        #[key(example = "\"r_Main\"")]
         main: Option<At<String>>,
     },
-    /// Another composite file.
+    /// Another composite: its file.
+    #[key(example = "\"driver.composite.toml\"")]
     Composite(At<String>),
     /// A component that is part of the engine.
     Builtin {
-        /// Which one.
+        /// A component that is part of the engine.
+        #[key(name = "builtin", example = "\"port-proxy\"")]
         name: At<String>,
-        /// `None` where no built-in has this name.
-        kind: Option<Builtin>,
-        /// `port-proxy`: the component whose ports it offers as services.
+        /// `port-proxy`: component whose ports it offers as services.
+        #[key(example = "\"youBotDriver\"")]
         target: Option<At<String>>,
-        /// `ros-bridge`: the bridge it uses.
+        /// `ros-bridge`: bridge it uses.
+        #[key(example = "\"ros\"")]
         bridge: Option<At<String>>,
         /// `web-monitor`, `http-gateway`: the TCP port.
-        port: Option<At<i64>>,
+        #[key(range = 0..=65_535)]
+        port: Option<At<u64>>,
     },
     /// Another program.
     Process {
-        /// The program.
+        /// Another program.
+        #[key(name = "process", example = "\"./driver\"")]
         command: At<String>,
         /// Its arguments.
+        #[key(example = "[\"--verbose\"]")]
         arguments: Vec<At<String>>,
     },
     /// A ROS node.
     Ros {
-        /// The package.
+        /// A ROS node: its package.
+        #[key(name = "ros", example = "\"demo_nodes_cpp\"")]
         package: At<String>,
         /// The executable in it.
+        #[key(example = "\"talker\"")]
         executable: Option<At<String>>,
     },
     /// A component of a running Orocos system.
     Orocos {
-        /// Its name there.
+        /// A component of a running Orocos system: its name there.
+        #[key(name = "orocos", example = "\"Driver\"")]
         component: At<String>,
-        /// Where the name service is.
+        /// Address of the name service.
+        #[key(example = "\"corbaloc::127.0.0.1:2809\"")]
         name_service: Option<At<String>>,
     },
 }
@@ -67,24 +85,33 @@ impl Implementation {
             Self::Orocos { component, .. } => component.span,
         }
     }
+
+    /// The component of the engine that it is, if there is one of this name.
+    pub fn builtin(&self) -> Option<Builtin> {
+        match self {
+            Self::Builtin { name, .. } => Builtin::of_word(name),
+            Self::Rust(_)
+            | Self::Asm { .. }
+            | Self::Composite(_)
+            | Self::Process { .. }
+            | Self::Ros { .. }
+            | Self::Orocos { .. } => None,
+        }
+    }
 }
 
 /// The components that are part of the engine.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum Builtin {
     /// Ports of a data-flow component offered as services.
     #[default]
     #[word("port-proxy")]
-    #[serde(rename = "port-proxy")]
     PortProxy,
     /// Topics here joined to topics of ROS.
     #[word("ros-bridge")]
-    #[serde(rename = "ros-bridge")]
     RosBridge,
     /// The dashboard.
     #[word("web-monitor")]
-    #[serde(rename = "web-monitor")]
     WebMonitor,
     /// Writes runs down.
     Recorder,
@@ -94,7 +121,6 @@ pub enum Builtin {
     Simulator,
     /// Services over HTTP.
     #[word("http-gateway")]
-    #[serde(rename = "http-gateway")]
     HttpGateway,
     /// Events at times.
     Timer,

@@ -15,17 +15,30 @@ mod wiring;
 pub use asmotion_component::{Lock, OnDeadline, OnException, OnStale, Overrun, Scheduler, Sharing};
 pub use asmotion_datum::Codec;
 pub use component::{
-    Busy, Component, Condition, Direction, Idle, Listed, MapEntry, Notify, Path, Plot, ProxyEntry,
-    ProxyMode, Rename, RosEntry, Verify, Wanted,
+    Busy, Component, Condition, Direction, Idle, Listed, MapEntry, Notify, Path, PlannedIdle,
+    PlannedNotify, PlannedPlot, PlannedProxyEntry, PlannedRosEntry, PlannedVerify, Plot, Ports,
+    ProxyEntry, ProxyMode, Rename, RosEntry, Verify, Wanted,
 };
-pub use composite::Composite;
-pub use deploy::{Deploy, Process, Record, Restart, RestartPolicy};
-pub use endpoint::{Bridge, BridgeKind, Broker, Gateway, Reconnect, Tls};
+pub use composite::{Composite, Head};
+pub use deploy::{
+    Deploy, PlannedProcess, PlannedRecord, PlannedRestart, Process, Record, Restart, RestartPolicy,
+};
+pub use endpoint::{
+    Address, Bridge, BridgeKind, Broker, Gateway, PlannedBridge, PlannedBroker, PlannedGateway,
+    PlannedReconnect, Reconnect, Tls,
+};
 pub use implementation::{Builtin, Implementation};
-pub use pace::{Lifecycle, Pace};
+pub use pace::{Lifecycle, Pace, PlannedLifecycle, PlannedPace};
 pub use promote::{Promoted, Promotion};
 pub use setting::{Amount, Piece, Property, PropertyType, Scalar, Setting, Template};
-pub use topic::{Outage, Topic};
+pub use topic::{Outage, PlannedSending, Topic};
 pub use wiring::{
-    Cancel, Connection, Delivery, End, Flow, Policy, Retry, Terminal, Transport, Wire,
+    Cancel, Connection, Delivery, End, Flow, PlannedPolicy, PlannedRetry, PlannedWire, Policy,
+    Retry, Terminal, Transport, Wire,
 };
+
+/// No wait is longer than a day.
+pub(crate) const DAY_MS: u64 = 86_400_000;
+
+/// How long a call may take where the wire does not say.
+pub const DEFAULT_TIMEOUT_MS: u64 = 1000;

@@ -1,20 +1,26 @@
 //! Values that may be set from outside: properties, substitutions, amounts.
 
-use asmotion_derive::Word;
+use asmotion_derive::{Table, Word};
 use std::fmt;
 
 use asmotion_diagnostics::Span;
 
 use crate::At;
-use crate::plan::mask;
+use crate::address::mask;
 use crate::tree::Node;
 
-/// A property of the composite.
-#[derive(Clone)]
+/// A property of the composite, which an integrator may set.
+#[derive(Clone, Table)]
+#[table(
+    of = "a property",
+    example = "{ type = \"f64\", default = 0.35, min = 0.0, max = 1.0 }"
+)]
 pub struct Property {
     /// Its name.
+    #[key(entry = thing)]
     pub name: At<String>,
     /// What it holds.
+    #[key(name = "type", example = "\"f64\"")]
     pub kind: At<PropertyType>,
     /// Its value unless set from outside; without one it must be set.
     pub default: Option<Node>,
@@ -23,11 +29,12 @@ pub struct Property {
     /// The greatest value.
     pub max: Option<At<f64>>,
     /// What it is for.
+    #[key(example = "\"what it is for\"")]
     pub doc: Option<At<String>>,
 }
 
 /// What a property holds: one value, or a list of them (`f64[]`).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PropertyType {
     /// The type of the value or of the items.
     pub scalar: Scalar,
@@ -36,17 +43,14 @@ pub struct PropertyType {
 }
 
 /// The type of one value.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum Scalar {
     /// A text.
     #[default]
     #[word("string")]
-    #[serde(rename = "string")]
     Text,
     /// A Boolean.
     #[word("bool")]
-    #[serde(rename = "bool")]
     Boolean,
     /// A whole number of 8 bits.
     I8,
@@ -158,7 +162,7 @@ impl Template {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Amount {
     /// Written out.
-    Number(i64),
+    Number(u64),
     /// From `${properties.x}`.
     Template(Template),
 }

@@ -1,27 +1,30 @@
 //! How topics go over a broker.
 
-use crate::At;
 use asmotion_datum::Codec;
-use asmotion_derive::Word;
+use asmotion_derive::{Table, Word};
 
-/// `[topics.<name>]`. What is left out follows from the connections.
-#[derive(Clone, Debug)]
+use crate::At;
+
+/// How a topic goes over a broker. What is left out follows from the connections.
+#[derive(Clone, Debug, Table)]
+#[table(of = "a topic", example = "{ confirm = true }", resolved = PlannedSending)]
 pub struct Topic {
     /// The topic.
+    #[key(entry = topic)]
     pub name: At<String>,
     /// Whether messages are kept until the broker has confirmed them, and sent again if need be.
     pub confirm: Option<At<bool>>,
     /// What becomes of messages while the broker is away.
     pub outage: Option<At<Outage>>,
     /// How many of them are kept.
-    pub size: Option<At<i64>>,
-    /// How payloads are encoded; as the broker has it where not given.
+    #[key(range = 1..=1_000_000)]
+    pub size: Option<At<u64>>,
+    /// How payloads are encoded; as the broker has it, if absent.
     pub codec: Option<At<Codec>>,
 }
 
 /// What becomes of messages while the broker is away.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum Outage {
     /// They are dropped, and counted.
     #[default]

@@ -1,9 +1,10 @@
 //! Wires join a reference to services; connections join ports and topics.
 
 use asmotion_component::{Lock, OnStale, Sharing};
-use asmotion_derive::Word;
+use asmotion_derive::{Table, Word};
 use asmotion_diagnostics::Span;
 
+use super::{DAY_MS, DEFAULT_TIMEOUT_MS};
 use crate::At;
 
 /// `Component.name`: a port, a service, a reference or a property of a component.
@@ -59,34 +60,47 @@ impl std::fmt::Display for Terminal {
     }
 }
 
-/// `[[wires]]`: a reference and the services that answer it.
-#[derive(Clone, Debug)]
+/// A reference and the services that answer it.
+#[derive(Clone, Debug, Table)]
+#[table(
+    of = "a wire",
+    example = "{ reference = \"Coordinator.planner\", service = \"Planner.planning\" }",
+    resolved = PlannedWire
+)]
 pub struct Wire {
     /// The place of the wire.
     pub span: Span,
-    /// In which profiles; everywhere where empty.
-    pub profiles: Vec<At<String>>,
-    /// Who calls.
+    /// Reference of the component that calls.
+    #[key(example = "\"Coordinator.planner\"")]
     pub reference: End,
-    /// Who answers; more than one for a fan-out of one-way calls.
+    /// Service that answers; more than one for a fan-out of one-way calls.
+    #[key(name = "service", needed, one, example = "\"Planner.planning\"")]
     pub services: Vec<End>,
-    /// Over what.
+    /// In which profiles; in all, if none is named.
+    #[key(name = "profile", example = "\"sim\"", written)]
+    pub profiles: Vec<At<String>>,
+    /// What it goes over.
+    #[key(default)]
     pub binding: Option<At<Transport>>,
     /// Over which broker, if there are several.
+    #[key(example = "\"main\"")]
     pub broker: Option<At<String>>,
-    /// How long the caller waits.
-    pub timeout_ms: Option<At<i64>>,
-    /// How often a call is tried again.
+    /// How long the caller waits for each attempt.
+    #[key(unit = "milliseconds", range = 1..=DAY_MS, default = DEFAULT_TIMEOUT_MS)]
+    pub timeout_ms: Option<At<u64>>,
+    /// How a call is tried again.
+    #[key(default, example = "{ attempts = 2, backoff_ms = 100 }")]
     pub retry: Option<Retry>,
-    /// Whether a call that came too late is withdrawn.
+    /// What becomes of a call whose time is over.
+    #[key(default)]
     pub cancel: Option<At<Cancel>>,
-    /// Whether nobody waits for a reply.
+    /// Whether the caller waits for no reply.
+    #[key(default)]
     pub oneway: Option<At<bool>>,
 }
 
 /// What a wire or a promotion goes over.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum Transport {
     /// Within the process.
     #[default]
@@ -100,8 +114,7 @@ pub enum Transport {
 }
 
 /// What happens to a call nobody waits for any longer.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum Cancel {
     /// It is withdrawn when its time is over.
     #[default]
@@ -110,27 +123,38 @@ pub enum Cancel {
     Never,
 }
 
-/// `retry`: how often a call is tried again.
-#[derive(Clone, Debug)]
+/// How a call is tried again.
+#[derive(Clone, Debug, Table)]
+#[table(of = "`retry`", example = "{ attempts = 2, backoff_ms = 100 }", resolved = PlannedRetry)]
 pub struct Retry {
     /// How often after the first time.
-    pub attempts: Option<At<i64>>,
-    /// How long to wait in between.
-    pub backoff_ms: Option<At<i64>>,
+    #[key(range = 0..=1000, default = 0)]
+    pub attempts: Option<At<u64>>,
+    /// Wait between two attempts.
+    #[key(unit = "milliseconds", range = 0..=DAY_MS, default = 0)]
+    pub backoff_ms: Option<At<u64>>,
 }
 
-/// `[[connections]]`: from ports or topics to ports or topics.
-#[derive(Clone, Debug)]
+/// From ports, topics or message queues to others: every writer is joined to every reader.
+#[derive(Clone, Debug, Table)]
+#[table(
+    of = "a connection",
+    example = "{ from = \"Laser.scan\", to = \"Adapter.scan\" }"
+)]
 pub struct Connection {
     /// The place of the connection.
     pub span: Span,
-    /// In which profiles; everywhere where empty.
-    pub profiles: Vec<At<String>>,
-    /// Who writes.
+    /// Writers: `Component.port`, `topic:name` or `mqueue:/name`.
+    #[key(needed, one, example = "\"Laser.scan\"")]
     pub from: Vec<Terminal>,
-    /// Who reads.
+    /// Readers, in the same form.
+    #[key(needed, one, example = "\"topic:scan\"")]
     pub to: Vec<Terminal>,
-    /// How.
+    /// In which profiles; in all, if none is named.
+    #[key(name = "profile", example = "\"sim\"", written)]
+    pub profiles: Vec<At<String>>,
+    /// How messages are carried.
+    #[key(or_default, example = "{ type = \"data\" }")]
     pub policy: Policy,
 }
 
@@ -147,42 +171,55 @@ impl Connection {
     }
 }
 
-/// `policy`: RTT's connection policy, and what a reader does with old data.
-#[derive(Clone, Debug, Default)]
+/// How a connection carries messages: RTT's connection policy, and what a reader does with old data.
+#[derive(Clone, Debug, Default, Table)]
+#[table(of = "a connection policy", example = "{ type = \"data\" }", resolved = PlannedPolicy)]
 pub struct Policy {
     /// The place of the table.
     pub span: Span,
-    /// Last value or queue.
+    /// The last value, or a queue.
+    #[key(name = "type", default)]
     pub kind: Option<At<Flow>>,
     /// Length of the queue.
-    pub size: Option<At<i64>>,
+    #[key(range = 1..=1_000_000, default = 1)]
+    pub size: Option<At<u64>>,
     /// How writers and readers are kept apart.
+    #[key(default)]
     pub lock: Option<At<Lock>>,
     /// Whether a new reader gets the last value written before.
+    #[key(default)]
     pub init: Option<At<bool>>,
     /// Whether data stays with the writer until asked for.
+    #[key(default)]
     pub pull: Option<At<bool>>,
     /// Whether a write that does not get through is an error of the writer.
+    #[key(default)]
     pub mandatory: Option<At<bool>>,
-    /// Who shares the queue.
+    /// Which connections share the queue.
+    #[key(default)]
     pub buffer: Option<At<Sharing>>,
-    /// How many threads may use a connection.
-    pub max_threads: Option<At<i64>>,
-    /// Bytes of the largest message in a queue `mqueue:/name`.
-    pub data_size: Option<At<i64>>,
+    /// How many threads may use it; as many as there are ends, if absent.
+    #[key(range = 1..=1024)]
+    pub max_threads: Option<At<u64>>,
     /// How old data may be.
-    pub max_age_ms: Option<At<i64>>,
+    #[key(unit = "milliseconds", range = 1..=DAY_MS)]
+    pub max_age_ms: Option<At<u64>>,
     /// What a reader sees instead of data that is too old.
+    #[key(default)]
     pub on_stale: Option<At<OnStale>>,
     /// Whether new data wakes the reader.
+    #[key(default)]
     pub delivery: Option<At<Delivery>>,
     /// How often a polling reader looks.
-    pub poll_ms: Option<At<i64>>,
+    #[key(unit = "milliseconds", range = 1..=DAY_MS)]
+    pub poll_ms: Option<At<u64>>,
+    /// Size of the largest message in a queue `mqueue:/name`.
+    #[key(unit = "bytes", range = 1..=16_777_216)]
+    pub data_size: Option<At<u64>>,
 }
 
 /// Last value or queue.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum Flow {
     /// The last value.
     #[default]
@@ -191,13 +228,11 @@ pub enum Flow {
     Buffer,
     /// A queue; the oldest is dropped when it is full.
     #[word("circular_buffer")]
-    #[serde(rename = "circular_buffer")]
     Circular,
 }
 
 /// Whether new data wakes the reader.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, Word)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Word)]
 pub enum Delivery {
     /// It does, if the reader is event-driven.
     #[default]

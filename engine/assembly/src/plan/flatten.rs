@@ -13,6 +13,7 @@ use crate::family::{Family, Member};
 use crate::finding::Findings;
 use crate::model::{self, Composite};
 use crate::scope::{Notes, Scope, Set, from_text};
+use crate::table::Resolver;
 use crate::types::Types;
 use crate::value::Value;
 
@@ -48,11 +49,8 @@ pub(crate) fn flatten(parts: &Parts<'_>, notes: &mut Notes) -> Option<Plan> {
 
 fn blank(composite: &Composite, profile: Option<&str>) -> Plan {
     Plan {
-        name: composite.name.value.clone(),
-        version: composite
-            .version
-            .as_ref()
-            .map(|version| version.value.clone()),
+        name: composite.name().value,
+        version: composite.head.version.as_ref().map(|it| it.value.clone()),
         profile: profile.map(str::to_owned),
         missing: Vec::new(),
         start_order: Vec::new(),
@@ -256,7 +254,11 @@ impl<'p> Flattener<'p, '_> {
             }
         }
         self.topics(composite);
-        place::place(composite, &self.instances_by_name(), &mut self.plan);
+        let nested = self.instances_by_name();
+        if let Some(outermost) = self.instances.first() {
+            let mut to = Resolver::new(&outermost.scope, &outermost.prefix, self.notes);
+            place::place(composite, &nested, &mut to, &mut self.plan);
+        }
         self.plan.start_order = order::start_order(&self.plan);
         self.plan.missing = self.notes.missing.clone();
         Some(self.plan)

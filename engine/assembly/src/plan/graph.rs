@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use petgraph::graph::{DiGraph, NodeIndex};
 
-use super::{Plan, Terminal};
+use super::{End, Plan, Terminal};
 
 /// Why one component needs another.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,6 +24,14 @@ pub enum Link {
 }
 
 impl Plan {
+    /// The interface of a reference; empty where nobody says.
+    fn interface(&self, reference: &End) -> String {
+        let component = self.component(&reference.component);
+        let mut references = component.into_iter().flat_map(|it| &it.references);
+        let found = references.find(|it| it.name == reference.name);
+        found.map_or_else(String::new, |it| it.interface.clone())
+    }
+
     /// Components and their links. An edge leads from the one that must be there first, so from
     /// writers to readers and from providers to callers.
     pub fn graph(&self) -> DiGraph<&str, Link> {
@@ -45,7 +53,7 @@ impl Plan {
         };
         for wire in &self.wires {
             for service in &wire.services {
-                let interface = wire.interface.clone();
+                let interface = self.interface(&wire.reference);
                 add(
                     &service.component,
                     &wire.reference.component,

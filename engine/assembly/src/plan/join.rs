@@ -3,13 +3,13 @@
 use crate::codes::c054::PollTooSlow;
 use asmotion_diagnostics::Span;
 
-use super::fill::{given, number};
 use super::flatten::Flattener;
-use super::{Connection, End, Policy, Promoted, Terminal, Wire};
+use super::{Connection, End, Policy, Promoted, Terminal};
 use crate::At;
 use crate::check;
 use crate::finding::Findings;
 use crate::model::{self, Delivery, Flow, Sharing, Transport};
+use crate::table::Resolver;
 
 impl<'p> Flattener<'p, '_> {
     /// Adds the connections and wires of a composite.
@@ -30,15 +30,16 @@ impl<'p> Flattener<'p, '_> {
     }
 
     fn connection(&mut self, index: usize, connection: &model::Connection) {
-        let mut policy = policy(&connection.policy);
+        let Some(policy) = self.policy(index, &connection.policy) else {
+            return;
+        };
         let ends = |terminals: &[model::Terminal]| -> Vec<Terminal> {
             let ends = terminals.iter();
             ends.filter_map(|end| self.terminal(index, end)).collect()
         };
         let (from, to) = (ends(&connection.from), ends(&connection.to));
-        if policy.buffer == Sharing::Shared {
-            policy.queue = Some(format!("{} -> {}", listed(&from), listed(&to)));
-        }
+        let shared = policy.buffer == Sharing::Shared;
+        let queue = shared.then(|| format!("{} -> {}", listed(&from), listed(&to)));
         for from in &from {
             for to in &to {
                 self.poll(from, to, &policy, connection.policy.span);
@@ -46,6 +47,7 @@ impl<'p> Flattener<'p, '_> {
                     from: from.clone(),
                     to: to.clone(),
                     policy: policy.clone(),
+                    queue: queue.clone(),
                 });
             }
         }
@@ -104,31 +106,29 @@ impl<'p> Flattener<'p, '_> {
         if services.is_empty() {
             return;
         }
-        let binding = given(&wire.binding);
-        let interface = self
-            .plan
-            .component(&reference.component)
-            .and_then(|component| {
-                component
-                    .references
-                    .iter()
-                    .find(|known| known.name == reference.name)
-            });
-        let retry = wire.retry.as_ref();
-        self.plan.wires.push(Wire {
-            interface: interface.map_or(String::new(), |known| known.interface.clone()),
-            reference,
-            services,
-            binding,
-            broker: self.broker(index, binding, wire.broker.as_ref()),
-            timeout_ms: number(&wire.timeout_ms).unwrap_or(check::DEFAULT_TIMEOUT_MS),
-            retry_attempts: retry.and_then(|retry| number(&retry.attempts)).unwrap_or(0),
-            retry_backoff_ms: retry
-                .and_then(|retry| number(&retry.backoff_ms))
-                .unwrap_or(0),
-            cancel: given(&wire.cancel),
-            oneway: !check::waits(wire),
-        });
+        let Some(mut made) = self.resolver(index).and_then(|mut to| to.of(wire)) else {
+            return;
+        };
+        made.reference = reference;
+        made.services = services;
+        made.broker = self.broker(index, made.binding, wire.broker.as_ref());
+        made.oneway = !check::waits(wire);
+        self.plan.wires.push(made);
+    }
+
+    /// What values of a composite are resolved with.
+    fn resolver(&mut self, index: usize) -> Option<Resolver<'_>> {
+        let instance = self.instances.get(index)?;
+        Some(Resolver::new(&instance.scope, &instance.prefix, self.notes))
+    }
+
+    fn policy(&mut self, index: usize, written: &model::Policy) -> Option<Policy> {
+        let mut policy = self.resolver(index)?.of(written)?;
+        // the last value has no size
+        if policy.kind == Flow::Data {
+            policy.size = 1;
+        }
+        Some(policy)
     }
 
     /// The broker that something goes over.
@@ -197,9 +197,11 @@ impl<'p> Flattener<'p, '_> {
                 bindings.push(binding.value);
             }
         }
-        let over_broker = given(&promotion.over(Transport::Amqp).cloned());
+        let over_broker = promotion.over(Transport::Amqp);
+        let over_broker = over_broker.map_or(Transport::Local, |it| it.value);
         let called = promotion.over(Transport::Http);
-        let timeout_ms = number(&promotion.timeout_ms).unwrap_or(check::DEFAULT_TIMEOUT_MS);
+        let timeout_ms = promotion.timeout_ms.as_ref().map(|it| it.value);
+        let timeout_ms = timeout_ms.unwrap_or(model::DEFAULT_TIMEOUT_MS);
         self.plan.promoted.push(Promoted {
             what: promotion.what.kind(),
             name: promotion.name.value.clone(),
@@ -225,27 +227,4 @@ impl<'p> Flattener<'p, '_> {
 fn listed(ends: &[Terminal]) -> String {
     let names: Vec<String> = ends.iter().map(Terminal::to_string).collect();
     names.join(", ")
-}
-
-fn policy(policy: &model::Policy) -> Policy {
-    let kind = given(&policy.kind);
-    Policy {
-        kind,
-        size: match kind {
-            Flow::Data => 1,
-            Flow::Buffer | Flow::Circular => number(&policy.size).unwrap_or(1),
-        },
-        lock: given(&policy.lock),
-        init: given(&policy.init),
-        pull: given(&policy.pull),
-        mandatory: given(&policy.mandatory),
-        buffer: given(&policy.buffer),
-        queue: None,
-        max_threads: number(&policy.max_threads),
-        data_size: number(&policy.data_size),
-        max_age_ms: number(&policy.max_age_ms),
-        on_stale: given(&policy.on_stale),
-        delivery: given(&policy.delivery),
-        poll_ms: number(&policy.poll_ms),
-    }
 }

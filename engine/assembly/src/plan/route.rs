@@ -5,9 +5,8 @@
 
 use std::collections::BTreeSet;
 
-use super::{Broker, End, Gateway, Plan, Promoted, Wire};
+use super::{Broker, End, Gateway, Part, Plan, Promoted, Wire};
 use crate::model::Transport;
-use crate::start::Part;
 
 impl Plan {
     /// Whether components, wires or promotions say over which broker they go.

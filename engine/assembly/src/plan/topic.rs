@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use asmotion_component::HEALTH_TOPIC;
 
-use super::fill::number;
 use super::flatten::Flattener;
 use super::{End, Terminal, Topic};
 use crate::check;
-use crate::model::{self, Composite};
+use crate::model::{self, Composite, PlannedSending};
+use crate::table::Resolver;
 
 impl Flattener<'_, '_> {
     /// What a topic is called in the whole system: a nested composite keeps its topics to itself,
@@ -69,10 +69,13 @@ impl Flattener<'_, '_> {
                 name: name.clone(),
                 kind: None,
                 promoted: false,
-                confirm: None,
-                outage: None,
-                size: None,
-                codec: None,
+                sending: PlannedSending {
+                    name,
+                    confirm: None,
+                    outage: None,
+                    size: None,
+                    codec: None,
+                },
                 publishers: Vec::new(),
                 subscribers: Vec::new(),
             });
@@ -95,20 +98,19 @@ impl Flattener<'_, '_> {
     }
 
     /// How the composites want topics sent; of a topic that two share, the outer one says it.
-    fn sending(&self, topics: &mut BTreeMap<String, Topic>) {
+    fn sending(&mut self, topics: &mut BTreeMap<String, Topic>) {
         for (index, instance) in self.instances.iter().enumerate() {
             for written in &instance.member.composite.topics {
                 let name = self.topic(index, &written.name.value);
-                let Some(topic) = topics.get_mut(&name) else {
+                let mut to = Resolver::new(&instance.scope, &instance.prefix, self.notes);
+                let (Some(topic), Some(outer)) = (topics.get_mut(&name), to.of(written)) else {
                     continue;
                 };
-                let confirm = written.confirm.as_ref().map(|confirm| confirm.value);
-                let outage = written.outage.as_ref().map(|outage| outage.value);
-                let codec = written.codec.as_ref().map(|codec| codec.value);
-                topic.confirm = topic.confirm.or(confirm);
-                topic.outage = topic.outage.or(outage);
-                topic.size = topic.size.or(number(&written.size));
-                topic.codec = topic.codec.or(codec);
+                let sending = &mut topic.sending;
+                sending.confirm = sending.confirm.or(outer.confirm);
+                sending.outage = sending.outage.or(outer.outage);
+                sending.size = sending.size.or(outer.size);
+                sending.codec = sending.codec.or(outer.codec);
             }
         }
     }

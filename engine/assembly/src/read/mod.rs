@@ -1,33 +1,23 @@
 //! Text → tree → [`Composite`]: everything that can be said without knowing what it means.
 
-mod binding;
+pub(crate) mod binding;
 mod component;
-mod composite;
-mod deploy;
-mod endpoint;
-mod implementation;
-mod keys;
+pub(crate) mod keys;
 pub(crate) mod name;
-pub(crate) mod outline;
-mod pace;
-mod promote;
-mod setting;
+pub(crate) mod setting;
 pub(crate) mod template;
-mod topic;
-mod types;
-mod wiring;
 
-use crate::codes::c001::InvalidToml;
-use crate::codes::c002::UnreadableComposite;
 use asmotion_diagnostics::{FileId, Report, Span};
 
-pub(crate) use self::endpoint::DAY_MS;
+pub(crate) use self::component::belongs;
 use self::keys::Reader;
-use self::outline::Asked;
+use crate::At;
+use crate::codes::c001::InvalidToml;
+use crate::codes::c002::UnreadableComposite;
 use crate::finding::Findings;
 use crate::model::Composite;
+use crate::table::Table as _;
 use crate::tree::{self, Table};
-use crate::types::TypeFile;
 
 /// Larger files are not composites.
 pub const MAX_BYTES: usize = 1 << 20;
@@ -38,30 +28,11 @@ const MAX_SYNTAX_ERRORS: usize = 10;
 /// Reads a composite from the tree of its file: the model as far as it can be made out, and every finding.
 pub(crate) fn composite(file: FileId, text: &str, tree: &Table) -> (Option<Composite>, Report) {
     let mut reader = Reader::new(text);
-    let composite = composite::composite(&mut reader, file, tree);
+    let top = top(file);
+    let mut keys = reader.keys(tree, Composite::outline().of, top);
+    let composite = Composite::read_keys(&mut keys, &At::new(String::new(), top));
+    drop(keys);
     (composite, reader.report)
-}
-
-/// Reads a file of message types.
-pub(crate) fn types(file: FileId, path: &str, text: &str) -> (Option<TypeFile>, Report) {
-    let (tree, mut report) = tree(file, path, text);
-    let mut reader = Reader::new(text);
-    let types = tree.and_then(|tree| types::types(&mut reader, file, &tree));
-    report.extend(reader.report);
-    (types, report)
-}
-
-/// What the reader asks of a composite file, or of a file of types, that has one of everything.
-pub(crate) fn outline(text: &str, types: bool) -> Asked {
-    let file = FileId::default();
-    let mut reader = Reader::new(text);
-    let (table, _) = tree::parse(file, text);
-    if types {
-        types::types(&mut reader, file, &table);
-    } else {
-        composite::composite(&mut reader, file, &table);
-    }
-    reader.asked
 }
 
 /// Reads a file as a tree, and says where it is no TOML. `None` where nothing of it can be made out.
@@ -98,6 +69,6 @@ pub(crate) fn tree(file: FileId, path: &str, text: &str) -> (Option<Table>, Repo
 }
 
 /// The start of a file: where a key that is missing at the top should stand.
-fn top(file: FileId) -> Span {
+pub(crate) fn top(file: FileId) -> Span {
     Span::new(file, 0, 0)
 }

@@ -4,7 +4,7 @@ use super::keys::Reader;
 use crate::At;
 use crate::codes::c009::InvalidName;
 use crate::finding::Findings;
-use crate::model::{End, Path, Terminal};
+use crate::model::{Condition, End, Path, Terminal};
 
 /// A name of a thing of the composite: letters, digits, `_` and `-`; where composites are opened up, with
 /// the names of those around it in front: `Driver/youBotDriver`.
@@ -30,6 +30,11 @@ pub(crate) fn topic(reader: &mut Reader<'_>, name: &At<String>) -> Option<At<Str
         "a topic",
         rule,
     )
+}
+
+/// Any name.
+pub(crate) fn any(_: &mut Reader<'_>, name: &At<String>) -> Option<At<String>> {
+    Some(name.clone())
 }
 
 fn accept(
@@ -121,4 +126,16 @@ pub(crate) fn path(reader: &mut Reader<'_>, text: &At<String>) -> Option<Path> {
         steps,
         span: text.span,
     })
+}
+
+/// A text that begins with `port.field`.
+pub(crate) fn condition(reader: &mut Reader<'_>, text: At<String>) -> Condition {
+    let belongs = |letter: char| letter.is_alphanumeric() || letter == '.' || letter == '_';
+    let head = text.split(|letter| !belongs(letter)).next().unwrap_or("");
+    let at = At::new(head.to_owned(), reader.part(&text, 0..head.len()));
+    let path = match head.contains('.') {
+        true => path(reader, &at),
+        false => None,
+    };
+    Condition { text, path }
 }

@@ -14,12 +14,12 @@ use asmotion_diagnostics::{Code, Finding, Report, Sources, Span};
 
 use self::kind::accept;
 pub(crate) use self::kind::{Range, from_text, within};
-use crate::At;
 use crate::environment::{Environment, is_secret};
 use crate::finding::Findings;
 use crate::model::{Amount, Piece, Property, PropertyType, Scalar, Template};
 use crate::nearest::nearest;
 use crate::read::template;
+use crate::table::Key;
 use crate::tree::{Branch, Node};
 use crate::value::{REDACTED, Value};
 
@@ -261,12 +261,13 @@ impl<'s> Scope<'s> {
     /// A whole number that may come from a property.
     pub(crate) fn amount(
         &self,
-        name: &str,
-        amount: &At<Amount>,
-        range: std::ops::RangeInclusive<i64>,
+        key: &Key,
+        amount: &Amount,
+        at: Span,
         notes: &mut Notes,
-    ) -> Option<i64> {
-        let template = match &amount.value {
+    ) -> Option<u64> {
+        let name = key.name;
+        let template = match amount {
             Amount::Number(number) => return Some(*number),
             Amount::Template(template) => template,
         };
@@ -289,13 +290,13 @@ impl<'s> Scope<'s> {
                 name: name.to_owned(),
                 wanted: "a whole number".to_owned(),
                 found: value.describe(),
-                at: Some(amount.span),
+                at: Some(at),
                 declared: None,
             });
             return None;
         };
-        if !range.contains(&number) {
-            let (min, max) = (Some(*range.start() as f64), Some(*range.end() as f64));
+        if !(key.least..=key.greatest).contains(&(number as f64)) {
+            let (min, max) = (Some(key.least), Some(key.greatest));
             notes.found(SettingOutOfRange {
                 name: name.to_owned(),
                 value: number.to_string(),
@@ -304,12 +305,12 @@ impl<'s> Scope<'s> {
                     max,
                     unit: String::new(),
                 },
-                at: Some(amount.span),
+                at: Some(at),
                 declared: None,
             });
             return None;
         }
-        Some(number)
+        u64::try_from(number).ok()
     }
 }
 

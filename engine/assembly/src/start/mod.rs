@@ -2,7 +2,6 @@
 
 mod activity;
 mod coordinator;
-mod part;
 mod policy;
 mod queue;
 mod sending;
@@ -18,8 +17,8 @@ use asmotion_runtime::{BuildError, ComponentId, System};
 use crate::model::{self, Transport};
 use crate::plan::{self, Plan, Terminal};
 
+pub use crate::plan::Part;
 pub(crate) use activity::of as activity;
-pub use part::Part;
 pub(crate) use policy::of as policy;
 pub use workshop::{Make, Standard, Workshop};
 
@@ -239,7 +238,7 @@ impl Building<'_> {
 
     fn connection(&mut self, connection: &plan::Connection) -> Result<(), StartError> {
         let joint = &connection.policy;
-        let policy = policy::of(joint);
+        let policy = policy::of(connection);
         match (&connection.from, &connection.to) {
             (Terminal::Port(from), Terminal::Port(to)) => self.ports(from, to, policy)?,
             (Terminal::Port(from), Terminal::Mqueue(queue)) if self.part.has(&from.component) => {
@@ -318,8 +317,8 @@ impl Building<'_> {
 pub(crate) fn how(wire: &plan::Wire) -> Wire {
     Wire {
         timeout: Duration::from_millis(wire.timeout_ms),
-        retries: u32::try_from(wire.retry_attempts).unwrap_or(u32::MAX),
-        backoff: Duration::from_millis(wire.retry_backoff_ms),
+        retries: u32::try_from(wire.retry.attempts).unwrap_or(u32::MAX),
+        backoff: Duration::from_millis(wire.retry.backoff_ms),
         cancel_on_timeout: wire.cancel == model::Cancel::OnTimeout,
         one_way: wire.oneway,
     }

@@ -6,7 +6,8 @@ use asmotion_component::{Kind, Policy};
 
 use crate::{model, plan};
 
-pub(crate) fn of(policy: &plan::Policy) -> Policy {
+pub(crate) fn of(connection: &plan::Connection) -> Policy {
+    let policy = &connection.policy;
     let size = usize::try_from(policy.size).unwrap_or(usize::MAX);
     Policy {
         kind: match policy.kind {
@@ -16,7 +17,7 @@ pub(crate) fn of(policy: &plan::Policy) -> Policy {
         },
         lock: policy.lock,
         sharing: policy.buffer,
-        queue: policy.queue.clone().unwrap_or_default(),
+        queue: connection.queue.clone().unwrap_or_default(),
         init: policy.init,
         pull: policy.pull,
         max_threads: policy.max_threads.and_then(|max| usize::try_from(max).ok()),

@@ -7,8 +7,8 @@ use asmotion_component::Kind;
 use asmotion_datum::Codec;
 
 use super::{Part, policy};
-use crate::model;
-use crate::plan::{Connection, End, Plan, Terminal, Topic};
+use crate::model::{self, PlannedSending};
+use crate::plan::{Connection, End, Plan, Terminal};
 
 /// How each topic that this part writes to is sent.
 pub(super) fn of_topics<'p>(
@@ -28,7 +28,7 @@ pub(super) fn of_topics<'p>(
         let connections = connections.filter(|it| joins(&it.from) || joins(&it.to));
         let publisher = topic.publishers.iter().find(|end| part.has(&end.component));
         let sending = of_connections(plan, connections, publisher);
-        (topic.name.as_str(), as_written(topic, sending))
+        (topic.name.as_str(), as_written(&topic.sending, sending))
     })
 }
 
@@ -48,7 +48,7 @@ fn of_connections<'p>(
     publisher: Option<&End>,
 ) -> Sending {
     let init = (connections.clone()).any(|connection| connection.policy.init);
-    let kinds = connections.map(|connection| policy::of(&connection.policy).kind);
+    let kinds = connections.map(|connection| policy::of(connection).kind);
     of(kinds).init(init).by(codec(plan, publisher))
 }
 
@@ -60,7 +60,7 @@ fn codec(plan: &Plan, publisher: Option<&End>) -> Codec {
 }
 
 /// What the composite says of a topic goes before what follows from its connections.
-fn as_written(topic: &Topic, mut sending: Sending) -> Sending {
+fn as_written(topic: &PlannedSending, mut sending: Sending) -> Sending {
     sending.assurance = match topic.confirm {
         None => sending.assurance,
         Some(true) => Assurance::Confirmed,
@@ -110,16 +110,12 @@ mod tests {
 
     #[test]
     fn what_is_written_goes_before_what_follows() {
-        let mut topic = Topic {
+        let mut topic = PlannedSending {
             name: "event".to_owned(),
-            kind: None,
-            promoted: false,
             confirm: None,
             outage: None,
             size: None,
             codec: None,
-            publishers: Vec::new(),
-            subscribers: Vec::new(),
         };
         assert_eq!(as_written(&topic, Sending::state()), Sending::state());
         topic.confirm = Some(true);

@@ -4,7 +4,6 @@ use asmotion_diagnostics::{Loader, Report, Sources};
 
 use super::Types;
 use crate::catalogue::Catalogue;
-use crate::read;
 use crate::tree::{self, Branch};
 
 /// How the schemas of such files begin, whatever their version.
@@ -34,7 +33,7 @@ pub fn open_types(
     if !is_types {
         return None;
     }
-    let (types, mut report) = read::types(file, path, &text);
+    let (types, mut report) = super::read(file, path, &text);
     Types::new(&types, catalogue, &mut report);
     Some((report.finish(), sources))
 }

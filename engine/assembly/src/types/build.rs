@@ -42,7 +42,7 @@ impl<'d> Builder<'d, '_, '_> {
         }
         self.open.push(&definition.name);
         let fields = (definition.fields.iter())
-            .map(|(name, text)| Field::new(name.value.clone(), "", self.value(text)));
+            .map(|it| Field::new(it.name.value.clone(), "", self.value(&it.text)));
         let fields = fields.collect();
         self.open.pop();
         Schema {

@@ -2,6 +2,7 @@
 
 mod alone;
 mod build;
+mod read;
 
 use crate::codes::c114::TypeNotInBuild;
 use crate::codes::c115::UnknownField;
@@ -9,14 +10,17 @@ use std::collections::BTreeMap;
 
 use asmotion_component::BusHealth;
 use asmotion_datum::{Field, Message, Schema, Shape};
+use asmotion_derive::Table;
 use asmotion_diagnostics::{Report, Span};
 
 pub use self::alone::open_types;
 use self::build::Builder;
+pub(crate) use self::read::read;
 use crate::At;
 use crate::catalogue::Catalogue;
 use crate::finding::Findings;
 use crate::nearest::nearest_name;
+use crate::table::Dialect;
 
 /// The types of the engine itself.
 fn own(name: &str) -> Option<Schema> {
@@ -24,16 +28,42 @@ fn own(name: &str) -> Option<Schema> {
 }
 
 /// A file of message types.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Table)]
+#[table(of = "a file of types")]
 pub(crate) struct TypeFile {
+    /// The dialect of the file.
+    #[key(needed, example = "\"composite-types/1\"")]
+    #[expect(dead_code, reason = "read for what is wrong with it alone")]
+    pub schema: Option<Dialect>,
+    /// Message types, by name.
+    #[key(name = "type", example = "{ }")]
     pub definitions: Vec<Definition>,
 }
 
-/// `[type."youbot/JointStatus"]`.
-#[derive(Clone, Debug)]
+/// A message type.
+#[derive(Clone, Debug, Table)]
+#[table(
+    of = "a type",
+    example = "{ fields = { stamp = \"time\", position = \"f64[5]\" } }"
+)]
 pub(crate) struct Definition {
+    /// Its name, as in `youbot/JointStatus`.
+    #[key(entry = any)]
     pub name: At<String>,
-    pub fields: Vec<(At<String>, TypeText)>,
+    /// What it is for.
+    #[key(example = "\"what it is for\"")]
+    #[expect(dead_code, reason = "for people")]
+    pub doc: Option<At<String>>,
+    /// Its fields, each with its type: a name, a list `name[]` or an array `name[5]`.
+    #[key(needed, example = "{ stamp = \"time\", position = \"f64[5]\" }")]
+    pub fields: Vec<FieldText>,
+}
+
+/// A field and its type.
+#[derive(Clone, Debug)]
+pub(crate) struct FieldText {
+    pub name: At<String>,
+    pub text: TypeText,
 }
 
 /// `f64`, `f64[]`, `nav/Event[5]`.

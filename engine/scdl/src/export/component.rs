@@ -17,7 +17,7 @@ impl Exporter<'_> {
     pub(super) fn component(&mut self, component: &here::Component) -> Component {
         let outer = std::mem::take(&mut self.notes);
         let mut properties = Vec::new();
-        if component.pace.is_some() || !component.rename.is_empty() {
+        if component.pace().is_some() || !component.rename.is_empty() {
             let task = self.task(component);
             properties = tca::properties(&task, component.name.span);
         }
@@ -43,7 +43,7 @@ impl Exporter<'_> {
     /// What the ten properties say; an activity is a task without a broker.
     fn task(&mut self, component: &here::Component) -> Task {
         let name = &component.name;
-        let pace = component.pace.as_ref();
+        let pace = component.pace();
         let id = pace.and_then(|pace| pace.id.as_ref()).unwrap_or(name);
         let broker = pace.and_then(|pace| pace.broker.as_ref());
         let broker = broker.and_then(|named| {
@@ -143,7 +143,7 @@ impl Exporter<'_> {
     fn only_here(&mut self, component: &here::Component) {
         let name = &component.name;
         self.profiles(&component.profiles, name);
-        let pace = component.pace.as_ref();
+        let pace = component.pace();
         let scheduled = pace.filter(|pace| {
             pace.overrun.is_some()
                 || pace.scheduler.is_some()
@@ -154,7 +154,7 @@ impl Exporter<'_> {
                 || pace.master.is_some()
         });
         let first = |listed: &[here::Listed]| listed.first().map(|it| it.name.span);
-        let ports = first(&component.inputs).or_else(|| first(&component.outputs));
+        let ports = first(&component.ports.inputs).or_else(|| first(&component.ports.outputs));
         let topics = first(&component.subscribe).or_else(|| first(&component.publish));
         let monitored = component.bind.monitored.first().map(|it| it.function.span);
         let out = component.bind.out.first().map(|it| it.function.span);

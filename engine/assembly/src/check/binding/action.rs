@@ -24,7 +24,7 @@ pub(super) fn events(bind: &Bind) -> Vec<&str> {
 /// All calls of a binding.
 pub(super) fn calls(bind: &Bind) -> impl Iterator<Item = &Call> {
     let cases = bind.out.iter().flat_map(|out| match &out.effect {
-        Effect::Publish { .. } => &[],
+        Effect::Publish(_) => &[],
         Effect::Literals(cases) => cases.as_slice(),
     });
     cases

@@ -62,9 +62,10 @@ pub(super) fn monitored(bound: &Bound<'_>, monitored: &Monitored, report: &mut R
         }
         return;
     }
-    if monitored.receive.value == Receive::Edge {
+    let received = monitored.received();
+    if received.value == Receive::Edge {
         let path = path.map(|path| path.span);
-        edge(function.as_ref(), monitored.receive.span, path, report);
+        edge(function.as_ref(), received.span, path, report);
         return;
     }
     if let Some(message) = &message {
@@ -142,10 +143,9 @@ pub(super) fn out(bound: &Bound<'_>, out: &Out, report: &mut Report) {
         written_by_asm(&found, out.function.span, report).then_some(found)
     });
     match &out.effect {
-        Effect::Publish {
-            topic, field: path, ..
-        } => {
-            let port = output(bound, topic, report);
+        Effect::Publish(published) => {
+            let path = &published.field;
+            let port = output(bound, &published.topic, report);
             if let Some(kind) = port.and_then(|port| port.kind.as_ref()) {
                 let function = function.as_ref();
                 field(

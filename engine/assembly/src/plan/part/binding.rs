@@ -4,7 +4,6 @@ use super::Source;
 use crate::check::chosen_field;
 use crate::check::face;
 use crate::model::{self, binding as written};
-use crate::plan::fill::{given, number};
 use crate::scope::Notes;
 use asmotion_coordinator::{
     Action, Argument, Binding, Call, Case, Constant, Effect, Monitored, Out, Receive,
@@ -29,7 +28,7 @@ pub(super) fn binding(source: &Source<'_>, notes: &mut Notes) -> Option<Binding>
 }
 
 fn monitored(source: &Source<'_>, written: &written::Monitored, notes: &mut Notes) -> Monitored {
-    let edge = written.receive.value == Receive::Edge;
+    let edge = written.received().value == Receive::Edge;
     let mut value = |node: &Option<crate::tree::Node>| {
         node.as_ref()
             .and_then(|node| source.scope.node(node, notes))
@@ -53,12 +52,12 @@ fn monitored(source: &Source<'_>, written: &written::Monitored, notes: &mut Note
                 operation: end.name.value.clone(),
             },
         },
-        receive: written.receive.value,
+        receive: written.received().value,
         field,
         map: written.map.as_ref().map(ToString::to_string),
         is: written.is.iter().map(|text| text.value.clone()).collect(),
         none,
-        stale_ms: number(&written.stale_ms),
+        stale_ms: written.stale_ms.as_ref().map(|it| it.value),
         on_stale,
     }
 }
@@ -79,13 +78,14 @@ fn chosen(source: &Source<'_>, ports: &[face::Port], name: &str) -> Option<Strin
 
 fn out(source: &Source<'_>, written: &written::Out, notes: &mut Notes) -> Out {
     let effect = match &written.effect {
-        written::Effect::Publish { topic, field, when } => Effect::Publish {
-            port: topic.value.clone(),
-            field: field
+        written::Effect::Publish(it) => Effect::Publish {
+            port: it.topic.value.clone(),
+            field: (it.field.as_ref().map(ToString::to_string))
+                .or_else(|| chosen(source, &source.face.outputs, &it.topic)),
+            when: it
+                .when
                 .as_ref()
-                .map(ToString::to_string)
-                .or_else(|| chosen(source, &source.face.outputs, topic)),
-            when: given(when),
+                .map_or_else(Default::default, |it| it.value),
         },
         written::Effect::Literals(cases) => Effect::Literals(
             cases

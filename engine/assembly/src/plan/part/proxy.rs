@@ -1,4 +1,4 @@
-//! The port-proxy in a plan: as it was written, for people, and as the bridge executes it.
+//! The port-proxy in a plan, as the bridge executes it.
 
 use std::time::Duration;
 
@@ -9,51 +9,15 @@ use asmotion_datum::Schema;
 use super::Source;
 use crate::check::face::{Port, find};
 use crate::map;
-use crate::model::{self, Builtin, Implementation, MapEntry, ProxyMode};
-use crate::plan::fill::number;
-use crate::plan::{Idle, Notify, ProxyEntry};
-use asmotion_datum::Word;
-
-pub(super) fn entry(entry: &MapEntry) -> Option<ProxyEntry> {
-    match entry {
-        MapEntry::Proxy(entry) => Some(ProxyEntry {
-            service: entry.operation.component.value.clone(),
-            operation: entry.operation.name.value.clone(),
-            port: entry.port.name.value.clone(),
-            mode: entry.mode.value,
-            field: entry.field.as_ref().map(ToString::to_string),
-        }),
-        MapEntry::Ros(_) => None,
-    }
-}
-
-pub(super) fn notify(written: &model::Notify) -> Notify {
-    let text = |told: &Option<model::Condition>| told.as_ref().map(|told| told.text.value.clone());
-    Notify {
-        reference: written.reference.value.clone(),
-        busy: written.busy.as_ref().map(|busy| busy.word().to_owned()),
-        idle: written.idle.as_ref().map(|idle| Idle {
-            within: idle.within.value,
-            of: idle.of.to_string(),
-            on: idle.on.to_string(),
-            for_ms: number(&idle.for_ms).unwrap_or(0),
-        }),
-        refresh: text(&written.refresh),
-        fault: text(&written.fault),
-        stale_ms: number(&written.stale_ms),
-    }
-}
+use crate::model::{self, Builtin, MapEntry, ProxyMode};
 
 /// What the bridge does, with every conversion decided; `None` for what is no port-proxy.
 pub(super) fn settings(source: &Source<'_>) -> Option<asmotion_bridge::Settings> {
     let component = source.component;
-    let Some(Implementation::Builtin {
-        kind: Some(Builtin::PortProxy),
-        ..
-    }) = &component.implementation
-    else {
+    let made_of = component.implementation.as_ref()?;
+    if made_of.builtin() != Some(Builtin::PortProxy) {
         return None;
-    };
+    }
     let ports = |ports: &[Port]| ports.iter().map(|it| port(source, it)).collect();
     Some(asmotion_bridge::Settings {
         inputs: ports(&source.face.inputs),
@@ -140,7 +104,10 @@ fn listener(source: &Source<'_>, told: &model::Notify) -> Option<asmotion_bridge
         idle: told.idle.as_ref().and_then(idle),
         refresh: condition(&told.refresh),
         fault: condition(&told.fault),
-        stale: number(&told.stale_ms).map(Duration::from_millis),
+        stale: told
+            .stale_ms
+            .as_ref()
+            .map(|it| Duration::from_millis(it.value)),
     })
 }
 
@@ -154,6 +121,6 @@ fn idle(idle: &model::Idle) -> Option<asmotion_bridge::Idle> {
         within: idle.within.value,
         commanded: split(&idle.of),
         measured: split(&idle.on),
-        held: Duration::from_millis(number(&idle.for_ms).unwrap_or(0)),
+        held: Duration::from_millis(idle.for_ms.as_ref().map_or(0, |it| it.value)),
     })
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::plan::{Plan, Process};
+use super::{Plan, Process};
 
 /// The part of a plan that runs in a process.
 #[derive(Clone, Debug, PartialEq, Eq)]
