@@ -131,6 +131,7 @@ pub fn named(broker: &plan::Broker, access: &Access) -> Result<Settings, String>
     };
     let mut settings = settings(&address, access).map_err(of)?;
     settings.exchange.clone_from(&broker.exchange);
+    settings.timing.heartbeat = u16::try_from(broker.heartbeat_s).unwrap_or(u16::MAX);
     settings.timing.first_retry = Duration::from_millis(broker.reconnect.first_ms);
     settings.timing.last_retry = Duration::from_millis(broker.reconnect.max_ms);
     Ok(settings)
@@ -179,6 +180,22 @@ fn with_password(address: &str) -> (String, bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_heartbeat_of_a_composite_s_broker_is_that_of_the_connection() {
+        let address = "amqp://ann:secret@h";
+        let broker = plan::Broker {
+            name: "main".to_owned(),
+            url: Some(plan::Endpoint::new(address, address)),
+            exchange: "robots".to_owned(),
+            codec: Default::default(),
+            tls: Tls::Prefer,
+            heartbeat_s: 9,
+            reconnect: Default::default(),
+        };
+        let settings = named(&broker, &Access::default()).unwrap();
+        assert_eq!(settings.timing.heartbeat, 9);
+    }
 
     #[test]
     fn a_user_without_password_keeps_name_and_place() {

@@ -29,6 +29,9 @@ pub struct Broker {
     /// Whether the line is encrypted.
     #[key(default)]
     pub tls: Option<At<Tls>>,
+    /// How often each side shows that it is alive; a dead peer is noticed after twice that.
+    #[key(unit = "seconds", range = 2..=3600, default = 4)]
+    pub heartbeat_s: Option<At<u64>>,
     /// How a lost connection is made again.
     #[key(default, example = "{ first_ms = 100, max_ms = 5000, jitter = 0.2 }")]
     pub reconnect: Option<Reconnect>,
