@@ -91,6 +91,7 @@ fn run(specification: &Specification, mut machine: Machine) -> Vec<String> {
         let result = machine.step(&mut random, &mut seeded, now as i64 * 100_000_000);
         let ended = result.map(|_| ());
         let at = |slot| machine.state().location(machine.program(), slot);
+        let snapshot = machine.snapshot();
         let step = machine.last_step();
         let inputs = step
             .inputs()
@@ -101,10 +102,11 @@ fn run(specification: &Specification, mut machine: Machine) -> Vec<String> {
             .iter()
             .map(|update| (at(update.slot), &update.value, update.origin));
         done.push(format!(
-            "{:?}\n{}\n{:?}\n{:?}\n{:?}\n{:?}\n{:?}\n{:?}",
+            "{:?}\n{:?}\n{}\n{:?}\n{:?}\n{:?}\n{:?}\n{:?}\n{:?}",
             ended
                 .as_ref()
                 .map_err(|fault| (fault, specification.explain_in(fault, &machine))),
+            snapshot,
             step.number(),
             inputs.collect::<Vec<_>>(),
             step.choices(),

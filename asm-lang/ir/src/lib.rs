@@ -1,4 +1,4 @@
-//! The program a machine executes: slots, no names.
+//! The program a machine executes: slots and numbers.
 //!
 //! [`lower`] turns a resolved model into a [`Program`]. Every location of a function over finite
 //! domains is a slot whose number is known or computed by a few multiplications; other locations are

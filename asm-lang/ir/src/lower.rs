@@ -111,11 +111,6 @@ impl<'a> Lowering<'a> {
         let names = |names: &mut dyn Iterator<Item = &Arc<str>>| names.cloned().collect();
         let symbols = Symbols {
             atoms: names(&mut model.atoms.iter().map(|atom| &atom.name)),
-            atom_domains: model
-                .atoms
-                .iter()
-                .map(|atom| domain::id(atom.domain))
-                .collect(),
             functions: names(&mut model.functions.iter().map(|function| &function.name)),
             domains: names(&mut model.domains.iter().map(|domain| &domain.name)),
             rules: names(&mut model.rules.iter().map(|rule| &rule.name)),
@@ -125,8 +120,10 @@ impl<'a> Lowering<'a> {
                 .map(|rule| rule_domains(model, rule))
                 .collect(),
         };
+        let atoms = model.atoms.iter();
         let program = Program {
             symbols,
+            atom_domains: atoms.map(|atom| domain::id(atom.domain)).collect(),
             domains: Vec::new(),
             functions: Vec::new(),
             eager: 0,

@@ -37,8 +37,10 @@ pub struct RoutineId(pub u32);
 /// A specification, ready to be compiled and run.
 #[derive(Debug)]
 pub struct Program {
-    /// What things are called, for traces and messages only.
+    /// What things are called. No decision of a machine depends on it: see [`Symbols`].
     pub symbols: Symbols,
+    /// The domain that each atom was declared in.
+    pub atom_domains: Vec<DomainId>,
     /// The domains.
     pub domains: Vec<Domain>,
     /// The functions; those without locations have no storage.
@@ -117,13 +119,13 @@ pub enum Initial {
     Function(FunctionId),
 }
 
-/// Names, by number.
+/// Names, by number: a table beside the program. It is read in two places. Texts show names (traces,
+/// messages, inputs read from files); and a specification itself may turn an element into a text, by
+/// `toString` or `print`, and find one by its text. All else goes by number.
 #[derive(Debug, Default)]
 pub struct Symbols {
     /// The names of the atoms.
     pub atoms: Vec<Arc<str>>,
-    /// The domain of each atom.
-    pub atom_domains: Vec<DomainId>,
     /// The names of the functions.
     pub functions: Vec<Arc<str>>,
     /// The names of the domains.
@@ -360,6 +362,12 @@ impl Program {
             },
             replies,
         }
+    }
+
+    /// Whether the initial state, or what must hold in it, depends on the inputs of the first step.
+    pub fn needs_inputs(&self) -> bool {
+        let mut invariants = self.invariants.iter();
+        !self.initial_inputs.is_empty() || invariants.any(|invariant| invariant.waits)
     }
 
     /// The function one of whose locations has this fixed slot.

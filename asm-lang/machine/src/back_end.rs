@@ -50,7 +50,7 @@ impl Run<'_> {
     /// What each slot holds.
     #[inline]
     pub fn slots_mut(&mut self) -> &mut [Value] {
-        &mut self.state.slots
+        &mut self.state.store.slots
     }
 
     /// The lists of the update set.

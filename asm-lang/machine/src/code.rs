@@ -1,5 +1,6 @@
 //! Compiled programs: closures for everything, and native code for the main rule where there is some.
 
+use crate::packed::Layout;
 use crate::run::{Run, Stopped, Truth};
 use asmotion_ir::{DomainId, Origin, Program};
 use asmotion_value::Value;
@@ -28,6 +29,8 @@ pub(crate) struct Code {
     pub routines: Vec<Compiled<RuleCode>>,
     /// For each domain the domains its elements belong to, beginning with itself.
     pub supers: Vec<Vec<DomainId>>,
+    /// How states of the program are packed.
+    pub layout: Layout,
     /// The main rule as native code. Set when a machine first wants it, and never again: machines
     /// cloned from one another share it.
     pub native: OnceLock<Result<Box<dyn NativeRule>, NoNativeCode>>,

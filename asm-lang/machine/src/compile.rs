@@ -15,6 +15,7 @@ mod truth;
 mod watched;
 
 use crate::code::{Code, Compiled, TermCode};
+use crate::packed::Layout;
 use crate::run::Run;
 use crate::watch::{watched_rule, watched_term};
 use asmotion_ir::{Axis, DomainId, Local, Program, Rule, Term};
@@ -76,6 +77,7 @@ impl Code {
             bodies: bodies.collect(),
             routines: routines.collect(),
             supers: supers.collect(),
+            layout: Layout::of(program),
             native: OnceLock::new(),
         }
     }

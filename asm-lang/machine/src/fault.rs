@@ -1,6 +1,6 @@
 //! Why a step has no next state.
 
-use crate::membership::Misfit;
+use crate::misfit::Misfit;
 use asmotion_ir::{Origin, Slot};
 use asmotion_value::Value;
 

@@ -29,7 +29,7 @@ impl Run<'_> {
             }
             Some(_) | None => silence,
         };
-        self.state.slots[slot as usize] = value.clone();
+        self.state.store.slots[slot as usize] = value.clone();
         value
     }
 
@@ -71,7 +71,7 @@ impl Run<'_> {
             true => &messages.ready,
             false => &messages.blocked,
         };
-        if self.updates.given(slot).is_some() || self.state.slots[slot as usize] == *status {
+        if self.updates.given(slot).is_some() || self.state.store.slots[slot as usize] == *status {
             return Ok(());
         }
         let codomain = Codomain::of(self.program, messages.status);

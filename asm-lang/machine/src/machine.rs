@@ -2,18 +2,18 @@
 
 use crate::back_end::BackEnd;
 use crate::choose::Chooser;
-use crate::choose::First;
 use crate::code::{Code, NativeCompiler, NoNativeCode};
-use crate::environment::{Environment, NoInputs};
+use crate::environment::Environment;
 use crate::fault::{Fault, FaultKind};
+use crate::naming::Naming;
 use crate::notes::Notes;
 use crate::plain;
 use crate::post::{Post, Sent};
 use crate::record::{Choice, Input, Record};
-use crate::run::{Run, Stopped, Truth};
-use crate::state::{Naming, State};
+use crate::run::{Run, Stopped};
+use crate::state::State;
 use crate::updates::{Update, Updates};
-use asmotion_ir::{DomainId, Elements, FunctionId, Initial, Origin, Program, Storage};
+use asmotion_ir::{DomainId, Origin, Program};
 use asmotion_value::{Atom, Value};
 use std::fmt;
 use std::sync::Arc;
@@ -264,7 +264,7 @@ impl Machine {
     pub fn naming(&self) -> Naming<'_> {
         Naming {
             program: &self.program,
-            reserve: &self.state.reserve,
+            reserve: &self.state.store.reserve,
         }
     }
 
@@ -308,11 +308,11 @@ impl Machine {
         self.scratch.begin(now_ns);
         self.scratch.updates.begin(self.state.len());
         self.state.forget_uncommitted();
-        let reserve = self.state.reserve.len();
+        let reserve = self.state.store.reserve.len();
         if !self.is_complete {
             self.initialise_with_inputs(environment, now_ns)?;
         }
-        if is_step && self.steps == 0 && needs_inputs(&self.program) {
+        if is_step && self.steps == 0 && self.program.needs_inputs() {
             self.check_initial(environment, now_ns)?;
         }
         if self.program.messages.is_some() {
@@ -329,7 +329,7 @@ impl Machine {
         match evaluated {
             Ok(bindings) => self.work += STEP + bindings,
             Err(fault) => {
-                self.state.reserve.truncate(reserve);
+                self.state.store.reserve.truncate(reserve);
                 return Err(fault);
             }
         }
@@ -368,6 +368,12 @@ impl Machine {
         })
     }
 
+    /// Forgets the step done last, and keeps what was counted.
+    pub(crate) fn forget_last_step(&mut self) {
+        self.scratch.begin(0);
+        self.scratch.updates.begin(self.state.len());
+    }
+
     /// The step done last, or failed; its update set is empty before the first one.
     pub fn last_step(&self) -> Step<'_> {
         Step { machine: self }
@@ -394,148 +400,14 @@ impl Machine {
             is_plain,
             ..
         } = &mut self.scratch;
-        let slots = &mut self.state.slots;
+        let slots = &mut self.state.store.slots;
         *is_plain = plain::fire(&updates.list, slots, before);
         for &(domain, atom) in &updates.extended {
             for &domain in &self.code.supers[domain.0 as usize] {
-                Arc::make_mut(&mut self.state.extents[domain.0 as usize]).push(Value::Atom(atom));
+                Arc::make_mut(&mut self.state.store.extents[domain.0 as usize])
+                    .push(Value::Atom(atom));
             }
         }
-    }
-
-    pub(crate) fn initialise(&mut self) -> Result<(), Box<Fault>> {
-        self.scratch.updates.begin(self.state.len());
-        self.state.initial = self.state.slots.clone();
-        let program = self.program.clone();
-        for &initial in &program.initial_order {
-            self.initialise_one(&program, initial, &mut NoInputs, 0)?;
-        }
-        self.begin_here(0);
-        self.is_complete = !needs_inputs(&program);
-        match self.is_complete {
-            true => self.check_initial(&mut NoInputs, 0),
-            false => Ok(()),
-        }
-    }
-
-    /// Completes the initial state with what the environment says in the first step.
-    pub(crate) fn initialise_with_inputs(
-        &mut self,
-        environment: &mut dyn Environment,
-        now_ns: i64,
-    ) -> Result<(), Box<Fault>> {
-        let program = self.program.clone();
-        for &initial in &program.initial_inputs {
-            self.initialise_one(&program, initial, environment, now_ns)?;
-        }
-        self.begin_here(now_ns);
-        self.is_complete = true;
-        Ok(())
-    }
-
-    /// Says that this is the initial state: what is met later begins as it would have begun here.
-    fn begin_here(&mut self, now_ns: i64) {
-        self.state.initial = self.state.slots.clone();
-        self.state.initial_extents = self.state.extents.clone();
-        self.state.initial_now = now_ns;
-        self.state.commit();
-    }
-
-    fn check_initial(
-        &mut self,
-        environment: &mut dyn Environment,
-        now_ns: i64,
-    ) -> Result<(), Box<Fault>> {
-        self.run(environment, &mut First, 0, now_ns, |run| {
-            let _ = run.check_invariants(false);
-        })
-    }
-
-    fn initialise_one(
-        &mut self,
-        program: &Program,
-        initial: Initial,
-        environment: &mut dyn Environment,
-        now_ns: i64,
-    ) -> Result<(), Box<Fault>> {
-        match initial {
-            Initial::Domain(domain) => self.initialise_domain(program, domain, environment, now_ns),
-            Initial::Function(function) => {
-                self.initialise_function(program, function, environment, now_ns)
-            }
-        }
-    }
-
-    fn initialise_domain(
-        &mut self,
-        program: &Program,
-        domain: DomainId,
-        environment: &mut dyn Environment,
-        now_ns: i64,
-    ) -> Result<(), Box<Fault>> {
-        let Elements::Computed(body) = program.domains[domain.0 as usize].elements else {
-            return Ok(());
-        };
-        let elements = self.build(environment, now_ns, |run| run.call_body(body, 0))?;
-        let elements: Vec<Value> = match elements {
-            Value::Set(elements) => elements.iter().cloned().collect(),
-            Value::Seq(elements) => {
-                let mut elements = elements.to_vec();
-                elements.sort();
-                elements.dedup();
-                elements
-            }
-            _ => Vec::new(),
-        };
-        self.state.extents[domain.0 as usize] = Arc::new(elements);
-        Ok(())
-    }
-
-    fn initialise_function(
-        &mut self,
-        program: &Program,
-        function: FunctionId,
-        environment: &mut dyn Environment,
-        now_ns: i64,
-    ) -> Result<(), Box<Fault>> {
-        let declared = &program.functions[function.0 as usize];
-        let (
-            Some(body),
-            Storage::Dense {
-                base,
-                count,
-                lazy: false,
-                ..
-            },
-        ) = (declared.initial, &declared.storage)
-        else {
-            return Ok(());
-        };
-        for slot in *base..base + count {
-            let arguments = self
-                .state
-                .location(program, slot)
-                .map(|(_, arguments)| arguments);
-            let value = self.build(environment, now_ns, |run| {
-                run.locals.extend(arguments.into_iter().flatten());
-                run.call_body(body, 0)
-            })?;
-            self.state.slots[slot as usize] = value;
-        }
-        Ok(())
-    }
-
-    /// Computes something while the initial state is being built.
-    fn build<T>(
-        &mut self,
-        environment: &mut dyn Environment,
-        now_ns: i64,
-        work: impl FnOnce(&mut Run<'_>) -> T,
-    ) -> Result<T, Box<Fault>> {
-        self.run(environment, &mut First, 0, now_ns, |run| {
-            run.building = true;
-            work(run)
-        })
     }
 
     /// Does some work with code at hand.
@@ -593,38 +465,5 @@ impl Machine {
         let Run { agent, .. } = run;
         agent.discard();
         Ok(result)
-    }
-}
-
-/// Whether the initial state, or what must hold in it, depends on the inputs of the first step.
-fn needs_inputs(program: &Program) -> bool {
-    let mut invariants = program.invariants.iter();
-    !program.initial_inputs.is_empty() || invariants.any(|invariant| invariant.waits)
-}
-
-impl Run<'_> {
-    /// Checks the invariants that speak of inputs, or all others.
-    #[inline]
-    pub(crate) fn check_invariants(&mut self, assumptions: bool) -> Result<(), Stopped> {
-        match self.program.invariants.is_empty() {
-            true => Ok(()),
-            false => self.check_each_invariant(assumptions),
-        }
-    }
-
-    fn check_each_invariant(&mut self, assumptions: bool) -> Result<(), Stopped> {
-        let program = self.program;
-        for (index, invariant) in program.invariants.iter().enumerate() {
-            if invariant.assumes != assumptions {
-                continue;
-            }
-            let from = self.locals.len();
-            let value = self.call_body(invariant.body, from);
-            self.checked()?;
-            if Truth::from_value(&value) != Truth::True {
-                return Err(self.stop(FaultKind::Invariant { index, value }, invariant.origin));
-            }
-        }
-        Ok(())
     }
 }

@@ -119,7 +119,7 @@ impl Machine {
                     };
                     run.fail(kind, nowhere);
                 } else if run.accepts(slot, &value, codomain, nowhere).is_ok() {
-                    run.state.slots[slot as usize] = value;
+                    run.state.store.slots[slot as usize] = value;
                 }
                 slot
             })
@@ -189,7 +189,7 @@ impl Machine {
             && self.program.functions.len() <= program.functions.len()
             && self.program.domains.len() == program.domains.len()
             && self.program.caches == program.caches
-            && self.program.symbols.atoms == program.symbols.atoms;
+            && self.program.atom_domains == program.atom_domains;
         if !is_own {
             return Err(ForeignProgram);
         }

@@ -5,6 +5,7 @@
 //! messages can be sent in a step, in any order, and none hides another. (SCA-ASM, Riccobene and
 //! Scandurra, Formal Aspects of Computing 26, 2014.)
 
+mod packed;
 mod sent;
 
 pub use sent::{CallFault, MessageId, Sent, SentKind};

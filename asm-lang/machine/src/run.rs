@@ -1,12 +1,12 @@
 //! What code sees while a step runs.
 
+use crate::bounds::is_bounded;
 use crate::choose::Chooser;
 use crate::code::Code;
 use crate::environment::Environment;
-use crate::extent::is_bounded;
 use crate::fault::{Fault, FaultKind};
 use crate::limits::{MAX_CALLS, MAX_DEPTH, MAX_ITERATIONS};
-use crate::membership::Misfit;
+use crate::misfit::Misfit;
 use crate::notes::Notes;
 use crate::post::Post;
 use crate::record::{Input, Record};
@@ -186,8 +186,8 @@ impl Run<'_> {
         let index = slot as usize;
         // the initial state knows the inputs of the first step and no others
         let is_past = self.building && self.step > 1;
-        if is_past || self.state.asked[index] == self.round {
-            return self.state.slots[index].clone();
+        if is_past || self.state.memo.asked[index] == self.round {
+            return self.state.store.slots[index].clone();
         }
         let declared = &self.program.functions[function.0 as usize];
         let from = self.stack.len();
@@ -210,15 +210,15 @@ impl Run<'_> {
             (Err(kind), _) => return self.fail(kind, origin),
         };
         let Some(value) = value else {
-            return self.state.slots[index].clone();
+            return self.state.store.slots[index].clone();
         };
         self.record.inputs.push(Input {
             slot,
             value: value.clone(),
         });
-        self.state.slots[index] = value.clone();
+        self.state.store.slots[index] = value.clone();
         if self.step <= 1 {
-            self.state.initial[index] = value.clone();
+            self.state.began_with(slot, value.clone());
         }
         value
     }
@@ -249,7 +249,7 @@ impl Run<'_> {
     /// Notes that the environment was asked: not again in this step. The reference forgets it with the
     /// intermediate state in which it asked.
     pub(crate) fn asked(&mut self, slot: Slot) {
-        let before = std::mem::replace(&mut self.state.asked[slot as usize], self.round);
+        let before = std::mem::replace(&mut self.state.memo.asked[slot as usize], self.round);
         if self.program.compatible {
             self.updates.forget_asking(slot, before);
         }
@@ -258,20 +258,24 @@ impl Run<'_> {
     /// The slot of a location whose arguments are on the stack from `arguments` on.
     pub(crate) fn slot(&mut self, function: FunctionId, arguments: usize) -> Slot {
         if let Some(slot) = dense(self.program, function, &self.stack[arguments..]) {
-            if !self.state.is_met(slot) {
+            if !self.state.locations.is_met(slot) {
                 let value = self.first_value(function, arguments);
                 self.state.meet(slot, value);
             }
             return slot;
         }
-        if let Some(slot) = self.state.find(function, &self.stack[arguments..]) {
+        if let Some(slot) = self
+            .state
+            .locations
+            .find(function, &self.stack[arguments..])
+        {
             return slot;
         }
         let value = self.first_value(function, arguments);
         let outside = self.misplaced(function, arguments).is_some();
         let arguments: Vec<Value> = self.stack[arguments..].to_vec();
         let slot = self.state.intern(function, &arguments, value, outside);
-        self.updates.grow(self.state.slots.len());
+        self.updates.grow(self.state.store.slots.len());
         slot
     }
 
@@ -291,7 +295,7 @@ impl Run<'_> {
             return self.call_body(body, from);
         }
         let agent = std::mem::take(&mut self.agent);
-        let now_ns = std::mem::replace(&mut self.now_ns, self.state.initial_now);
+        let now_ns = std::mem::replace(&mut self.now_ns, self.state.initial.now_ns);
         self.swap_initial();
         self.building = true;
         let value = self.call_body(body, from);
@@ -305,8 +309,8 @@ impl Run<'_> {
     /// Exchanges the state and the initial one.
     fn swap_initial(&mut self) {
         let state = &mut *self.state;
-        std::mem::swap(&mut state.slots, &mut state.initial);
-        std::mem::swap(&mut state.extents, &mut state.initial_extents);
+        std::mem::swap(&mut state.store.slots, &mut state.initial.slots);
+        std::mem::swap(&mut state.store.extents, &mut state.initial.extents);
     }
 
     /// Runs a body whose arguments are the locals from `from` on.
@@ -449,9 +453,9 @@ impl Run<'_> {
     fn written(&mut self) -> (&mut Updates, Written<'_>) {
         let state = &mut *self.state;
         let written = Written {
-            slots: &mut state.slots,
-            extents: &mut state.extents,
-            asked: &mut state.asked,
+            slots: &mut state.store.slots,
+            extents: &mut state.store.extents,
+            asked: &mut state.memo.asked,
             round: self.round,
             supers: &self.code.supers,
         };
@@ -534,9 +538,9 @@ impl Run<'_> {
         let state = &mut *self.state;
         let locations = &state.locations;
         let mut written = Written {
-            slots: &mut state.slots,
-            extents: &mut state.extents,
-            asked: &mut state.asked,
+            slots: &mut state.store.slots,
+            extents: &mut state.store.extents,
+            asked: &mut state.memo.asked,
             round: self.round,
             supers: &self.code.supers,
         };

@@ -1,137 +1,68 @@
 //! States: what every location holds.
+//!
+//! A [`State`] has four parts, and only the first two are what it *is*:
+//!
+//! | part | contents | set by |
+//! |---|---|---|
+//! | [`Store`] | slots, extents of the domains, reserve | every step |
+//! | [`InitialState`] | the store that the run began with | the first step; then fixed |
+//! | [`Locations`] | which location a slot beyond the fixed ones is | a location met for the first time |
+//! | [`Memo`] | what need not be computed or asked again | whatever reads |
+//!
+//! Code that steps reads and writes the store in place: a value is two words, and a slot is an index. To
+//! keep a state, to compare it or to look it up, it is packed: see [`PackedState`](crate::PackedState).
 
-use crate::near::Near;
-use asmotion_ir::{DomainId, Elements, FunctionId, FunctionKind, Program, Slot, Storage};
-use asmotion_value::{Atom, Names, RuleId, Value, element_name};
-use hashbrown::HashTable;
-use rustc_hash::FxHasher;
+mod locations;
+mod memo;
+mod store;
+
+pub(crate) use locations::Locations;
+pub(crate) use memo::Memo;
+pub(crate) use store::Store;
+
+use asmotion_ir::{DomainId, FunctionId, Program, Slot, Storage};
+use asmotion_value::Value;
 use std::collections::BTreeSet;
-use std::fmt;
-use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 /// A state of a machine. Locations that were never met hold their initial value implicitly.
 #[derive(Clone)]
 pub struct State {
-    /// What each slot holds.
-    pub(crate) slots: Vec<Value>,
-    /// What each slot held in the initial state: initial values of locations met later are computed
-    /// there.
-    pub(crate) initial: Vec<Value>,
-    /// The elements of each domain in the initial state.
-    pub(crate) initial_extents: Vec<Arc<Vec<Value>>>,
-    /// The time of the initial state.
-    pub(crate) initial_now: i64,
-    /// How many slots there were after the last step that was done: those met in a step that failed
-    /// are known only until the next one begins.
-    committed: usize,
-    /// In which step each slot was last asked of the environment.
-    pub(crate) asked: Vec<u64>,
-    /// The elements of each domain, ascending.
-    pub(crate) extents: Vec<Arc<Vec<Value>>>,
-    /// Values of closed static terms.
-    pub(crate) caches: Vec<Option<Value>>,
-    /// Shortcuts to interned locations.
-    pub(crate) near: Near,
-    /// The elements taken from the reserve, and each one's number within its domain.
-    pub(crate) reserve: Vec<(DomainId, u32)>,
-    interned: HashTable<Slot>,
-    /// The locations of the slots beyond the fixed ones.
+    pub(crate) store: Store,
+    pub(crate) initial: InitialState,
     pub(crate) locations: Locations,
-    /// How many of the fixed slots have a value from the beginning.
-    eager: Slot,
-    /// Which of the other fixed slots were met.
-    met: Vec<bool>,
-    /// Those of them that were met since the last step that was done.
-    uncommitted: Vec<Slot>,
+    pub(crate) memo: Memo,
 }
 
-/// The locations of interned slots, in the order they were met.
-#[derive(Clone)]
-pub(crate) struct Locations {
-    /// How many slots are fixed: the first of these has the next number.
-    fixed: Slot,
-    met: Vec<(FunctionId, Box<[Value]>)>,
-    /// Those of them, ascending, that had arguments outside their domains when they were met.
-    outside: Vec<Slot>,
-}
-
-impl Locations {
-    fn get(&self, slot: Slot) -> Option<&(FunctionId, Box<[Value]>)> {
-        self.met.get(slot.checked_sub(self.fixed)? as usize)
-    }
-
-    /// Whether a slot is local state of this run of a rule.
-    pub fn is_local(&self, program: &Program, slot: Slot, run: i64) -> bool {
-        self.get(slot).is_some_and(|(function, arguments)| {
-            program.functions[function.0 as usize].kind == FunctionKind::Local
-                && arguments.first() == Some(&Value::Int(run))
-        })
-    }
-}
-
-fn hash(function: FunctionId, arguments: &[Value]) -> u64 {
-    let mut hasher = FxHasher::default();
-    function.hash(&mut hasher);
-    arguments.hash(&mut hasher);
-    hasher.finish()
+/// The state that a run began with: initial values of locations met later are computed there.
+#[derive(Clone, Default)]
+pub(crate) struct InitialState {
+    /// What each slot held.
+    pub slots: Vec<Value>,
+    /// The elements of each domain.
+    pub extents: Vec<Arc<Vec<Value>>>,
+    /// The time, in nanoseconds.
+    pub now_ns: i64,
+    /// Slots that are no eager ones and began with what the environment said in the first step, in the
+    /// order they were met.
+    pub heard: Vec<Slot>,
 }
 
 impl State {
     pub(crate) fn new(program: &Program) -> Self {
-        let extents = program
-            .domains
-            .iter()
-            .map(|domain| Arc::new(listed(&domain.elements)))
-            .collect();
         Self {
-            slots: vec![Value::Undef; program.slots as usize],
-            initial: Vec::new(),
-            initial_extents: Vec::new(),
-            initial_now: 0,
-            committed: program.slots as usize,
-            asked: vec![0; program.slots as usize],
-            extents,
-            caches: vec![None; program.caches as usize],
-            near: Near::default(),
-            reserve: Vec::new(),
-            interned: HashTable::new(),
-            locations: Locations {
-                fixed: program.slots,
-                met: Vec::new(),
-                outside: Vec::new(),
-            },
-            eager: program.eager,
-            met: vec![false; (program.slots - program.eager) as usize],
-            uncommitted: Vec::new(),
+            store: Store::new(program),
+            initial: InitialState::default(),
+            locations: Locations::new(program),
+            memo: Memo::new(program),
         }
-    }
-
-    /// The slot of a location that was met before.
-    pub(crate) fn find(&self, function: FunctionId, arguments: &[Value]) -> Option<Slot> {
-        let is_it = |&slot: &Slot| {
-            let known = self.locations.get(slot);
-            known.is_some_and(|(known, with)| *known == function && **with == *arguments)
-        };
-        self.interned
-            .find(hash(function, arguments), is_it)
-            .copied()
-    }
-
-    /// Whether a slot holds what its location holds: a lazy one does after it was met.
-    #[inline]
-    pub(crate) fn is_met(&self, slot: Slot) -> bool {
-        slot < self.eager || self.met.get((slot - self.eager) as usize) != Some(&false)
     }
 
     /// A lazy slot holds this value now and in the initial state.
     pub(crate) fn meet(&mut self, slot: Slot, value: Value) {
-        self.slots[slot as usize] = value.clone();
-        self.initial[slot as usize] = value;
-        if let Some(met) = self.met.get_mut((slot - self.eager) as usize) {
-            *met = true;
-            self.uncommitted.push(slot);
-        }
+        self.store.slots[slot as usize] = value.clone();
+        self.initial.slots[slot as usize] = value;
+        self.locations.meet(slot);
     }
 
     /// Whether a slot's location had arguments outside their domains when it was met.
@@ -149,109 +80,98 @@ impl State {
         value: Value,
         outside: bool,
     ) -> Slot {
-        let slot = self.slots.len() as Slot;
-        if outside {
-            self.locations.outside.push(slot);
+        self.store.slots.push(value.clone());
+        self.initial.slots.push(value);
+        self.memo.asked.push(0);
+        self.locations.intern(function, arguments, outside)
+    }
+
+    /// Notes what the environment said in the first step about a location: it held that initially.
+    #[cold]
+    pub(crate) fn began_with(&mut self, slot: Slot, value: Value) {
+        let initial = &mut self.initial;
+        if slot >= self.locations.eager
+            && initial.slots[slot as usize] != value
+            && !initial.heard.contains(&slot)
+        {
+            initial.heard.push(slot);
         }
-        self.locations.met.push((function, arguments.into()));
-        self.slots.push(value.clone());
-        self.initial.push(value);
-        self.asked.push(0);
-        let locations = &self.locations;
-        self.interned
-            .insert_unique(hash(function, arguments), slot, |&slot| {
-                let known = locations.get(slot);
-                known.map_or(0, |(function, arguments)| hash(*function, arguments))
-            });
-        slot
+        initial.slots[slot as usize] = value;
     }
 
     /// Keeps the locations that were met.
     pub(crate) fn commit(&mut self) {
-        self.committed = self.slots.len();
-        self.uncommitted.clear();
+        self.locations.committed = self.store.slots.len();
+        self.locations.uncommitted.clear();
     }
 
     /// Forgets the locations that only a failed step met.
     #[inline]
     pub(crate) fn forget_uncommitted(&mut self) {
-        if !self.uncommitted.is_empty() || self.slots.len() > self.committed {
+        let locations = &self.locations;
+        if !locations.uncommitted.is_empty() || self.store.slots.len() > locations.committed {
             self.forget_each_uncommitted();
         }
     }
 
     #[cold]
     fn forget_each_uncommitted(&mut self) {
-        while let Some(slot) = self.uncommitted.pop() {
-            self.slots[slot as usize] = Value::Undef;
-            self.initial[slot as usize] = Value::Undef;
-            self.met[(slot - self.eager) as usize] = false;
+        while let Some(slot) = self.locations.uncommitted.pop() {
+            self.store.slots[slot as usize] = Value::Undef;
+            self.initial.slots[slot as usize] = Value::Undef;
+            self.initial.heard.retain(|heard| *heard != slot);
+            self.locations.met[(slot - self.locations.eager) as usize] = false;
         }
-        while self.slots.len() > self.committed {
-            self.slots.pop();
-            self.initial.pop();
-            self.asked.pop();
-            let slot = self.slots.len() as Slot;
-            self.locations.outside.pop_if(|last| *last == slot);
-            if let Some((function, arguments)) = self.locations.met.pop() {
-                let found = self
-                    .interned
-                    .find_entry(hash(function, &arguments), |&known| known == slot);
-                if let Ok(entry) = found {
-                    entry.remove();
-                }
-            }
+        let committed = self.locations.committed;
+        while self.store.slots.len() > committed {
+            self.store.slots.pop();
+            self.initial.slots.pop();
+            self.memo.asked.pop();
+            self.locations.forget_last();
         }
-        self.near.forget(self.committed as Slot);
+        self.initial
+            .heard
+            .retain(|heard| (*heard as usize) < committed);
+        self.memo.near.forget(committed as Slot);
     }
 
-    /// A new element for a domain.
-    pub(crate) fn fresh(&mut self, program: &Program, domain: DomainId) -> Atom {
-        let last = self
-            .reserve
-            .iter()
-            .rev()
-            .find(|(known, _)| *known == domain);
-        let number = last.map_or(1, |(_, number)| number + 1);
-        self.reserve.push((domain, number));
-        Atom((program.symbols.atoms.len() + self.reserve.len() - 1) as u32)
-    }
-
-    /// The domain an atom was declared in or taken for.
-    pub(crate) fn domain_of(&self, program: &Program, atom: Atom) -> Option<DomainId> {
-        let index = atom.0 as usize;
-        match program.symbols.atom_domains.get(index) {
-            Some(&domain) => Some(domain),
-            None => self
-                .reserve
-                .get(index - program.symbols.atoms.len())
-                .map(|(domain, _)| *domain),
-        }
+    /// Forgets all locations that were met, and what is remembered of them.
+    pub(crate) fn forget_met(&mut self) {
+        let fixed = self.locations.fixed as usize;
+        let lazy = self.locations.eager as usize..fixed;
+        self.store.slots.truncate(fixed);
+        self.store.slots[lazy.clone()].fill(Value::Undef);
+        self.initial.slots.truncate(fixed);
+        self.initial.slots[lazy].fill(Value::Undef);
+        self.initial.heard.clear();
+        self.memo.asked.truncate(fixed);
+        self.memo.near.forget(0);
+        self.locations.forget_all();
     }
 
     /// What a slot holds.
     pub fn get(&self, slot: Slot) -> &Value {
-        &self.slots[slot as usize]
+        &self.store.slots[slot as usize]
     }
 
     /// What a slot held in the initial state.
     pub fn get_initial(&self, slot: Slot) -> &Value {
-        &self.initial[slot as usize]
+        &self.initial.slots[slot as usize]
     }
 
     /// How many slots there are.
     pub fn len(&self) -> usize {
-        self.committed
+        self.locations.committed
     }
 
     /// Whether there is no location at all.
     pub fn is_empty(&self) -> bool {
-        self.committed == 0
+        self.locations.committed == 0
     }
 
     /// The elements a domain has now, ascending.
     pub fn extent(&self, domain: DomainId) -> &[Value] {
-        &self.extents[domain.0 as usize]
+        &self.store.extents[domain.0 as usize]
     }
 
     /// The slot of a location, if it was met or is fixed.
@@ -262,8 +182,8 @@ impl State {
         arguments: &[Value],
     ) -> Option<Slot> {
         match dense(program, function, arguments) {
-            Some(slot) => self.is_met(slot).then_some(slot),
-            None => self.find(function, arguments),
+            Some(slot) => self.locations.is_met(slot).then_some(slot),
+            None => self.locations.find(function, arguments),
         }
     }
 
@@ -303,9 +223,9 @@ impl State {
     /// The slots whose locations are part of the state: they hold what their location holds, and were
     /// not met by a step that failed.
     pub fn slots(&self) -> impl Iterator<Item = Slot> {
-        let met_in_vain: BTreeSet<Slot> = self.uncommitted.iter().copied().collect();
-        (0..self.committed as Slot)
-            .filter(move |slot| self.is_met(*slot) && !met_in_vain.contains(slot))
+        let met_in_vain: BTreeSet<Slot> = self.locations.uncommitted.iter().copied().collect();
+        (0..self.locations.committed as Slot)
+            .filter(move |slot| self.locations.is_met(*slot) && !met_in_vain.contains(slot))
     }
 
     /// All locations and what they hold, by function and arguments; those of the specification only.
@@ -332,48 +252,4 @@ pub(crate) fn dense(program: &Program, function: FunctionId, arguments: &[Value]
         slot += axis.over.index(argument)? * axis.stride;
     }
     Some(slot)
-}
-
-/// The elements of a domain that are known from the program alone.
-fn listed(elements: &Elements) -> Vec<Value> {
-    match elements {
-        // intervals are ranged over without listing them; see `extent`
-        Elements::Ints { .. } => Vec::new(),
-        Elements::Atoms { first, count } => (first.0..first.0 + count)
-            .map(|atom| Value::Atom(Atom(atom)))
-            .collect(),
-        Elements::Computed(_) | Elements::Undefined | Elements::Open => Vec::new(),
-    }
-}
-
-/// The names of the atoms and rules of a running machine.
-#[derive(Clone, Copy)]
-pub struct Naming<'a> {
-    /// Knows what was declared.
-    pub program: &'a Program,
-    /// Knows what was taken from the reserve.
-    pub reserve: &'a [(DomainId, u32)],
-}
-
-impl Names for Naming<'_> {
-    fn atom(&self, atom: Atom, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let index = atom.0 as usize;
-        let symbols = &self.program.symbols;
-        if let Some(name) = symbols.atoms.get(index) {
-            return to.write_str(name);
-        }
-        match self.reserve.get(index - symbols.atoms.len()) {
-            Some((domain, number)) => {
-                to.write_str(&element_name(&symbols.domains[domain.0 as usize], number))
-            }
-            None => write!(to, "atom!{index}"),
-        }
-    }
-
-    fn rule(&self, rule: RuleId, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.program.symbols.rules.get(rule.0 as usize) {
-            Some(name) => write!(to, "<<{name}>>"),
-            None => write!(to, "<<rule {}>>", rule.0),
-        }
-    }
 }

@@ -302,10 +302,7 @@ impl Emitter<'_> {
             return None;
         };
         let (first, count) = agent.among?;
-        let symbols = &self.program.symbols;
-        let domains = symbols
-            .atom_domains
-            .get(first as usize..(first + count) as usize)?;
+        let domains = (self.program.atom_domains).get(first as usize..(first + count) as usize)?;
         let domain = domains.first()?;
         if domains.iter().any(|other| other != domain) {
             return None;

@@ -180,7 +180,7 @@ impl Trace {
 
     /// The domains that may grow, each with the elements that were declared in it or taken for it.
     fn domains(&mut self, word: &str, naming: Naming<'_>) {
-        let declared = naming.program.symbols.atom_domains.iter();
+        let declared = naming.program.atom_domains.iter();
         let homes = declared.chain(naming.reserve.iter().map(|(domain, _)| domain));
         let mut domains: BTreeMap<DomainId, Vec<Value>> = BTreeMap::new();
         for (index, domain) in (0..).zip(homes) {

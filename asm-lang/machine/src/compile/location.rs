@@ -26,7 +26,7 @@ impl Compiler<'_> {
             return Box::new(move |run| run.input(slot, function, origin));
         }
         let slot = slot as usize;
-        Box::new(move |run| run.state.slots[slot].clone())
+        Box::new(move |run| run.state.store.slots[slot].clone())
     }
 
     /// What a location holds.
@@ -45,7 +45,7 @@ impl Compiler<'_> {
         }
         Box::new(move |run| {
             let slot = slot(run) as usize;
-            run.state.slots[slot].clone()
+            run.state.store.slots[slot].clone()
         })
     }
 
@@ -82,7 +82,7 @@ impl Compiler<'_> {
                     self.indices(arguments, axes),
                     move |run, index| {
                         let slot = base + index;
-                        if lazy && !run.state.is_met(slot) {
+                        if lazy && !run.state.locations.is_met(slot) {
                             return meet_lazy(run, function, slot);
                         }
                         slot
@@ -94,7 +94,7 @@ impl Compiler<'_> {
                 on_axes(
                     function,
                     self.indices(arguments, axes),
-                    move |run, index| match run.state.near.find(window, index) {
+                    move |run, index| match run.state.memo.near.find(window, index) {
                         Some(slot) => slot,
                         None => meet(run, function, window, &known, index),
                     },
@@ -205,7 +205,7 @@ fn meet(run: &mut Run<'_>, function: FunctionId, window: usize, axes: &[Axis], i
     run.stack.extend(axes.iter().map(argument));
     let slot = run.slot(function, from);
     run.stack.truncate(from);
-    run.state.near.remember(window, index, slot);
+    run.state.memo.near.remember(window, index, slot);
     slot
 }
 

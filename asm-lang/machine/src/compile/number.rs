@@ -23,7 +23,7 @@ impl Int {
         match self {
             Self::Constant(number) => Some(*number),
             Self::Local(local) => as_integer(run.local(*local)),
-            Self::Slot(slot) => as_integer(&run.state.slots[*slot]),
+            Self::Slot(slot) => as_integer(&run.state.store.slots[*slot]),
             Self::Code(code) => code(run),
         }
     }
@@ -58,7 +58,7 @@ impl Compiler<'_> {
             _ => Int::Code(match self.stored(term) {
                 Some(slot) => Box::new(move |run| {
                     let slot = slot(run) as usize;
-                    as_integer(&run.state.slots[slot])
+                    as_integer(&run.state.store.slots[slot])
                 }),
                 None => {
                     let code = self.term(term);

@@ -84,7 +84,7 @@ impl Compiler<'_> {
                 let (domain, locals, body) = (*domain, locals.clone(), self.rule(body));
                 Box::new(move |run| {
                     for &local in &locals {
-                        let atom = run.state.fresh(run.program, domain);
+                        let atom = run.state.store.fresh(run.program, domain);
                         run.updates.extended.push((domain, atom));
                         run.set_local(local, Value::Atom(atom));
                     }
@@ -420,7 +420,7 @@ pub(super) fn program_of(run: &Run<'_>, agent: &Value) -> Option<RuleId> {
     let Value::Atom(atom) = agent else {
         return None;
     };
-    let domain = run.state.domain_of(run.program, *atom)?;
+    let domain = run.state.store.domain_of(run.program, *atom)?;
     let mut programs = run.program.programs.iter();
     programs
         .find(|(of, _)| *of == domain)

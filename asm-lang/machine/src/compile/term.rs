@@ -5,8 +5,8 @@ use super::collection::collect;
 use super::rule::program_of;
 use crate::code::TermCode;
 use crate::fault::FaultKind;
+use crate::naming::Naming;
 use crate::run::{Run, Truth};
-use crate::state::Naming;
 use asmotion_ir::{BodyId, DomainId, Node, Origin, Term};
 use asmotion_value::Value;
 use std::collections::BTreeMap;
@@ -38,12 +38,12 @@ impl Compiler<'_> {
             Node::Cached(cache, term) => {
                 let (cache, term) = (*cache as usize, self.term(term));
                 Box::new(move |run| {
-                    if let Some(value) = &run.state.caches[cache] {
+                    if let Some(value) = &run.state.memo.caches[cache] {
                         return value.clone();
                     }
                     let value = term(run);
                     if run.fault.is_none() {
-                        run.state.caches[cache] = Some(value.clone());
+                        run.state.memo.caches[cache] = Some(value.clone());
                     }
                     value
                 })
@@ -199,9 +199,9 @@ impl Compiler<'_> {
                 true => Ok(Value::Undef),
                 false => {
                     // `naming` borrows the run only in part
-                    let names = crate::state::Naming {
+                    let names = crate::naming::Naming {
                         program: run.program,
-                        reserve: &run.state.reserve,
+                        reserve: &run.state.store.reserve,
                     };
                     let mut context = asmotion_stdlib::Context {
                         names: &names,
@@ -223,7 +223,7 @@ impl Compiler<'_> {
 fn name(run: &Run<'_>, element: &Value) -> String {
     let naming = Naming {
         program: run.program,
-        reserve: &run.state.reserve,
+        reserve: &run.state.store.reserve,
     };
     element.show(&naming).to_string()
 }
@@ -233,7 +233,7 @@ fn named(run: &Run<'_>, domain: DomainId, text: &Value) -> Value {
     let Value::Text(text) = text else {
         return Value::Undef;
     };
-    let mut elements = run.state.extents[domain.0 as usize].iter();
+    let mut elements = run.state.store.extents[domain.0 as usize].iter();
     elements
         .find(|element| name(run, element) == **text)
         .cloned()

@@ -28,7 +28,7 @@ impl Compiler<'_> {
             }
             Node::Slot(function, slot) if !self.is_input(*function) => {
                 let slot = *slot as usize;
-                Box::new(move |run| Truth::from_value(&run.state.slots[slot]))
+                Box::new(move |run| Truth::from_value(&run.state.store.slots[slot]))
             }
             Node::If(guard, then, otherwise) => {
                 let origin = guard.origin;
@@ -46,7 +46,7 @@ impl Compiler<'_> {
             _ => match self.stored(term) {
                 Some(slot) => Box::new(move |run| {
                     let slot = slot(run) as usize;
-                    Truth::from_value(&run.state.slots[slot])
+                    Truth::from_value(&run.state.store.slots[slot])
                 }),
                 None => {
                     let code = self.term(term);
@@ -113,14 +113,14 @@ impl Compiler<'_> {
                 if !self.is_input(*function) =>
             {
                 let (slot, value) = (*slot as usize, value.clone());
-                Box::new(move |run| Truth::of(run.state.slots[slot] == value))
+                Box::new(move |run| Truth::of(run.state.store.slots[slot] == value))
             }
             (_, Node::Constant(value)) => {
                 let value = value.clone();
                 if let Some(slot) = self.stored(left) {
                     return Box::new(move |run| {
                         let slot = slot(run) as usize;
-                        Truth::of(run.state.slots[slot] == value)
+                        Truth::of(run.state.store.slots[slot] == value)
                     });
                 }
                 let left = self.term(left);

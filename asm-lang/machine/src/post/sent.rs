@@ -67,6 +67,28 @@ pub enum CallFault {
 }
 
 impl CallFault {
+    const ALL: [Self; 4] = [
+        Self::Timeout,
+        Self::Unavailable,
+        Self::Failed,
+        Self::Cancelled,
+    ];
+
+    /// Its number in a packed state.
+    pub(super) fn number(self) -> u64 {
+        match self {
+            Self::Timeout => 0,
+            Self::Unavailable => 1,
+            Self::Failed => 2,
+            Self::Cancelled => 3,
+        }
+    }
+
+    /// The fault of this number.
+    pub(super) fn of(number: u64) -> Option<Self> {
+        Self::ALL.into_iter().find(|fault| fault.number() == number)
+    }
+
     pub(crate) fn value(self, messages: &Messages) -> Value {
         match self {
             Self::Timeout => messages.timeout.clone(),

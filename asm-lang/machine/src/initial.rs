@@ -1,0 +1,196 @@
+//! The initial state: built from the program, completed by the inputs of the first step.
+
+use crate::choose::First;
+use crate::environment::{Environment, NoInputs};
+use crate::fault::Fault;
+use crate::machine::Machine;
+use crate::misfit::{Misfit, is_listed};
+use crate::run::Run;
+use asmotion_ir::{DomainId, Elements, FunctionId, Initial, Origin, Program, Slot, Storage};
+use asmotion_value::Value;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// An initial value that is none of its function's.
+#[derive(Clone, Debug, PartialEq)]
+pub struct InitialMisfit {
+    /// The arguments of the location.
+    pub arguments: Vec<Value>,
+    /// What does not fit.
+    pub misfit: Misfit,
+    /// Where the value is defined.
+    pub origin: Origin,
+}
+
+impl Machine {
+    pub(crate) fn initialise(&mut self) -> Result<(), Box<Fault>> {
+        self.scratch.updates.begin(self.state.len());
+        self.state.initial.slots = self.state.store.slots.clone();
+        let program = self.program.clone();
+        for &initial in &program.initial_order {
+            self.initialise_one(&program, initial, &mut NoInputs, 0)?;
+        }
+        self.begin_here(0);
+        self.is_complete = !program.needs_inputs();
+        match self.is_complete {
+            true => self.check_initial(&mut NoInputs, 0),
+            false => Ok(()),
+        }
+    }
+
+    /// Completes the initial state with what the environment says in the first step.
+    pub(crate) fn initialise_with_inputs(
+        &mut self,
+        environment: &mut dyn Environment,
+        now_ns: i64,
+    ) -> Result<(), Box<Fault>> {
+        let program = self.program.clone();
+        for &initial in &program.initial_inputs {
+            self.initialise_one(&program, initial, environment, now_ns)?;
+        }
+        self.begin_here(now_ns);
+        self.is_complete = true;
+        Ok(())
+    }
+
+    /// Says that this is the initial state: what is met later begins as it would have begun here.
+    fn begin_here(&mut self, now_ns: i64) {
+        self.state.initial.slots = self.state.store.slots.clone();
+        self.state.initial.extents = self.state.store.extents.clone();
+        self.state.initial.now_ns = now_ns;
+        self.state.commit();
+    }
+
+    pub(crate) fn check_initial(
+        &mut self,
+        environment: &mut dyn Environment,
+        now_ns: i64,
+    ) -> Result<(), Box<Fault>> {
+        self.run(environment, &mut First, 0, now_ns, |run| {
+            let _ = run.check_invariants(false);
+        })
+    }
+
+    fn initialise_one(
+        &mut self,
+        program: &Program,
+        initial: Initial,
+        environment: &mut dyn Environment,
+        now_ns: i64,
+    ) -> Result<(), Box<Fault>> {
+        match initial {
+            Initial::Domain(domain) => self.initialise_domain(program, domain, environment, now_ns),
+            Initial::Function(function) => {
+                self.initialise_function(program, function, environment, now_ns)
+            }
+        }
+    }
+
+    fn initialise_domain(
+        &mut self,
+        program: &Program,
+        domain: DomainId,
+        environment: &mut dyn Environment,
+        now_ns: i64,
+    ) -> Result<(), Box<Fault>> {
+        let Elements::Computed(body) = program.domains[domain.0 as usize].elements else {
+            return Ok(());
+        };
+        let elements = self.build(environment, now_ns, |run| run.call_body(body, 0))?;
+        let elements: Vec<Value> = match elements {
+            Value::Set(elements) => elements.iter().cloned().collect(),
+            Value::Seq(elements) => {
+                let mut elements = elements.to_vec();
+                elements.sort();
+                elements.dedup();
+                elements
+            }
+            _ => Vec::new(),
+        };
+        self.state.store.extents[domain.0 as usize] = Arc::new(elements);
+        Ok(())
+    }
+
+    fn initialise_function(
+        &mut self,
+        program: &Program,
+        function: FunctionId,
+        environment: &mut dyn Environment,
+        now_ns: i64,
+    ) -> Result<(), Box<Fault>> {
+        let declared = &program.functions[function.0 as usize];
+        let (
+            Some(body),
+            Storage::Dense {
+                base,
+                count,
+                lazy: false,
+                ..
+            },
+        ) = (declared.initial, &declared.storage)
+        else {
+            return Ok(());
+        };
+        for slot in *base..base + count {
+            let arguments = self
+                .state
+                .location(program, slot)
+                .map(|(_, arguments)| arguments);
+            let value = self.build(environment, now_ns, |run| {
+                run.locals.extend(arguments.into_iter().flatten());
+                run.call_body(body, 0)
+            })?;
+            self.state.store.slots[slot as usize] = value;
+        }
+        Ok(())
+    }
+
+    /// Computes something while the initial state is being built.
+    fn build<T>(
+        &mut self,
+        environment: &mut dyn Environment,
+        now_ns: i64,
+        work: impl FnOnce(&mut Run<'_>) -> T,
+    ) -> Result<T, Box<Fault>> {
+        self.run(environment, &mut First, 0, now_ns, |run| {
+            run.building = true;
+            work(run)
+        })
+    }
+
+    /// The initial values that are none of their functions', one for each function. Such a state is
+    /// run all the same: the reference does not look at it, and specifications rely on that.
+    pub fn initial_misfits(&self) -> Vec<InitialMisfit> {
+        let mut found: BTreeMap<FunctionId, InitialMisfit> = BTreeMap::new();
+        for slot in 0..self.state.len() as Slot {
+            let function = self.state.function(&self.program, slot);
+            if let Some(function) = function.filter(|function| !found.contains_key(function)) {
+                let misfit = self.initial_misfit(slot, function);
+                found.extend(misfit.map(|misfit| (function, misfit)));
+            }
+        }
+        found.into_values().collect()
+    }
+
+    fn initial_misfit(&self, slot: Slot, function: FunctionId) -> Option<InitialMisfit> {
+        let (program, state) = (&*self.program, &self.state);
+        let body = program.functions[function.0 as usize].initial?;
+        // what depends on inputs is known when they are
+        let is_open = |initial| !self.is_complete && program.initial_inputs.contains(&initial);
+        if is_open(Initial::Function(function)) || !state.locations.is_met(slot) {
+            return None;
+        }
+        let is_element = |domain: DomainId, value: &Value| {
+            is_open(Initial::Domain(domain))
+                || is_listed(program, &state.initial.extents, domain, value)
+        };
+        let value = state.get_initial(slot);
+        let misfit = Misfit::of_value(program, function, value, &is_element)?;
+        let (_, arguments) = state.location(program, slot)?;
+        Some(InitialMisfit {
+            arguments,
+            misfit,
+            origin: program.bodies[body.0 as usize].code.origin,
+        })
+    }
+}

@@ -1,0 +1,31 @@
+//! Invariants, checked while a step runs.
+
+use crate::fault::FaultKind;
+use crate::run::{Run, Stopped, Truth};
+
+impl Run<'_> {
+    /// Checks the invariants that speak of inputs, or all others.
+    #[inline]
+    pub(crate) fn check_invariants(&mut self, assumptions: bool) -> Result<(), Stopped> {
+        match self.program.invariants.is_empty() {
+            true => Ok(()),
+            false => self.check_each_invariant(assumptions),
+        }
+    }
+
+    fn check_each_invariant(&mut self, assumptions: bool) -> Result<(), Stopped> {
+        let program = self.program;
+        for (index, invariant) in program.invariants.iter().enumerate() {
+            if invariant.assumes != assumptions {
+                continue;
+            }
+            let from = self.locals.len();
+            let value = self.call_body(invariant.body, from);
+            self.checked()?;
+            if Truth::from_value(&value) != Truth::True {
+                return Err(self.stop(FaultKind::Invariant { index, value }, invariant.origin));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,37 @@
+//! The names of atoms and rules, as texts show them.
+
+use asmotion_ir::{DomainId, Program};
+use asmotion_value::{Atom, Names, RuleId, element_name};
+use std::fmt;
+
+/// The names of the atoms and rules of a running machine.
+#[derive(Clone, Copy)]
+pub struct Naming<'a> {
+    /// Knows what was declared.
+    pub program: &'a Program,
+    /// Knows what was taken from the reserve.
+    pub reserve: &'a [(DomainId, u32)],
+}
+
+impl Names for Naming<'_> {
+    fn atom(&self, atom: Atom, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let index = atom.0 as usize;
+        let symbols = &self.program.symbols;
+        if let Some(name) = symbols.atoms.get(index) {
+            return to.write_str(name);
+        }
+        match self.reserve.get(index - symbols.atoms.len()) {
+            Some((domain, number)) => {
+                to.write_str(&element_name(&symbols.domains[domain.0 as usize], number))
+            }
+            None => write!(to, "atom!{index}"),
+        }
+    }
+
+    fn rule(&self, rule: RuleId, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.program.symbols.rules.get(rule.0 as usize) {
+            Some(name) => write!(to, "<<{name}>>"),
+            None => write!(to, "<<rule {}>>", rule.0),
+        }
+    }
+}

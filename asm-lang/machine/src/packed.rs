@@ -1,0 +1,321 @@
+//! States packed into bytes: to keep, compare and look up many of them.
+//!
+//! A step wants values where it finds them with one index, 16 bytes each. A checker or a recording wants
+//! states that are small, and equal exactly when the machine goes on in the same way. So a
+//! [`PackedState`] is a string of bytes in a canonical form:
+//!
+//! - A slot whose function has finitely many values takes as many bits as these need, with one code for
+//!   `undef` and one for "anything else, see below". All other values are written byte by byte: one byte
+//!   for a small integer.
+//! - A location that is not fixed by the program stands by its function and arguments, in their order, and
+//!   only if it does not hold its initial value. A location nobody has met and one that was met and put
+//!   back are therefore the same, and so are the states of machines that met locations in another order.
+//! - What the environment is asked for anew in each step is no part of a state.
+//! - Nothing of [`Memo`](crate::state::Memo) is: what was asked, found or computed before.
+//!
+//! Atoms taken from the reserve are told apart by the order in which they were taken. Two states that
+//! differ in this order alone are isomorphic, but not equal.
+//!
+//! A packed state takes 16 bytes, one allocation, and within that three bytes beside the slots for a
+//! program without messages whose locations are all fixed.
+
+mod layout;
+mod value;
+
+pub(crate) use layout::Layout;
+pub(crate) use value::{Reader, Writer};
+
+use crate::state::{State, dense};
+use asmotion_ir::{DomainId, FunctionId, Program, Slot};
+use asmotion_value::Value;
+use layout::{Coding, ELSE};
+use std::sync::Arc;
+
+/// A state of a program as bytes: equal states have equal bytes, whatever the machines went through
+/// before, and whichever back end did their steps.
+///
+/// States of different programs must not be compared: they may be equal by chance.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct PackedState(Box<[u8]>);
+
+impl PackedState {
+    pub(crate) fn new(bytes: Vec<u8>) -> Self {
+        Self(bytes.into_boxed_slice())
+    }
+
+    /// The bytes. Their meaning belongs to the program and this version of the crate.
+    pub fn as_bytes(&self) -> &[u8] {
+        &self.0
+    }
+}
+
+/// A location that is not fixed by the program, as it is packed.
+struct Met<'a> {
+    function: FunctionId,
+    arguments: Vec<Value>,
+    now: &'a Value,
+    initially: &'a Value,
+    was_heard: bool,
+}
+
+impl State {
+    /// Writes what the state is.
+    pub(crate) fn pack(&self, program: &Program, layout: &Layout, to: &mut Writer) {
+        to.count(self.store.reserve.len());
+        for (domain, _) in &self.store.reserve {
+            to.count(domain.0 as usize);
+        }
+        self.pack_eager(layout, to);
+        self.pack_met(program, layout, to, true);
+        for domain in &layout.heard_domains {
+            let extent = self.initial.extents.get(domain.0 as usize);
+            to.values(extent.map(|extent| extent.iter()).unwrap_or_default());
+        }
+        if layout.recalls {
+            let eager = self.locations.eager as usize;
+            let slots = self.initial.slots.get(..eager).unwrap_or_default();
+            to.values(slots.iter());
+            to.value(&Value::Int(self.initial.now_ns));
+        }
+    }
+
+    fn pack_eager(&self, layout: &Layout, to: &mut Writer) {
+        let mut rest: Vec<&Value> = Vec::new();
+        to.bits(layout.bits, |bits| {
+            for field in &layout.fields {
+                for (index, slot) in field.slots().enumerate() {
+                    let value = &self.store.slots[slot as usize];
+                    match field.coding {
+                        Coding::Bits { .. } => {
+                            let code = field.coding.code(value);
+                            bits.put(field.at(index), field.coding.width(), code);
+                            if code == ELSE {
+                                rest.push(value);
+                            }
+                        }
+                        Coding::Bytes => rest.push(value),
+                    }
+                }
+            }
+        });
+        for value in rest {
+            to.value(value);
+        }
+    }
+
+    /// Writes what listings of the state show, beside what the state is: the locations that were met and
+    /// hold their initial values, and the initial values that depend on inputs.
+    pub(crate) fn pack_history(&self, program: &Program, layout: &Layout, to: &mut Writer) {
+        self.pack_met(program, layout, to, false);
+        if !program.initial_inputs.is_empty() {
+            let eager = self.locations.eager as usize;
+            let slots = self.initial.slots.get(..eager).unwrap_or_default();
+            to.values(slots.iter());
+        }
+    }
+
+    fn pack_met(&self, program: &Program, layout: &Layout, to: &mut Writer, has_changed: bool) {
+        let mut met: Vec<Met<'_>> = self
+            .slots()
+            .skip_while(|slot| *slot < self.locations.eager)
+            .filter(|slot| self.has_changed(program, *slot) == has_changed)
+            .filter_map(|slot| self.met(program, layout, slot))
+            .collect();
+        met.sort_by(|left, right| {
+            let key = |met: &Met<'_>| met.function;
+            key(left)
+                .cmp(&key(right))
+                .then_with(|| left.arguments.cmp(&right.arguments))
+        });
+        to.count(met.len());
+        for met in met {
+            to.count(met.function.0 as usize);
+            to.values(met.arguments.iter());
+            to.value(met.now);
+            to.value(met.initially);
+            to.value(&Value::Bool(met.was_heard));
+        }
+    }
+
+    /// Whether a location that was met is another one than if it had not been.
+    fn has_changed(&self, program: &Program, slot: Slot) -> bool {
+        // the reference has no initial state: there a location begins when it is met
+        program.compatible
+            || self.store.slots[slot as usize] != self.initial.slots[slot as usize]
+            || self.initial.heard.contains(&slot)
+    }
+
+    fn met(&self, program: &Program, layout: &Layout, slot: Slot) -> Option<Met<'_>> {
+        let now = &self.store.slots[slot as usize];
+        let initially = &self.initial.slots[slot as usize];
+        let was_heard = self.initial.heard.contains(&slot);
+        let (function, arguments) = self.location(program, slot)?;
+        (!layout.is_asked_anew[function.0 as usize]).then_some(Met {
+            function,
+            arguments,
+            now,
+            initially,
+            was_heard,
+        })
+    }
+}
+
+/// A location, its value now and initially, and whether the environment gave the latter.
+type MetValue = (FunctionId, Vec<Value>, Value, Value, bool);
+
+/// What was read of a packed state, before any of it is put into a machine.
+pub(crate) struct Unpacked {
+    eager: Vec<(Slot, Value)>,
+    met: Vec<MetValue>,
+    reserve: Vec<(DomainId, u32)>,
+    extents: Vec<(DomainId, Vec<Value>)>,
+    recalled: Option<(Vec<Value>, i64)>,
+    initially: Vec<Value>,
+}
+
+impl Unpacked {
+    /// Reads what [`State::pack`] wrote; nothing if the bytes are of another program.
+    pub fn read(program: &Program, layout: &Layout, from: &mut Reader<'_>) -> Option<Self> {
+        let mut reserve: Vec<(DomainId, u32)> = Vec::new();
+        for _ in 0..from.count()? {
+            let domain = DomainId(u32::try_from(from.count()?).ok()?);
+            program.domains.get(domain.0 as usize)?;
+            let known = reserve.iter().rev().find(|(known, _)| *known == domain);
+            let number = known.map_or(1, |(_, number)| number + 1);
+            reserve.push((domain, number));
+        }
+        from.set_atoms(program.atom_domains.len() + reserve.len());
+        let eager = Self::read_eager(layout, from)?;
+        let mut met = Vec::new();
+        Self::read_met(program, from, &mut met)?;
+        let mut extents = Vec::new();
+        for &domain in &layout.heard_domains {
+            extents.push((domain, from.values()?));
+        }
+        let recalled = match layout.recalls {
+            true => {
+                let slots = from.values()?;
+                let Value::Int(now_ns) = from.value()? else {
+                    return None;
+                };
+                Some((slots, now_ns))
+            }
+            false => None,
+        };
+        Some(Self {
+            eager,
+            met,
+            reserve,
+            extents,
+            recalled,
+            initially: Vec::new(),
+        })
+    }
+
+    /// Reads what [`State::pack_history`] wrote.
+    pub fn read_history(&mut self, program: &Program, from: &mut Reader<'_>) -> Option<()> {
+        from.set_atoms(program.atom_domains.len() + self.reserve.len());
+        Self::read_met(program, from, &mut self.met)?;
+        if !program.initial_inputs.is_empty() {
+            self.initially = from.values()?;
+        }
+        Some(())
+    }
+
+    fn read_met(program: &Program, from: &mut Reader<'_>, met: &mut Vec<MetValue>) -> Option<()> {
+        for _ in 0..from.count()? {
+            let function = FunctionId(u32::try_from(from.count()?).ok()?);
+            program.functions.get(function.0 as usize)?;
+            let arguments = from.values()?;
+            let fixed = dense(program, function, &arguments);
+            fixed
+                .is_none_or(|slot| slot >= program.eager)
+                .then_some(())?;
+            let (now, initially) = (from.value()?, from.value()?);
+            let was_heard = from.value()? == Value::Bool(true);
+            met.push((function, arguments, now, initially, was_heard));
+        }
+        Some(())
+    }
+
+    fn read_eager(layout: &Layout, from: &mut Reader<'_>) -> Option<Vec<(Slot, Value)>> {
+        let bits = from.bits(layout.bits)?;
+        let mut eager = Vec::new();
+        for field in &layout.fields {
+            for (index, slot) in field.slots().enumerate() {
+                let value = match field.coding {
+                    Coding::Bits { .. } => {
+                        let code = bits.get(field.at(index), field.coding.width());
+                        match code {
+                            ELSE => from.value()?,
+                            code => field.coding.value(code)?,
+                        }
+                    }
+                    Coding::Bytes => from.value()?,
+                };
+                eager.push((slot, value));
+            }
+        }
+        Some(eager)
+    }
+}
+
+impl State {
+    /// Becomes what was unpacked. What was remembered of the state before is forgotten, but for what
+    /// holds in every state of the program.
+    pub(crate) fn restore(
+        &mut self,
+        program: &Program,
+        layout: &Layout,
+        supers: &[Vec<DomainId>],
+        unpacked: Unpacked,
+    ) {
+        self.forget_met();
+        for &slot in &layout.asked_anew {
+            self.store.slots[slot as usize] = Value::Undef;
+        }
+        for (slot, value) in unpacked.eager {
+            self.store.slots[slot as usize] = value;
+        }
+        let mut initially = unpacked.initially;
+        if let Some((slots, now_ns)) = unpacked.recalled {
+            initially = slots;
+            self.initial.now_ns = now_ns;
+        }
+        for (slot, value) in self.initial.slots.iter_mut().zip(initially) {
+            *slot = value;
+        }
+        for (domain, elements) in unpacked.extents {
+            if let Some(extent) = self.initial.extents.get_mut(domain.0 as usize) {
+                *extent = Arc::new(elements);
+            }
+        }
+        self.store.extents.clone_from(&self.initial.extents);
+        let declared = program.atom_domains.len() as u32;
+        for (atom, (domain, _)) in (declared..).zip(&unpacked.reserve) {
+            for &domain in &supers[domain.0 as usize] {
+                let extent = &mut self.store.extents[domain.0 as usize];
+                Arc::make_mut(extent).push(Value::Atom(asmotion_value::Atom(atom)));
+            }
+        }
+        self.store.reserve = unpacked.reserve;
+        for (function, arguments, now, initially, was_heard) in unpacked.met {
+            let slot = match dense(program, function, &arguments) {
+                Some(slot) => {
+                    self.meet(slot, initially);
+                    slot
+                }
+                None => {
+                    // looked at again before the location is written
+                    let outside = program.functions[function.0 as usize].narrow;
+                    self.intern(function, &arguments, initially, outside)
+                }
+            };
+            self.store.slots[slot as usize] = now;
+            if was_heard {
+                self.initial.heard.push(slot);
+            }
+        }
+        self.commit();
+    }
+}

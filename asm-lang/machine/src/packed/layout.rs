@@ -1,0 +1,244 @@
+//! How the states of a program are packed.
+
+use asmotion_ir::{
+    DomainId, Elements, Function, FunctionKind, Initial, Program, Shape, Slot, Storage,
+};
+use asmotion_value::{Atom, Value};
+
+/// Codes: 0 is undef, then this one, then the values in ascending order.
+pub(super) const ELSE: u64 = 1;
+
+/// The number of codes that are no values.
+const RESERVED: u64 = 2;
+
+/// What is known about the states of a program before there is any.
+#[derive(Debug)]
+pub(crate) struct Layout {
+    /// The eager slots, but for those of functions that are asked anew.
+    pub fields: Vec<Field>,
+    /// How many bits those need that are packed into bits.
+    pub bits: usize,
+    /// Whether the locations of a function are asked of the environment anew in each step, by function:
+    /// if there is no answer, they do not keep their values.
+    pub is_asked_anew: Vec<bool>,
+    /// The eager slots of these functions.
+    pub asked_anew: Vec<Slot>,
+    /// Domains whose elements depend on the inputs of the first step.
+    pub heard_domains: Vec<DomainId>,
+    /// Whether the value of a location that is met late depends on the inputs of the first step: then
+    /// the whole initial state is part of every later one.
+    pub recalls: bool,
+    /// Whether the first step does what later ones do not.
+    pub first_differs: bool,
+}
+
+/// The slots of one function.
+#[derive(Debug)]
+pub(crate) struct Field {
+    base: Slot,
+    count: u32,
+    /// The first bit.
+    bit: usize,
+    pub coding: Coding,
+}
+
+/// How a value is packed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Coding {
+    /// As a code, if it is one of these.
+    Bits { width: u32, values: Values },
+    /// As bytes.
+    Bytes,
+}
+
+/// Values that have codes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Values {
+    Bools,
+    Atoms { first: u32, count: u32 },
+    Ints { low: i64, count: u64 },
+}
+
+impl Field {
+    pub fn slots(&self) -> std::ops::Range<Slot> {
+        self.base..self.base + self.count
+    }
+
+    /// Where the bits of one of the slots are.
+    pub fn at(&self, index: usize) -> usize {
+        self.bit + index * self.coding.width() as usize
+    }
+}
+
+impl Coding {
+    fn of(program: &Program, codomain: &Shape) -> Self {
+        let values = match codomain {
+            Shape::Bool => Values::Bools,
+            Shape::Domain(domain) => match program.domains[domain.0 as usize].elements {
+                Elements::Atoms { first, count } => Values::Atoms {
+                    first: first.0,
+                    count,
+                },
+                Elements::Ints { low, high } if low <= high => {
+                    match high.abs_diff(low).checked_add(1) {
+                        Some(count) if count <= 1 << 32 => Values::Ints { low, count },
+                        Some(_) | None => return Self::Bytes,
+                    }
+                }
+                Elements::Ints { .. }
+                | Elements::Computed(_)
+                | Elements::Undefined
+                | Elements::Open => return Self::Bytes,
+            },
+            Shape::Int
+            | Shape::Natural
+            | Shape::Real
+            | Shape::Char
+            | Shape::Text
+            | Shape::Complex
+            | Shape::Rule
+            | Shape::Tuple(_)
+            | Shape::Seq(_)
+            | Shape::Set(_)
+            | Shape::Bag(_)
+            | Shape::Map(..)
+            | Shape::Any => return Self::Bytes,
+        };
+        let greatest = values.count() + RESERVED - 1;
+        Self::Bits {
+            width: u64::BITS - greatest.leading_zeros(),
+            values,
+        }
+    }
+
+    /// How many bits a value takes.
+    pub fn width(self) -> u32 {
+        match self {
+            Self::Bits { width, .. } => width,
+            Self::Bytes => 0,
+        }
+    }
+
+    pub fn code(self, value: &Value) -> u64 {
+        if value.is_undef() {
+            return 0;
+        }
+        let Self::Bits { values, .. } = self else {
+            return ELSE;
+        };
+        values.index(value).map_or(ELSE, |index| index + RESERVED)
+    }
+
+    /// The value of a code that is not [`ELSE`].
+    pub fn value(self, code: u64) -> Option<Value> {
+        let Self::Bits { values, .. } = self else {
+            return None;
+        };
+        match code {
+            0 => Some(Value::Undef),
+            code => values.value(code.checked_sub(RESERVED)?),
+        }
+    }
+}
+
+impl Values {
+    fn count(self) -> u64 {
+        match self {
+            Self::Bools => 2,
+            Self::Atoms { count, .. } => u64::from(count),
+            Self::Ints { count, .. } => count,
+        }
+    }
+
+    fn index(self, value: &Value) -> Option<u64> {
+        let index = match (self, value) {
+            (Self::Bools, Value::Bool(truth)) => u64::from(*truth),
+            (Self::Atoms { first, .. }, Value::Atom(atom)) => u64::from(atom.0.checked_sub(first)?),
+            (Self::Ints { low, .. }, Value::Int(number)) if *number >= low => number.abs_diff(low),
+            (Self::Bools | Self::Atoms { .. } | Self::Ints { .. }, _) => return None,
+        };
+        (index < self.count()).then_some(index)
+    }
+
+    fn value(self, index: u64) -> Option<Value> {
+        if index >= self.count() {
+            return None;
+        }
+        Some(match self {
+            Self::Bools => Value::Bool(index == 1),
+            Self::Atoms { first, .. } => Value::Atom(Atom(first + u32::try_from(index).ok()?)),
+            Self::Ints { low, .. } => Value::Int(low.checked_add_unsigned(index)?),
+        })
+    }
+}
+
+impl Layout {
+    pub fn of(program: &Program) -> Self {
+        let is_asked_anew: Vec<bool> = program.functions.iter().map(is_asked_anew).collect();
+        let mut fields = Vec::new();
+        let mut asked_anew = Vec::new();
+        let mut bits = 0;
+        for id in &program.dense {
+            let function = &program.functions[id.0 as usize];
+            let Storage::Dense {
+                base,
+                count,
+                lazy: false,
+                ..
+            } = function.storage
+            else {
+                continue;
+            };
+            if is_asked_anew[id.0 as usize] {
+                asked_anew.extend(base..base + count);
+                continue;
+            }
+            let coding = Coding::of(program, &function.codomain);
+            fields.push(Field {
+                base,
+                count,
+                bit: bits,
+                coding,
+            });
+            bits += coding.width() as usize * count as usize;
+        }
+        let inputs = program.initial_inputs.iter();
+        let heard_domains = inputs.filter_map(|initial| match initial {
+            Initial::Domain(domain) => Some(*domain),
+            Initial::Function(_) => None,
+        });
+        let mut inputs = program.initial_inputs.iter();
+        let recalls = inputs.any(|initial| match initial {
+            Initial::Function(_) => true,
+            Initial::Domain(_) => false,
+        });
+        let mut functions = program.functions.iter();
+        let hears_late = functions.any(|function| function.initial.is_some() && is_input(function));
+        let waits = program.invariants.iter().any(|invariant| invariant.waits);
+        Self {
+            fields,
+            bits,
+            asked_anew,
+            heard_domains: heard_domains.collect(),
+            recalls: recalls && !program.compatible,
+            first_differs: !program.initial_inputs.is_empty() || waits || hears_late,
+            is_asked_anew,
+        }
+    }
+}
+
+fn is_input(function: &Function) -> bool {
+    match function.kind {
+        FunctionKind::Monitored | FunctionKind::Shared => true,
+        FunctionKind::Controlled
+        | FunctionKind::Out
+        | FunctionKind::Local
+        | FunctionKind::Fixed => false,
+    }
+}
+
+/// Whether a location that the environment says nothing of does not keep its value: see `Run::input`.
+fn is_asked_anew(function: &Function) -> bool {
+    let has_none = function.kind == FunctionKind::Monitored && function.initial.is_none();
+    is_input(function) && (has_none || function.clock.is_some() || function.mail.is_some())
+}
