@@ -302,7 +302,9 @@ impl KeyDeclaration {
             FieldShape::One(_) => quote!(keys.optional::<#inner>(#key)),
         };
         let read = match &self.form {
-            Some(form) => quote!(#read.and_then(|it| crate::read::name::#form(keys.reader, &it))),
+            Some(form) => {
+                quote!(#read.and_then(|it| crate::table::derived::name::#form(keys.reader, &it)))
+            }
             None => read,
         };
         let within = &self.within;
@@ -461,7 +463,7 @@ fn of_struct(
                 outline
             }
 
-            fn read_keys(keys: &mut crate::read::keys::Keys<'_, '_, '_>, name: &crate::at::At<String>) -> Option<Self> {
+            fn read_keys(keys: &mut crate::table::derived::Keys<'_, '_, '_>, name: &crate::table::derived::At<String>) -> Option<Self> {
                 #(#reads)*
                 #[allow(unused_mut, reason = "only some tables are looked at again")]
                 let mut table = Self { #(#made),* };
@@ -490,14 +492,14 @@ fn common(input: &DeriveInput, options: &TableOptions, entry: Option<&Ident>) ->
         None => quote!(crate::table::Many::Tables),
     };
     let entry_name = match entry {
-        Some(check) => quote!(crate::read::name::#check(reader, key)?),
+        Some(check) => quote!(crate::table::derived::name::#check(reader, key)?),
         None => quote!(key.clone()),
     };
     let place = entry.map(|_| quote!(keys.span = name.span;));
     let short_read = short.as_ref().map(|short| {
         quote! {
-            if !matches!(node.value, crate::tree::Branch::Table(_)) {
-                let table = crate::tree::Table::short(#short, node);
+            if !matches!(node.value, crate::table::derived::Branch::Table(_)) {
+                let table = crate::table::derived::Tree::short(#short, node);
                 let mut keys = reader.keys(&table, #of, node.span);
                 return <Self as crate::table::Table>::read_keys(&mut keys, &name);
             }
@@ -527,10 +529,10 @@ fn common(input: &DeriveInput, options: &TableOptions, entry: Option<&Ident>) ->
             }
 
             fn read(
-                reader: &mut crate::read::keys::Reader<'_>,
-                key: &crate::at::At<String>,
+                reader: &mut crate::table::derived::Reader<'_>,
+                key: &crate::table::derived::At<String>,
                 spec: &crate::table::Key,
-                node: &crate::tree::Node,
+                node: &crate::table::derived::Node,
             ) -> Option<Self> {
                 let name = #entry_name;
                 #short_read
@@ -741,7 +743,7 @@ fn of_enum(input: &DeriveInput, data: &DataEnum, options: &TableOptions) -> Resu
                 outline
             }
 
-            fn read_keys(keys: &mut crate::read::keys::Keys<'_, '_, '_>, name: &crate::at::At<String>) -> Option<Self> {
+            fn read_keys(keys: &mut crate::table::derived::Keys<'_, '_, '_>, name: &crate::table::derived::At<String>) -> Option<Self> {
                 let _ = name;
                 Some(match keys.one_of(&[#(#chosen_by),*], #reason) {
                     #(#arms,)*

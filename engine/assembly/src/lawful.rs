@@ -6,7 +6,8 @@ use asmotion_datum::{Datum, Schema, Shape};
 use asmotion_diagnostics::Span;
 
 use crate::finding::Findings;
-use crate::scope::{Notes, Range, within};
+use crate::range::Range;
+use crate::scope::{Notes, within};
 use crate::value::Value;
 
 /// The value as the property takes it; `None` where it cannot have it.

@@ -2,6 +2,7 @@
 
 use asmotion_diagnostics::Span;
 
+pub(crate) use crate::named::{Kind, Named};
 use crate::nearest::{Nearest, nearest};
 
 /// What a component shows: what the composite lists, what the implementation declares, or what a
@@ -49,20 +50,6 @@ pub(crate) struct Topic {
     pub subscribed: bool,
 }
 
-/// A name and where it was declared, if that can be shown.
-#[derive(Clone, Debug)]
-pub(crate) struct Named {
-    pub text: String,
-    pub at: Option<Span>,
-}
-
-/// A type or an interface and where it was written, if that can be shown.
-#[derive(Clone, Debug)]
-pub(crate) struct Kind {
-    pub text: String,
-    pub at: Option<Span>,
-}
-
 /// Which way messages go through a port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Way {
@@ -83,32 +70,6 @@ impl Way {
             Self::In => "input",
             Self::Out => "output",
         }
-    }
-}
-
-impl Named {
-    pub(crate) fn new(text: impl Into<String>, at: Option<Span>) -> Self {
-        Self {
-            text: text.into(),
-            at,
-        }
-    }
-}
-
-impl Kind {
-    /// A type that a component declares.
-    pub(crate) fn declared(schema: &asmotion_datum::Schema) -> Option<Self> {
-        let unknown = schema.shape == asmotion_datum::Shape::Any && schema.name.is_empty();
-        (!unknown).then(|| Self {
-            text: schema.to_string(),
-            at: None,
-        })
-    }
-
-    /// A type that was written somewhere; the empty one is no type at all.
-    pub(crate) fn new(text: impl Into<String>, at: Option<Span>) -> Option<Self> {
-        let text = text.into();
-        (!text.is_empty()).then_some(Self { text, at })
     }
 }
 

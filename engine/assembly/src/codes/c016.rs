@@ -1,4 +1,4 @@
-use crate::scope::Range;
+use crate::range::Range;
 use crate::wording::label_or_outside;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 

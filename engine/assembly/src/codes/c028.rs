@@ -1,4 +1,4 @@
-use crate::check::face::Named;
+use crate::named::Named;
 use crate::nearest::{Nearest, Suggest, nearest};
 use crate::wording::has;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};

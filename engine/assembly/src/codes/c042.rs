@@ -1,4 +1,4 @@
-use crate::check::face::Kind;
+use crate::named::Kind;
 use asmotion_diagnostics::{Coded, Diagnostic, Finding, Span};
 
 /// Incompatible message types

@@ -13,11 +13,12 @@ use std::path::Path;
 use asmotion_diagnostics::{Code, Finding, Report, Sources, Span};
 
 use self::kind::accept;
-pub(crate) use self::kind::{Range, from_text, within};
+pub(crate) use self::kind::{from_text, within};
 use crate::environment::{Environment, is_secret};
 use crate::finding::Findings;
 use crate::model::{Amount, Piece, Property, PropertyType, Scalar, Template};
 use crate::nearest::nearest;
+use crate::range::Range;
 use crate::read::template;
 use crate::table::Key;
 use crate::tree::{Branch, Node};

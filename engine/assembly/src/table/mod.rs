@@ -11,6 +11,14 @@ mod write;
 use serde_json::{Map, Value as Json, json};
 use toml_edit::Value as Toml;
 
+/// What the derive names, so that it needs no other module.
+pub(crate) mod derived {
+    pub(crate) use crate::at::At;
+    pub(crate) use crate::read::keys::{Keys, Reader};
+    pub(crate) use crate::read::name;
+    pub(crate) use crate::tree::{Branch, Node, Table as Tree};
+}
+
 pub use self::resolve::{Resolve, Resolver};
 pub(crate) use self::value::Dialect;
 pub(crate) use self::write::{
