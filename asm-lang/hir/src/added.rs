@@ -4,56 +4,16 @@
 //! added is lowered with the model: the locations of the program stay the same, so that a machine in
 //! any state can go on with it.
 
-use crate::analyse::kind_name;
+use crate::addition::{AddedRule, AddedTerm, Assignment};
 use crate::codes::a016::WritesFixed;
 use crate::declare::Declared;
-use crate::model::{Body, Expression, FunctionId, Meaning, Model, RuleTerm, Term, TermKind};
+use crate::model::{Body, FunctionId, Meaning, Model, Term, TermKind, kind_name};
 use crate::resolver::Resolver;
 use crate::scope::Scope;
 use crate::types::{Type, TypeId};
 use asmotion_diagnostics::{Report, Span};
 use asmotion_syntax::ast;
 use std::collections::BTreeSet;
-
-/// A term that was added, by number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct AddedTerm(pub u32);
-
-/// A rule that was added, by number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct AddedRule(pub u32);
-
-/// What was added to a model.
-#[derive(Debug, Default)]
-pub struct Added {
-    /// The terms.
-    pub terms: Vec<Expression>,
-    /// The rules.
-    pub rules: Vec<Body<RuleTerm>>,
-}
-
-impl Added {
-    fn term(&mut self, body: Expression) -> AddedTerm {
-        self.terms.push(body);
-        AddedTerm(self.terms.len() as u32 - 1)
-    }
-
-    fn rule(&mut self, body: Body<RuleTerm>) -> AddedRule {
-        self.rules.push(body);
-        AddedRule(self.rules.len() as u32 - 1)
-    }
-}
-
-/// A location from outside, and the value it is to have.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Assignment {
-    /// The function.
-    pub function: FunctionId,
-    /// Its arguments: one for each parameter, or a tuple of all.
-    pub arguments: Vec<AddedTerm>,
-    /// The value.
-    pub value: AddedTerm,
-}
 
 impl Model {
     /// Adds a term of any type.

@@ -1,6 +1,6 @@
 //! From trees to a model: declarations, then definitions, rules, properties and the initial state.
 
-use crate::added::{Added, seen_from_outside};
+use crate::added::seen_from_outside;
 use crate::codes::a001::UnknownFunction;
 use crate::codes::a003::UnknownRule;
 use crate::codes::a004::UnknownDomain;
@@ -19,8 +19,8 @@ use crate::codes::w029::NothingChosen;
 use crate::declare::{Declared, declare};
 use crate::load::Loaded;
 use crate::model::{
-    Body, DomainKind, FunctionId, FunctionKind, Invariant, Logic, Meaning, Model, Program,
-    Reserved, Rule, TemporalProperty, Term, Variable,
+    Added, Body, DomainKind, FunctionId, FunctionKind, Invariant, Logic, Meaning, Model, Program,
+    Reserved, Rule, TemporalProperty, Term, Variable, kind_name,
 };
 use crate::options::Options;
 use crate::resolver::Resolver;
@@ -572,19 +572,6 @@ impl Purpose {
             )),
             Self::Definition | Self::Initial => None,
         }
-    }
-}
-
-/// The word for a kind of function.
-pub(crate) fn kind_name(kind: FunctionKind) -> &'static str {
-    match kind {
-        FunctionKind::Static => "static",
-        FunctionKind::Derived => "derived",
-        FunctionKind::Monitored => "monitored",
-        FunctionKind::Controlled => "controlled",
-        FunctionKind::Shared => "shared",
-        FunctionKind::Out => "out",
-        FunctionKind::Local => "local",
     }
 }
 

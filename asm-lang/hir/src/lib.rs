@@ -4,11 +4,13 @@
 //! go on after an error and report all of them; a model is built only from files without errors.
 
 mod added;
+mod addition;
 mod analyse;
 mod apply;
 mod codes;
 mod collection;
 mod declare;
+mod id;
 mod import;
 mod load;
 mod model;
@@ -20,7 +22,7 @@ mod suggest;
 mod term;
 mod types;
 
-pub use added::{Added, AddedRule, AddedTerm, Assignment};
+pub use addition::{AddedRule, AddedTerm, Assignment};
 pub use analyse::{analyse, analyse_with};
 pub use codes::{CODES, NO_SUCH_INIT};
 pub use load::{Loaded, Unit, load};

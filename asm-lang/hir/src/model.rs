@@ -1,6 +1,6 @@
 //! The model: what a specification declares and defines, by id.
 
-use crate::added::Added;
+use crate::addition::{AddedRule, AddedTerm};
 use crate::scope::Scope;
 use crate::types::{TypeId, Types};
 use asmotion_diagnostics::Span;
@@ -8,15 +8,9 @@ use asmotion_syntax::ast;
 use asmotion_value::{Atom, RuleId, Value};
 use std::sync::Arc;
 
+pub use crate::id::{DomainId, FunctionId};
+
 pub use ast::{Collection, FunctionKind, Quantifier};
-
-/// A domain of the model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct DomainId(pub u32);
-
-/// A function of the model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct FunctionId(pub u32);
 
 /// A variable of one [`Body`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -437,5 +431,39 @@ impl Model {
     /// A type as text, as in `Prod(Integer,Robot)`.
     pub fn show_type(&self, ty: TypeId) -> String {
         self.types.show(ty, &self.domains)
+    }
+}
+
+/// What was added to a model.
+#[derive(Debug, Default)]
+pub struct Added {
+    /// The terms.
+    pub terms: Vec<Expression>,
+    /// The rules.
+    pub rules: Vec<Body<RuleTerm>>,
+}
+
+impl Added {
+    pub(crate) fn term(&mut self, body: Expression) -> AddedTerm {
+        self.terms.push(body);
+        AddedTerm(self.terms.len() as u32 - 1)
+    }
+
+    pub(crate) fn rule(&mut self, body: Body<RuleTerm>) -> AddedRule {
+        self.rules.push(body);
+        AddedRule(self.rules.len() as u32 - 1)
+    }
+}
+
+/// The word for a kind of function.
+pub(crate) fn kind_name(kind: FunctionKind) -> &'static str {
+    match kind {
+        FunctionKind::Static => "static",
+        FunctionKind::Derived => "derived",
+        FunctionKind::Monitored => "monitored",
+        FunctionKind::Controlled => "controlled",
+        FunctionKind::Shared => "shared",
+        FunctionKind::Out => "out",
+        FunctionKind::Local => "local",
     }
 }

@@ -1,6 +1,5 @@
 //! Rules resolved.
 
-use crate::analyse::kind_name;
 use crate::codes::a007::TypeMismatch;
 use crate::codes::a014::WritesMonitored;
 use crate::codes::a016::WritesFixed;
@@ -13,6 +12,7 @@ use crate::codes::w020::WritesVariable;
 use crate::codes::w022::ResultUndeclared;
 use crate::codes::w023::ReturnsToMonitored;
 use crate::codes::w027::ExtendsStatic;
+use crate::model::kind_name;
 use crate::model::{
     DomainKind, FunctionId, FunctionKind, Local, Meaning, RuleKind, RuleTerm, Target, Term,
     TermKind,

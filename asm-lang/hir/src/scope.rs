@@ -1,6 +1,6 @@
 //! Which names a file sees.
 
-use crate::model::{DomainId, FunctionId};
+use crate::id::{DomainId, FunctionId};
 use asmotion_diagnostics::similar;
 use asmotion_value::{Atom, RuleId};
 use std::collections::BTreeMap;

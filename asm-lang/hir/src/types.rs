@@ -1,6 +1,7 @@
 //! Types: interned, compared by id, compatible as the language wants it.
 
-use crate::model::{Domain, DomainId, DomainKind};
+use crate::id::DomainId;
+use crate::model::{Domain, DomainKind};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A type, interned in [`Types`]: equal ids, equal types.

@@ -1,8 +1,9 @@
 //! Functions of every domain: equality, `isDef`, text, console.
 
 use crate::argument::{binary, unary};
-use crate::builtin::{Builtin, Context, strict, total};
-use crate::{Body, Fault, real};
+use crate::builtin::{Body, Builtin, Context, strict, total};
+use crate::fault::Fault;
+use crate::real;
 use asmotion_value::{Names, Value};
 
 /// Whether the two are one element. Total: `undef` equals `undef`, a real equals itself by its

@@ -1,7 +1,7 @@
 //! From values to typed arguments and back, so that a body is a plain Rust function.
 
-use crate::Fault;
 use crate::complex::Complex;
+use crate::fault::Fault;
 use asmotion_value::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;

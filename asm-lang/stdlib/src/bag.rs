@@ -3,8 +3,9 @@
 
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, strict, total};
+use crate::fault::{Fault, LIMIT};
+use crate::integer;
 use crate::set::{self, Set};
-use crate::{Fault, LIMIT, integer};
 use asmotion_value::Value;
 use std::collections::BTreeMap;
 

@@ -1,13 +1,8 @@
-//! The table: name and domain of a standard function, and its body.
+//! A row of the library: name and domain of a standard function, and its body.
 
-use crate::{
-    Fault, any, bag, boolean, character, complex, integer, map, natural, real, sequence, set, sum,
-    text, time, tuple,
-};
+use crate::fault::Fault;
 use asmotion_value::{Names, Value};
-use std::collections::BTreeMap;
 use std::fmt;
-use std::sync::LazyLock;
 
 /// What a body may use besides its arguments.
 pub struct Context<'a> {
@@ -58,64 +53,6 @@ pub const TEMPORAL: &[&str] = &[
     "ex", "ax", "ef", "af", "eg", "ag", "eu", "au", "exN", "axN", "ctl", // branching time
     "x", "g", "f", "u", "v", "y", "z", "h", "o", "s", "t", "ltl", // linear time
 ];
-
-/// The topics, in the order of the library.
-const TOPICS: &[&[Builtin]] = &[
-    any::TABLE,
-    boolean::TABLE,
-    integer::TABLE,
-    natural::TABLE,
-    real::TABLE,
-    complex::TABLE,
-    character::TABLE,
-    text::TABLE,
-    set::TABLE,
-    sequence::TABLE,
-    bag::TABLE,
-    map::TABLE,
-    sum::TABLE,
-    tuple::TABLE,
-    time::TABLE,
-];
-
-type Index = BTreeMap<(&'static str, &'static str), &'static Builtin>;
-
-static INDEX: LazyLock<Index> = LazyLock::new(|| index(builtins()));
-static COMPATIBLE: LazyLock<Index> = LazyLock::new(|| {
-    let topics = [
-        set::COMPATIBLE,
-        integer::COMPATIBLE,
-        real::COMPATIBLE,
-        any::COMPATIBLE,
-    ];
-    index(topics.into_iter().flatten())
-});
-
-fn index(functions: impl Iterator<Item = &'static Builtin>) -> Index {
-    functions
-        .map(|function| ((function.name, function.domain), function))
-        .collect()
-}
-
-/// The function with this name and this domain, written as in [`Builtin::domain`].
-pub fn builtin(name: &str, domain: &str) -> Option<&'static Builtin> {
-    INDEX.get(&(name, domain)).copied()
-}
-
-/// The function as `--compat asmeta` wants it: as [`builtin`] has it, except where the reference
-/// tool observably computes something else: `difference` is symmetric there, integers wrap around,
-/// `iton` lets negative numbers pass, and a set is written as a list.
-pub fn compatible(name: &str, domain: &str) -> Option<&'static Builtin> {
-    COMPATIBLE
-        .get(&(name, domain))
-        .copied()
-        .or_else(|| builtin(name, domain))
-}
-
-/// Every function that has a body, in the order of the library.
-pub fn builtins() -> impl Iterator<Item = &'static Builtin> {
-    TOPICS.iter().copied().flatten()
-}
 
 /// A row whose body never meets `undef`.
 pub(crate) const fn strict(name: &'static str, domain: &'static str, body: Body) -> Builtin {

@@ -1,9 +1,9 @@
 //! Integers of 64 bits, checked: what does not fit is a fault, never another number.
 
-use crate::Fault;
 use crate::any::TO_STRING;
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, strict};
+use crate::fault::Fault;
 
 /// The sum.
 ///

@@ -14,6 +14,7 @@ mod builtin;
 mod fault;
 mod library;
 mod sum;
+mod table;
 #[cfg(test)]
 mod testing;
 
@@ -33,7 +34,8 @@ pub mod text;
 pub mod time;
 pub mod tuple;
 
-pub use builtin::{Body, Builtin, Context, RESERVED, TEMPORAL, builtin, builtins, compatible};
+pub use builtin::{Body, Builtin, Context, RESERVED, TEMPORAL};
 pub use fault::{Fault, LIMIT};
 pub use library::{Library, libraries, library, library_declaring, library_spelt_like};
 pub use message::{Act, Mail, operation};
+pub use table::{builtin, builtins, compatible};

@@ -3,7 +3,7 @@
 use crate::any::TO_STRING;
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, strict};
-use crate::{Fault, LIMIT};
+use crate::fault::{Fault, LIMIT};
 use asmotion_value::Value;
 use std::collections::BTreeSet;
 

@@ -1,9 +1,9 @@
 //! Reals: IEEE 754 doubles. Arithmetic and comparison are IEEE's; only the ways to Integer fault.
 
-use crate::Fault;
 use crate::any::TO_STRING;
 use crate::argument::{binary, unary};
 use crate::builtin::{Builtin, strict};
+use crate::fault::Fault;
 use asmotion_value::Real;
 
 /// A number as the reference writes it: with an exponent below a thousandth and from ten million on.

@@ -4,8 +4,9 @@
 use crate::argument::{binary, ternary, unary};
 use crate::bag::Bag;
 use crate::builtin::{Builtin, strict, total};
+use crate::fault::{Fault, LIMIT};
+use crate::integer;
 use crate::set::Set;
-use crate::{Fault, LIMIT, integer};
 use asmotion_value::Value;
 
 /// How many elements.

@@ -4,8 +4,9 @@ use crate::argument::{kind, unary};
 use crate::bag::Bag;
 use crate::builtin::{Builtin, strict};
 use crate::complex::{self, Complex};
+use crate::fault::Fault;
 use crate::set::Set;
-use crate::{Fault, integer, real};
+use crate::{integer, real};
 use asmotion_value::Value;
 
 /// Adds up numbers of one domain, each `times` often; `zero` of none, `undef` if one is.

@@ -1,6 +1,7 @@
 //! What the tests of the topics share: short names for values, and a call as the machine makes it.
 
-use crate::{Builtin, Context, builtin, compatible};
+use crate::builtin::{Builtin, Context};
+use crate::table::{builtin, compatible};
 use asmotion_value::{Atom, Names, RuleId, Value};
 use std::fmt;
 

@@ -3,7 +3,8 @@
 use crate::argument::{binary, ternary, unary};
 use crate::builtin::{Builtin, strict};
 use crate::complex::Complex;
-use crate::{Fault, LIMIT, integer};
+use crate::fault::{Fault, LIMIT};
+use crate::integer;
 use asmotion_value::Value;
 
 /// How many characters.

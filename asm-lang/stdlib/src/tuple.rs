@@ -4,8 +4,9 @@
 //! `first(1, 2)` and `first(q)`. Each component may be `undef` without the others being so.
 
 use crate::argument::{Tuple, binary};
-use crate::builtin::{Builtin, Context, total};
-use crate::{Body, Fault, sequence};
+use crate::builtin::{Body, Builtin, Context, total};
+use crate::fault::Fault;
+use crate::sequence;
 use asmotion_value::Value;
 
 /// The component at the position, from 0.
