@@ -13,8 +13,8 @@ use asmotion_runtime::{
 };
 
 use crate::attachment::{Attachment, is_here};
+use crate::ends::{OfferedService, RemoteEnds};
 use crate::identity::BusIdentity;
-use crate::network::{Network, OfferedService};
 use crate::offered::OfferedOperations;
 
 /// Joins the remote ends of a system to its buses.
@@ -28,7 +28,7 @@ impl BusAdapter {
     /// Joins what was collected to the buses; everything to a bus without a name.
     pub(crate) fn new(
         system: &mut System,
-        mut network: Network,
+        mut ends: RemoteEnds,
         buses: Vec<(Option<String>, Arc<dyn Bus>)>,
         incarnation: u64,
     ) -> Result<Self, BusError> {
@@ -41,10 +41,10 @@ impl BusAdapter {
                 incarnation,
                 notifier: Arc::clone(system.notifier()),
             });
-            let attachment = Attachment::new(system, &mut network, name.as_deref(), identity)?;
+            let attachment = Attachment::new(system, &mut ends, name.as_deref(), identity)?;
             attachments.push(attachment);
         }
-        let homes = &network.homes;
+        let homes = &ends.homes;
         let is_inside = |component| {
             !names
                 .iter()

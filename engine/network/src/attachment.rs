@@ -7,8 +7,8 @@ use asmotion_bus::BusError;
 use asmotion_port::Time;
 use asmotion_runtime::{Effects, LiveContext, System, SystemTopic};
 
+use crate::ends::{RemoteEnds, is_on};
 use crate::identity::BusIdentity;
-use crate::network::{Network, is_on};
 use crate::offered::OfferedOperations;
 use crate::remote::RemoteService;
 use crate::topics::BusTopics;
@@ -31,24 +31,24 @@ pub(crate) fn is_here(
 
 impl Attachment {
     /// Joins what is on the bus of this name; everything, if it has none. Takes the references that are reached over it out
-    /// of the network.
+    /// of the ends.
     pub(crate) fn new(
         system: &mut System,
-        network: &mut Network,
+        ends: &mut RemoteEnds,
         name: Option<&str>,
         identity: Arc<BusIdentity>,
     ) -> Result<Self, BusError> {
         identity.bus.watch(&identity.notifier);
-        let homes = &network.homes;
+        let homes = &ends.homes;
         let of_bus = |topic: &SystemTopic| topic.filtered(|unit| is_here(homes, unit, name));
         let of_bus: Vec<SystemTopic> = system.topics().iter().map(of_bus).collect();
-        let exposed = network.exposed.iter();
+        let exposed = ends.exposed.iter();
         let exposed = exposed.filter(|(end, _)| is_here(homes, end.component(), name));
-        let topics = BusTopics::new(system, &of_bus, &network.sending, exposed, &identity)?;
-        let offered = network.offered.iter();
+        let topics = BusTopics::new(system, &of_bus, &ends.sending, exposed, &identity)?;
+        let offered = ends.offered.iter();
         let offered = offered.filter(|offered| is_on(offered.bus.as_deref(), name));
         let offered = OfferedOperations::new(system, offered, &identity)?;
-        let reached = (network.reached).extract_if(.., |it| is_on(it.bus.as_deref(), name));
+        let reached = (ends.reached).extract_if(.., |it| is_on(it.bus.as_deref(), name));
         let remote = reached.map(|it| RemoteService::new(it.route, Arc::clone(&identity)));
         Ok(Self {
             topics,

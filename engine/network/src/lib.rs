@@ -6,6 +6,7 @@
 
 mod adapter;
 mod attachment;
+mod ends;
 mod error;
 mod failure;
 mod health;
@@ -16,6 +17,7 @@ mod remote;
 mod subscription;
 mod topics;
 
+pub use ends::port_topic;
 pub use error::NetworkError;
 pub use failure::call_error;
-pub use network::{Network, port_topic};
+pub use network::Network;

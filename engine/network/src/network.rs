@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use asmotion_bus::{Bus, BusError, Sending};
 use asmotion_component::Wire;
-use asmotion_runtime::{BuildError, ComponentEnd, ComponentId, RequestQueue, System};
+use asmotion_runtime::{BuildError, ComponentId, RequestQueue, System};
 
 use crate::adapter::{BusAdapter, ServingAdapter};
+use crate::ends::{OfferedService, RemoteEnds, RemoteReference, address};
 use crate::error::NetworkError;
 use crate::remote::RemoteRoute;
 
@@ -30,50 +31,9 @@ use crate::remote::RemoteRoute;
 /// ```
 #[derive(Default)]
 pub struct Network {
-    /// The buses of the components, where there are several: by position in the system.
-    pub(crate) homes: BTreeMap<usize, String>,
-    /// How topics are sent; the default for those not named.
-    pub(crate) sending: BTreeMap<String, Sending>,
-    /// Outputs that inputs of other processes are connected to.
-    pub(crate) exposed: Vec<(ComponentEnd, Sending)>,
-    /// Services that other processes may call.
-    pub(crate) offered: Vec<OfferedService>,
-    /// Services of other processes.
-    pub(crate) reached: Vec<RemoteReference>,
+    ends: RemoteEnds,
     /// Whether the system is attached to a bus.
     attached: bool,
-}
-
-/// A service that other processes may call.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct OfferedService {
-    pub service: ComponentEnd,
-    /// What its addresses begin with.
-    pub name: String,
-    /// Over which of several buses.
-    pub bus: Option<String>,
-}
-
-/// A reference to a service of another process.
-pub(crate) struct RemoteReference {
-    pub route: RemoteRoute,
-    /// Over which of several buses.
-    pub bus: Option<String>,
-}
-
-/// Whether something on one bus is on this one; a system with a single bus has no names for it.
-pub(crate) fn is_on(bus: Option<&str>, this: Option<&str>) -> bool {
-    this.is_none() || bus == this
-}
-
-/// The topic of an output that inputs of other processes are connected to: `port.RoverDriver.odom`.
-pub fn port_topic(output: &str) -> String {
-    format!("port.{output}")
-}
-
-/// The address of an operation of a service: `TrajectoryPlanner.planning.plan`.
-pub(crate) fn address(service: &str, operation: &str) -> String {
-    format!("{service}.{operation}")
 }
 
 impl Network {
@@ -85,10 +45,10 @@ impl Network {
     /// Says how a topic is sent: how sure its messages are to arrive, and what becomes of them while the bus is away.
     /// Nothing changes inside the system.
     pub fn set_sending(&mut self, topic: &str, sending: Sending) {
-        self.sending.insert(topic.to_owned(), sending);
+        self.ends.sending.insert(topic.to_owned(), sending);
     }
 
-    /// Lets inputs of other processes connect to an output: they read its [`port_topic`].
+    /// Lets inputs of other processes connect to an output: they read its [`port_topic`](crate::port_topic).
     ///
     /// # Errors
     /// There is no such output.
@@ -99,8 +59,8 @@ impl Network {
         sending: Sending,
     ) -> Result<(), BuildError> {
         let from = system.output(from)?;
-        if self.exposed.iter().all(|(known, _)| *known != from) {
-            self.exposed.push((from, sending));
+        if self.ends.exposed.iter().all(|(known, _)| *known != from) {
+            self.ends.exposed.push((from, sending));
         }
         Ok(())
     }
@@ -108,7 +68,7 @@ impl Network {
     /// Says on which of several buses a component is: its topics, and its services and references unless they say
     /// otherwise. The topics of a component on no bus stay inside.
     pub fn put_on(&mut self, component: ComponentId, bus: &str) {
-        self.homes.insert(component.position(), bus.to_owned());
+        self.ends.homes.insert(component.position(), bus.to_owned());
     }
 
     /// Lets other processes call a service over its component's bus.
@@ -117,7 +77,7 @@ impl Network {
     /// There is no such service.
     pub fn offer(&mut self, system: &System, service: &str) -> Result<(), BuildError> {
         let end = system.service(service)?;
-        let bus = self.homes.get(&end.component()).cloned();
+        let bus = self.ends.homes.get(&end.component()).cloned();
         self.offer_at(system, service, service, bus.as_deref())
     }
 
@@ -137,8 +97,8 @@ impl Network {
             name: name.to_owned(),
             bus: bus.map(str::to_owned),
         };
-        if !self.offered.contains(&offered) {
-            self.offered.push(offered);
+        if !self.ends.offered.contains(&offered) {
+            self.ends.offered.push(offered);
         }
         Ok(())
     }
@@ -156,7 +116,7 @@ impl Network {
         wire: Wire,
     ) -> Result<(), BuildError> {
         let end = system.reference(from)?;
-        let bus = self.homes.get(&end.component()).cloned();
+        let bus = self.ends.homes.get(&end.component()).cloned();
         self.reach_over(system, from, service, wire, bus.as_deref())
     }
 
@@ -182,7 +142,7 @@ impl Network {
             timeout: wire.timeout,
         };
         let bus = bus.map(str::to_owned);
-        self.reached.push(RemoteReference { route, bus });
+        self.ends.reached.push(RemoteReference { route, bus });
         Ok(())
     }
 
@@ -250,8 +210,8 @@ impl Network {
         buses: Vec<(Option<String>, Arc<dyn Bus>)>,
         incarnation: u64,
     ) -> Result<(), BusError> {
-        let collected = std::mem::take(self);
-        let adapter = BusAdapter::new(system, collected, buses, incarnation)?;
+        let ends = std::mem::take(&mut self.ends);
+        let adapter = BusAdapter::new(system, ends, buses, incarnation)?;
         system.add_adapter(Box::new(adapter));
         self.attached = true;
         Ok(())

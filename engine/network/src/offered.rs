@@ -12,9 +12,9 @@ use asmotion_runtime::{
     CallKey, Effects, RemoteCaller, ReplyTo, RequestQueue, ServiceRequest, System,
 };
 
+use crate::ends::{OfferedService, address};
 use crate::failure::call_failure;
 use crate::identity::BusIdentity;
-use crate::network::{OfferedService, address};
 
 /// How many requests of an operation may wait between two deliveries.
 const WAITING: usize = 128;

@@ -11,9 +11,9 @@ use asmotion_runtime::{
     ComponentEnd, CycleCause, Effects, InjectionPorts, LiveContext, System, SystemTopic,
 };
 
+use crate::ends::port_topic;
 use crate::health::HealthPublisher;
 use crate::identity::BusIdentity;
-use crate::network::port_topic;
 use crate::subscription::TopicSubscription;
 
 /// The system's topics on one bus.
